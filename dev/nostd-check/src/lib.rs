@@ -1,0 +1,1 @@
+//! Proof that the model crates build without std and alloc

@@ -1,0 +1,1 @@
+//! Grey-box identification of a Wiener model from recordings

@@ -1,0 +1,1 @@
+//! Particle swarm optimizer: ask/tell, reproducible, resumable

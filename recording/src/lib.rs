@@ -1,0 +1,1 @@
+//! Recordings of an actuator: CSV in, checked samples out

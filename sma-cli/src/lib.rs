@@ -1,0 +1,1 @@
+//! Identify, tune and diagnose shape-memory-alloy actuators

@@ -1,0 +1,1 @@
+//! Hysteresis of a shape-memory alloy: limiting loop, proximity function, reversal memory

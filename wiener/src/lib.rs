@@ -1,0 +1,1 @@
+//! Wiener model of a shape-memory-alloy actuator: drive, temperature, fraction, displacement
