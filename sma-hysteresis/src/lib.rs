@@ -1,1 +1,18 @@
-//! Hysteresis of a shape-memory alloy: limiting loop, proximity function, reversal memory
+#![no_std]
+#![doc = include_str!("../README.md")]
+
+mod elementary;
+mod error;
+mod hysteresis;
+mod limiting_loop;
+mod memory;
+mod path;
+mod proximity;
+
+pub use elementary::{atan, sin_quarter};
+pub use error::HysteresisError;
+pub use hysteresis::{Hysteresis, Sensed};
+pub use limiting_loop::{Branch, LimitingLoop, LoopParams};
+pub use memory::{Memory, NESTING_CAPACITY, Rule};
+pub use path::{REVERSAL_DEAD_BAND_K, Reversal};
+pub use proximity::{ExponentialProximity, Proximity, SineProximity};

@@ -1,1 +1,23 @@
-//! Wiener model of a shape-memory-alloy actuator: drive, temperature, fraction, displacement
+#![cfg_attr(not(feature = "std"), no_std)]
+#![doc = include_str!("../README.md")]
+
+mod cascade;
+mod drive;
+#[cfg(feature = "std")]
+mod ensemble;
+mod error;
+mod plant;
+mod run;
+
+pub use cascade::{State, Wiener, WienerParams};
+pub use drive::Drive;
+#[cfg(feature = "std")]
+pub use ensemble::{Block, Ensemble, Member, Start, widest_vectors};
+pub use error::WienerError;
+pub use plant::{Input, Output, Plant};
+pub use run::{Profile, run};
+
+/// The blocks of the cascade, for those who put their own together.
+pub use sma_hysteresis as hysteresis;
+/// The heat balance, for those who put their own together.
+pub use sma_thermal as thermal;

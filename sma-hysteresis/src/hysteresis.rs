@@ -1,0 +1,190 @@
+use crate::HysteresisError;
+use crate::limiting_loop::{Branch, LimitingLoop};
+use crate::memory::{Memory, Rule, Rules};
+use crate::path::Reversal;
+use crate::proximity::{Proximity, SineProximity};
+
+/// What [`Hysteresis::peek`] sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensed<const L: usize> {
+    /// Fraction.
+    pub fraction: [f64; L],
+    /// Its slope along the branch, 1/K: from 0 to that of the limiting curve.
+    pub slope_per_k: [f64; L],
+}
+
+/// The hysteresis of `L` materials side by side: limiting-loop proximity (L2P).
+///
+/// ```text
+/// ξ(T) = (2 ξ_s/π) atan((T_pr P(x) + T̂ - δ T_c)/h_0) + ξ_0,   x = (T̂ - T̂_r)/T_pr     [Sadeghi, eqs 9-12]
+/// ```
+///
+/// The model is immutable; [`Memory`] holds the reversals and is passed in. The operator is rate
+/// independent: only the temperatures visited count, not the time between them. A temperature of
+/// `NaN` gives a fraction of `NaN` and leaves the memory as it was.
+///
+/// Left out: anything that moves the loop itself (stress, fatigue, R-phase).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hysteresis<const L: usize, P = SineProximity<L>> {
+    limits: LimitingLoop<L>,
+    proximity: P,
+    rule: Rule,
+}
+
+impl<const L: usize, P: Proximity> Hysteresis<L, P> {
+    /// Puts a limiting loop, a proximity function and a rule of memory together; each was checked
+    /// when it was made.
+    pub fn new(limits: LimitingLoop<L>, proximity: P, rule: Rule) -> Self {
+        Self {
+            limits,
+            proximity,
+            rule,
+        }
+    }
+
+    /// The limiting loop.
+    #[must_use]
+    pub fn limits(&self) -> &LimitingLoop<L> {
+        &self.limits
+    }
+
+    /// Memory of a material that came to `temperature_degc` along a limiting curve: for a rod at rest
+    /// the cooling one. A `NaN` stays `NaN` in the fractions.
+    #[must_use]
+    pub fn on_limiting_curve(&self, branch: Branch, temperature_degc: [f64; L]) -> Memory<L> {
+        let share = match branch {
+            Branch::Heating => 0.0,
+            Branch::Cooling => 1.0,
+        };
+        self.between_limiting_curves(temperature_degc, [share; L])
+    }
+
+    /// Memory of a material whose past is unknown, between the limiting curves: `share` = 0 is the
+    /// point on the heating curve, 1 that on the cooling curve. Shares outside \[0, 1\] count as the
+    /// nearer end, so that a fit may move freely.
+    ///
+    /// A point between the curves counts as a reversal in whichever direction it is left; one on a
+    /// curve does not.
+    #[must_use]
+    pub fn between_limiting_curves(
+        &self,
+        temperature_degc: [f64; L],
+        share: [f64; L],
+    ) -> Memory<L> {
+        Memory::starting(
+            &self.rules(),
+            self.relative_k(temperature_degc),
+            share.map(|share| share.clamp(0.0, 1.0)),
+        )
+    }
+
+    /// Memory of a material known to have `fraction` at `temperature_degc`.
+    ///
+    /// # Errors
+    ///
+    /// [`HysteresisError::StartTemperature`] unless finite, [`HysteresisError::OutsideLoop`] if no
+    /// history leads there; `NaN` is outside.
+    pub fn at(
+        &self,
+        temperature_degc: [f64; L],
+        fraction: [f64; L],
+    ) -> Result<Memory<L>, HysteresisError> {
+        let mut share = [0.0; L];
+        for l in 0..L {
+            let relative_k = self.limits.relative_k(l, temperature_degc[l]);
+            if !relative_k.is_finite() {
+                return Err(HysteresisError::StartTemperature {
+                    value: temperature_degc[l],
+                });
+            }
+            let half_width_k = self.limits.half_width_k(l);
+            let ends = [-1.0, 1.0]
+                .map(|side| self.limits.fraction_at(l, relative_k + side * half_width_k));
+            let outside = HysteresisError::OutsideLoop {
+                value: fraction[l],
+                temperature_degc: temperature_degc[l],
+                lower: ends[0].min(ends[1]),
+                upper: ends[0].max(ends[1]),
+            };
+            let level_k = match self.limits.level_of(l, Branch::Heating, fraction[l]) {
+                Ok(level_k) => level_k,
+                Err(_) => return Err(outside),
+            };
+            // A fraction read off a limiting curve may be out by rounding.
+            let margin = 1e-9;
+            share[l] = 0.5 + 0.5 * (level_k - relative_k) / half_width_k;
+            if !(share[l] >= -margin && share[l] <= 1.0 + margin) {
+                return Err(outside);
+            }
+        }
+        Ok(self.between_limiting_curves(temperature_degc, share))
+    }
+
+    /// Fraction and slope at a temperature, without going there: for the trial temperatures of an
+    /// implicit heat balance. °C in.
+    #[inline(always)]
+    #[must_use]
+    pub fn peek(&self, memory: &Memory<L>, temperature_degc: [f64; L]) -> Sensed<L> {
+        let temperature_k = self.relative_k(temperature_degc);
+        let leaves = memory.leaves_branch(&temperature_k);
+        let mut sensed = Sensed {
+            fraction: [0.0; L],
+            slope_per_k: [0.0; L],
+        };
+        for l in 0..L {
+            let path = if leaves {
+                memory.path_towards(&self.rules(), l, temperature_k[l])
+            } else {
+                memory.path(l)
+            };
+            let level_k = path.level_k(&self.proximity, l, temperature_k[l]);
+            sensed.fraction[l] = self.limits.fraction_at(l, level_k);
+            sensed.slope_per_k[l] = self.limits.fraction_slope_at(l, level_k)
+                * path.level_slope(&self.proximity, l, temperature_k[l]);
+        }
+        sensed
+    }
+
+    /// Goes to a temperature, °C, and returns the fraction there: what [`Hysteresis::peek`] saw, to
+    /// the last bit.
+    #[inline(always)]
+    pub fn commit(&self, memory: &mut Memory<L>, temperature_degc: [f64; L]) -> [f64; L] {
+        let temperature_k = self.relative_k(temperature_degc);
+        if memory.leaves_branch(&temperature_k) {
+            memory.change_branch(&self.rules(), &temperature_k);
+        }
+        let mut fraction = [0.0; L];
+        for l in 0..L {
+            let level_k = memory.path(l).level_k(&self.proximity, l, temperature_k[l]);
+            memory.advance(l, temperature_k[l], level_k);
+            fraction[l] = self.limits.fraction_at(l, level_k);
+        }
+        fraction
+    }
+
+    /// The reversals that a lane remembers, outermost first; none for a lane that does not exist.
+    pub fn reversals<'a>(
+        &'a self,
+        memory: &'a Memory<L>,
+        lane: usize,
+    ) -> impl Iterator<Item = Reversal> + 'a {
+        memory.reversals(&self.limits, lane)
+    }
+
+    #[inline(always)]
+    fn relative_k(&self, temperature_degc: [f64; L]) -> [f64; L] {
+        let mut relative_k = [0.0; L];
+        for l in 0..L {
+            relative_k[l] = self.limits.relative_k(l, temperature_degc[l]);
+        }
+        relative_k
+    }
+
+    fn rules(&self) -> Rules<'_, L, P> {
+        Rules {
+            limits: &self.limits,
+            proximity: &self.proximity,
+            rule: self.rule,
+        }
+    }
+}

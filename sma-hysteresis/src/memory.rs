@@ -1,0 +1,331 @@
+use crate::limiting_loop::{Branch, LimitingLoop};
+use crate::path::{Path, REVERSAL_DEAD_BAND_K, Reversal, Turn};
+use crate::proximity::Proximity;
+
+/// Reversals that a nested memory holds in each lane.
+///
+/// A cascade of minor loops deeper than this forgets its innermost pair, the smallest loop of all,
+/// to remember the new reversal: the forgotten loop does not close, the larger ones still do.
+/// [`Memory::forgotten`] counts such pairs.
+pub const NESTING_CAPACITY: usize = 32;
+
+/// Which reversals the operator remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rule {
+    /// Only the last one: the paper's operator. Minor loops do not close.
+    #[default]
+    LastReversal,
+    /// All that have not been wiped out: minor loops close exactly, and once a return point is
+    /// passed the curve goes on as if the loop had never been (Madelung's rules). See
+    /// [`NESTING_CAPACITY`] for its bound.
+    Nested,
+}
+
+/// What the operator remembers, in each of `L` lanes: the branch it is on, the extreme reached, and
+/// under [`Rule::Nested`] the reversals that enclose it.
+///
+/// Made by [`Hysteresis`](crate::Hysteresis), which alone can read and move it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Memory<const L: usize> {
+    /// δ of the current branch, +1 or -1.
+    sign: [f64; L],
+    // The current branch, `Path` with lanes.
+    start_temperature_k: [f64; L],
+    start_level_k: [f64; L],
+    rise: [f64; L],
+    proximity_k: [f64; L],
+    inverse_proximity_per_k: [f64; L],
+    /// T̂ of the point that the current branch returns to, infinitely far if there is none.
+    return_k: [f64; L],
+    /// Where a reversal would start: the furthest point in the current direction.
+    extreme_temperature_k: [f64; L],
+    extreme_level_k: [f64; L],
+    /// Start of the branch of depth 0: where the record begins.
+    base: [Turn; L],
+    turns: [[Turn; NESTING_CAPACITY]; L],
+    depth: [usize; L],
+    forgotten: [u32; L],
+}
+
+/// The operator's parts that memory needs: borrowed together, as they always go together.
+#[derive(Debug)]
+pub(crate) struct Rules<'a, const L: usize, P> {
+    pub(crate) limits: &'a LimitingLoop<L>,
+    pub(crate) proximity: &'a P,
+    pub(crate) rule: Rule,
+}
+
+/// The remembered reversals of one lane after a step: how many stay, and whether one is added.
+#[derive(Debug, Clone, Copy)]
+struct Recollection {
+    sign: f64,
+    kept: usize,
+    added: Option<Turn>,
+    forgets: bool,
+}
+
+impl<const L: usize> Memory<L> {
+    /// A memory that begins at `share` of the way from the heating to the cooling curve.
+    ///
+    /// On a limiting curve the beginning is no reversal: the material came along that curve. Between
+    /// them it is one, in whichever direction it is left.
+    pub(crate) fn starting<P: Proximity>(
+        rules: &Rules<'_, L, P>,
+        temperature_k: [f64; L],
+        share: [f64; L],
+    ) -> Self {
+        let base: [Turn; L] = core::array::from_fn(|lane| Turn {
+            temperature_k: temperature_k[lane],
+            level_k: temperature_k[lane]
+                + (2.0 * share[lane] - 1.0) * rules.limits.half_width_k(lane),
+        });
+        let mut memory = Self {
+            sign: share.map(|share| if share <= 0.0 { 1.0 } else { -1.0 }),
+            start_temperature_k: [0.0; L],
+            start_level_k: [0.0; L],
+            rise: [0.0; L],
+            proximity_k: [0.0; L],
+            inverse_proximity_per_k: [0.0; L],
+            return_k: [0.0; L],
+            extreme_temperature_k: base.map(|turn| turn.temperature_k),
+            extreme_level_k: base.map(|turn| turn.level_k),
+            base,
+            turns: [[Turn::default(); NESTING_CAPACITY]; L],
+            depth: share.map(|share| usize::from(!(share <= 0.0 || share >= 1.0))),
+            forgotten: [0; L],
+        };
+        for lane in 0..L {
+            memory.turns[lane][0] = base[lane];
+            let (sign, depth) = (memory.sign[lane], memory.depth[lane]);
+            let path = memory.path_of(rules, lane, sign, depth, None);
+            memory.follow(lane, sign, path);
+        }
+        memory
+    }
+
+    /// Direction of the branch that lane `lane` is on; lanes count from 0.
+    ///
+    /// `None` if there is no such lane.
+    #[must_use]
+    pub fn branch(&self, lane: usize) -> Option<Branch> {
+        self.sign.get(lane).map(|&sign| {
+            if sign > 0.0 {
+                Branch::Heating
+            } else {
+                Branch::Cooling
+            }
+        })
+    }
+
+    /// How many pairs of reversals each lane has forgotten because its memory was full.
+    #[must_use]
+    pub fn forgotten(&self) -> [u32; L] {
+        self.forgotten
+    }
+
+    /// Number of reversals that each lane remembers.
+    #[must_use]
+    pub fn depth(&self) -> [usize; L] {
+        self.depth
+    }
+
+    /// The remembered reversals of a lane, outermost first; see
+    /// [`Hysteresis::reversals`](crate::Hysteresis::reversals).
+    pub(crate) fn reversals<'a>(
+        &'a self,
+        limits: &'a LimitingLoop<L>,
+        lane: usize,
+    ) -> impl Iterator<Item = Reversal> + 'a {
+        let depth = self.depth.get(lane).copied().unwrap_or(0);
+        (0..depth).map(move |k| {
+            let turn = self.turns[lane][k];
+            Reversal {
+                temperature_degc: limits.absolute_degc(lane, turn.temperature_k),
+                fraction: limits.fraction_at(lane, turn.level_k),
+            }
+        })
+    }
+
+    /// Whether T̂ leaves the current branch of any lane: a reversal, or a return point passed.
+    ///
+    /// Reversals are rare and lanes reverse nearly together, so one test for all lanes is cheaper
+    /// than a selection in each.
+    #[inline(always)]
+    pub(crate) fn leaves_branch(&self, temperature_k: &[f64; L]) -> bool {
+        let mut leaves = false;
+        for lane in 0..L {
+            leaves |= self.turns_back(lane, temperature_k[lane])
+                | self.passes_return(lane, temperature_k[lane]);
+        }
+        leaves
+    }
+
+    #[inline(always)]
+    fn turns_back(&self, lane: usize, temperature_k: f64) -> bool {
+        self.sign[lane] * (temperature_k - self.extreme_temperature_k[lane]) < -REVERSAL_DEAD_BAND_K
+    }
+
+    #[inline(always)]
+    fn passes_return(&self, lane: usize, temperature_k: f64) -> bool {
+        self.sign[lane] * (temperature_k - self.return_k[lane]) > 0.0
+    }
+
+    /// The current branch of a lane.
+    #[inline(always)]
+    pub(crate) fn path(&self, lane: usize) -> Path {
+        Path {
+            start: Turn {
+                temperature_k: self.start_temperature_k[lane],
+                level_k: self.start_level_k[lane],
+            },
+            rise: self.rise[lane],
+            proximity_k: self.proximity_k[lane],
+            inverse_proximity_per_k: self.inverse_proximity_per_k[lane],
+        }
+    }
+
+    /// The branch on which a lane comes to T̂, without moving there.
+    #[inline(never)]
+    pub(crate) fn path_towards<P: Proximity>(
+        &self,
+        rules: &Rules<'_, L, P>,
+        lane: usize,
+        temperature_k: f64,
+    ) -> Path {
+        match self.recollection(rules.rule, lane, temperature_k) {
+            None => self.path(lane),
+            Some(next) => self.path_of(rules, lane, next.sign, next.kept, next.added),
+        }
+    }
+
+    /// Takes every lane that leaves its branch to the branch on which it comes to T̂.
+    #[inline(never)]
+    pub(crate) fn change_branch<P: Proximity>(
+        &mut self,
+        rules: &Rules<'_, L, P>,
+        temperature_k: &[f64; L],
+    ) {
+        for lane in 0..L {
+            let Some(next) = self.recollection(rules.rule, lane, temperature_k[lane]) else {
+                continue;
+            };
+            let path = self.path_of(rules, lane, next.sign, next.kept, next.added);
+            self.forgotten[lane] += u32::from(next.forgets);
+            self.depth[lane] = next.kept;
+            if let Some(turn) = next.added {
+                self.turns[lane][next.kept] = turn;
+                self.depth[lane] += 1;
+            }
+            self.follow(lane, next.sign, path);
+            // The extreme of the direction left behind must not hold back the new one.
+            self.extreme_temperature_k[lane] = temperature_k[lane];
+            self.extreme_level_k[lane] = path.level_k(rules.proximity, lane, temperature_k[lane]);
+        }
+    }
+
+    /// Moves the extreme of a lane on, if T̂ lies beyond it.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self, lane: usize, temperature_k: f64, level_k: f64) {
+        let beyond = self.sign[lane] * (temperature_k - self.extreme_temperature_k[lane]) > 0.0;
+        let extreme = (self.extreme_temperature_k[lane], self.extreme_level_k[lane]);
+        let (temperature_k, level_k) = if beyond {
+            (temperature_k, level_k)
+        } else {
+            extreme
+        };
+        self.extreme_temperature_k[lane] = temperature_k;
+        self.extreme_level_k[lane] = level_k;
+    }
+
+    /// Which reversals a lane remembers once it has come to T̂; `None` if it stays on its branch.
+    fn recollection(&self, rule: Rule, lane: usize, temperature_k: f64) -> Option<Recollection> {
+        let (depth, sign) = (self.depth[lane], self.sign[lane]);
+        let mut next = if self.turns_back(lane, temperature_k) {
+            let turn = Turn {
+                temperature_k: self.extreme_temperature_k[lane],
+                level_k: self.extreme_level_k[lane],
+            };
+            let full = depth == NESTING_CAPACITY;
+            // A start between the curves that is left against its assumed direction.
+            let unmoved = depth == 1 && turn == self.turns[lane][0];
+            Recollection {
+                sign: -sign,
+                kept: match rule {
+                    Rule::LastReversal => 0,
+                    Rule::Nested if unmoved => 0,
+                    Rule::Nested if full => depth - 2,
+                    Rule::Nested => depth,
+                },
+                added: Some(turn),
+                forgets: rule == Rule::Nested && full,
+            }
+        } else if self.passes_return(lane, temperature_k) {
+            Recollection {
+                sign,
+                kept: depth,
+                added: None,
+                forgets: false,
+            }
+        } else {
+            return None;
+        };
+        // Wiping out: a loop whose return point is passed leaves no trace, neither its start nor the
+        // reversal that it returns to.
+        while let Some(end) = self.return_point(lane, next.kept, next.added) {
+            if next.sign * (temperature_k - end.temperature_k) <= 0.0 {
+                break;
+            }
+            next.kept -= if next.added.take().is_some() { 1 } else { 2 };
+        }
+        Some(next)
+    }
+
+    /// The reversal before the last: where a branch that starts from the last one returns to.
+    fn return_point(&self, lane: usize, kept: usize, added: Option<Turn>) -> Option<Turn> {
+        let before = if added.is_some() {
+            kept
+        } else {
+            kept.max(1) - 1
+        };
+        (before > 0).then(|| self.turns[lane][before - 1])
+    }
+
+    /// The branch that belongs to `kept` reversals and one `added`.
+    fn path_of<P: Proximity>(
+        &self,
+        rules: &Rules<'_, L, P>,
+        lane: usize,
+        sign: f64,
+        kept: usize,
+        added: Option<Turn>,
+    ) -> Path {
+        let last = if kept > 0 {
+            self.turns[lane][kept - 1]
+        } else {
+            self.base[lane]
+        };
+        let end = self.return_point(lane, kept, added);
+        Path::new(
+            rules.limits,
+            rules.proximity,
+            lane,
+            sign,
+            added.unwrap_or(last),
+            end,
+        )
+    }
+
+    /// Puts a lane on a branch; `depth` and `turns` are those of that branch already.
+    fn follow(&mut self, lane: usize, sign: f64, path: Path) {
+        self.sign[lane] = sign;
+        self.start_temperature_k[lane] = path.start.temperature_k;
+        self.start_level_k[lane] = path.start.level_k;
+        self.rise[lane] = path.rise;
+        self.proximity_k[lane] = path.proximity_k;
+        self.inverse_proximity_per_k[lane] = path.inverse_proximity_per_k;
+        self.return_k[lane] = match self.return_point(lane, self.depth[lane], None) {
+            Some(end) => end.temperature_k,
+            None => sign * f64::INFINITY,
+        };
+    }
+}

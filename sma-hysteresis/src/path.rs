@@ -1,0 +1,142 @@
+//! One branch between a reversal and the point to which it returns.
+
+use crate::limiting_loop::LimitingLoop;
+use crate::proximity::Proximity;
+
+/// Smallest movement against the current direction that counts as a reversal, K.
+///
+/// Below it the operator follows its branch backward. The movement is measured from the extreme
+/// reached, so that a slow creep is a reversal as soon as it has come this far.
+pub const REVERSAL_DEAD_BAND_K: f64 = 1e-9;
+
+/// Proximity below which a point counts as lying on the limiting curve, K: nothing is divided by it.
+const SMALLEST_PROXIMITY_K: f64 = 1e-9;
+
+/// A remembered reversal point (T_r, ξ_r).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reversal {
+    /// Temperature at the reversal, °C.
+    pub temperature_degc: f64,
+    /// Fraction at the reversal.
+    pub fraction: f64,
+}
+
+/// A point of the loop in the coordinates in which the equations are short.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Turn {
+    /// T̂ = T - T_mid, K.
+    pub(crate) temperature_k: f64,
+    /// Anhysteretic temperature h_0 tan(π (ξ - ξ_0)/(2 ξ_s)), K: the numerator of the atan in eqs 4
+    /// and 11, known from the sample before.
+    pub(crate) level_k: f64,
+}
+
+/// A branch, eqs 5-11, in the anhysteretic temperature u = h_0 tan(π (ξ - ξ_0)/(2 ξ_s)).
+///
+/// ```text
+/// T_pr = u_r + δ T_c - T̂_r                          [Sadeghi, eqs 5-8]
+/// x = (T̂ - T̂_r)/T_pr                                [Sadeghi, eq. 10]
+/// u = u_r + g (T̂ - T̂_r) - s T_pr (1 - P(x))         [Sadeghi, eqs 9, 11, where g = s = 1]
+/// ```
+///
+/// With g = s = 1 this is the paper's u = T_pr P(x) + T̂ - δ T_c, written from the reversal point so
+/// that the branch starts there to the last bit. A nested branch must also end in its return point
+/// (T̂_p, u_p). The natural branch misses it; what is rescaled depends on the side:
+///
+/// - it would pass beyond the point: the whole rise u - u_r shrinks, g = s = (u_p - u_r)/(u(T̂_p) - u_r);
+/// - it would fall short: the distance to the limiting curve fades more slowly, g = 1 and
+///   s = (d_p - T_pr)/(d(T̂_p) - T_pr) with d = u - T̂ + δ T_c.
+///
+/// Both factors lie in \[0, 1\], so the slope stays within 0 and that of the limiting curve: the
+/// branch is monotone and never leaves the loop, whatever ζ.
+///
+/// # Differs from the source
+///
+/// Eqs 7 and 8 are printed with ξ_0 where the fraction of the point itself (ξ, ξ_r) must stand, eq. 11
+/// without its ξ_0. Rescaling is ours: the source remembers the last reversal only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Path {
+    pub(crate) start: Turn,
+    /// g.
+    pub(crate) rise: f64,
+    /// s T_pr, K.
+    pub(crate) proximity_k: f64,
+    /// 1/T_pr, 1/K; 0 on the limiting curve.
+    pub(crate) inverse_proximity_per_k: f64,
+}
+
+impl Path {
+    /// The branch of direction `sign` from `start` through `end`, if there is a point to return to.
+    pub(crate) fn new<const L: usize, P: Proximity>(
+        limits: &LimitingLoop<L>,
+        proximity: &P,
+        lane: usize,
+        sign: f64,
+        start: Turn,
+        end: Option<Turn>,
+    ) -> Self {
+        let shift_k = sign * limits.half_width_k(lane);
+        let distance_k = start.level_k + shift_k - start.temperature_k;
+        // T_pr has the sign of the direction; what does not reach the threshold, or has the wrong
+        // sign by rounding, lies on the limiting curve already.
+        if sign * distance_k <= SMALLEST_PROXIMITY_K {
+            return Self {
+                start,
+                rise: 1.0,
+                proximity_k: 0.0,
+                inverse_proximity_per_k: 0.0,
+            };
+        }
+        let natural = Self {
+            start,
+            rise: 1.0,
+            proximity_k: distance_k,
+            inverse_proximity_per_k: 1.0 / distance_k,
+        };
+        let Some(end) = end else { return natural };
+        let reached_k = natural.level_k(proximity, lane, end.temperature_k);
+        let excess_k = sign * (reached_k - end.level_k);
+        if excess_k > 0.0 {
+            let scale = (end.level_k - start.level_k) / (reached_k - start.level_k);
+            Self {
+                rise: scale,
+                proximity_k: scale * distance_k,
+                ..natural
+            }
+        } else if excess_k < 0.0 {
+            let limit_k = end.temperature_k - shift_k;
+            let scale = (end.level_k - limit_k - distance_k) / (reached_k - limit_k - distance_k);
+            Self {
+                proximity_k: scale * distance_k,
+                ..natural
+            }
+        } else {
+            natural
+        }
+    }
+
+    /// u at T̂, K.
+    #[inline(always)]
+    pub(crate) fn level_k<P: Proximity>(
+        &self,
+        proximity: &P,
+        lane: usize,
+        temperature_k: f64,
+    ) -> f64 {
+        let travel_k = temperature_k - self.start.temperature_k;
+        let x = travel_k * self.inverse_proximity_per_k;
+        self.start.level_k + self.rise * travel_k - self.proximity_k * proximity.decay(lane, x)
+    }
+
+    /// du/dT̂, from 0 to 1.
+    #[inline(always)]
+    pub(crate) fn level_slope<P: Proximity>(
+        &self,
+        proximity: &P,
+        lane: usize,
+        temperature_k: f64,
+    ) -> f64 {
+        let x = (temperature_k - self.start.temperature_k) * self.inverse_proximity_per_k;
+        self.rise - self.proximity_k * self.inverse_proximity_per_k * proximity.decay_slope(lane, x)
+    }
+}

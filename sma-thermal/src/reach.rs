@@ -1,0 +1,60 @@
+use crate::error::{finite_degc, positive};
+use crate::{HeatBalance, ThermalError};
+
+/// A temperature to be reached in a given time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// Temperature now `T_i`, °C.
+    pub from_degc: f64,
+    /// Temperature wanted T, °C.
+    pub to_degc: f64,
+    /// Temperature of the surroundings `T_a`, °C.
+    pub ambient_degc: f64,
+    /// Time allowed t, s; > 0.
+    pub within_s: f64,
+}
+
+impl HeatBalance<1> {
+    /// Constant current that brings the rod to a temperature in a given time, A; ≥ 0.
+    ///
+    /// ```text
+    /// i = sqrt(((T - T_a) - (T_i - T_a) e^(-t/τ)) / (λ (1 - e^(-t/τ))))     [Sadeghi, eq. 3]
+    /// ```
+    ///
+    /// The inverse of eq. 2.
+    ///
+    /// # Errors
+    ///
+    /// A negative radicand: [`ThermalError::CannotCool`], or [`ThermalError::BelowAmbient`] where more
+    /// time would not help. [`ThermalError::NotFinite`] for a temperature, [`ThermalError::NotPositive`]
+    /// for the time.
+    pub fn current_to_reach_a(&self, reach: &Reach) -> Result<f64, ThermalError> {
+        let from_degc = finite_degc("from_degc", reach.from_degc)?;
+        let to_degc = finite_degc("to_degc", reach.to_degc)?;
+        let ambient_degc = finite_degc("ambient_degc", reach.ambient_degc)?;
+        let within_s = positive("within_s", reach.within_s, "s")?;
+        let [tau_s] = self.tau_s();
+        let retained = libm::exp(-within_s / tau_s);
+        let coolest_degc = ambient_degc + (from_degc - ambient_degc) * retained;
+        if to_degc < coolest_degc {
+            return Err(if to_degc < ambient_degc && from_degc >= ambient_degc {
+                ThermalError::BelowAmbient {
+                    to_degc,
+                    ambient_degc,
+                }
+            } else {
+                ThermalError::CannotCool {
+                    to_degc,
+                    within_s,
+                    coolest_degc,
+                }
+            });
+        }
+        let [lambda_k_per_a2] = self.lambda_k_per_a2();
+        // 1 - e^(-t/τ) without cancellation for t far below τ.
+        let approached = -libm::expm1(-within_s / tau_s);
+        Ok(libm::sqrt(
+            (to_degc - coolest_degc) / (lambda_k_per_a2 * approached),
+        ))
+    }
+}

@@ -1,0 +1,32 @@
+/// What acts on `L` plants during one sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Input<const L: usize = 1> {
+    /// Drive, in the unit of the plant's [`Drive`](crate::Drive).
+    pub drive: [f64; L],
+    /// Temperature of the surroundings, °C.
+    pub ambient_degc: f64,
+}
+
+/// What `L` plants show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Output<const L: usize = 1> {
+    /// Displacement, in the unit of the plant's gain (mm, deg, N).
+    pub displacement: [f64; L],
+    /// Temperature of the rod, °C.
+    pub temperature_degc: [f64; L],
+}
+
+/// An actuator as a controller or a fit sees it: `L` of them side by side.
+///
+/// Sample convention: the drive of sample k acts from t_k to t_(k+1); the output of sample k is that
+/// of the state at t_k, before it.
+pub trait Plant<const L: usize = 1> {
+    /// All that the plant remembers.
+    type State: Clone;
+    /// Cold and still: cooled to ambient along the limiting curve.
+    fn rest(&self, ambient_degc: f64) -> Self::State;
+    /// What the plant shows in a state.
+    fn output(&self, state: &Self::State) -> Output<L>;
+    /// Moves the state on by one sample of `dt_s` ≥ 0 seconds.
+    fn step(&self, state: &mut Self::State, input: &Input<L>, dt_s: f64);
+}
