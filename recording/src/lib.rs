@@ -1,1 +1,72 @@
-//! Recordings of an actuator: CSV in, checked samples out
+//! Recordings of an actuator: CSV in, checked samples out.
+//!
+//! A lab records what drives a shape-memory-alloy actuator (current, PWM duty, voltage, power, or,
+//! for static data, temperature) and what the actuator does (displacement, angle, force).
+//! [`read_csv`] turns such a file into a [`Recording`]: finite numbers in known units, in rising
+//! time, or a [`RecordingError`] that names file, line, column, value and what would be accepted.
+//! This crate knows no model.
+//!
+//! # File format
+//!
+//! * UTF-8 text; a byte-order mark, blank lines and lines whose first visible character is `#` are
+//!   skipped; lines end with `\n` or `\r\n`.
+//! * **Delimiter:** tab, if the first line has one outside quotes; else semicolon; else comma; else
+//!   runs of white space. Fields may stand in double quotes, except between white space. Numbers
+//!   have a decimal point.
+//! * **Header:** the first line is a header if none of its fields is a number. Without a header the
+//!   columns are given by number ([`ColumnKey::Number`]).
+//! * **Units** come from the end of the column name, `current_ma`, `Load (N)` or `Izadg [A]`, or
+//!   from [`ColumnSpec::unit`], which wins. Known units, in either case: `s ms a ma v w mm um m
+//!   degc c k deg n mpa %`. Time, drive and temperatures are converted to s, A, 1, V, W, °C (a
+//!   column in K is an absolute temperature); a time, drive or temperature without a unit is an
+//!   error, except for a duty, which is then a fraction. The output keeps its own unit.
+//! * **Names** are matched without case, and `current_A`, `current [A]` and `current (A)` are the
+//!   same name. [`Columns`] lists the defaults.
+//! * Every row has as many fields as the first line (empty ones at the end do not count); columns
+//!   that are not asked for may hold anything.
+//!
+//! # Samples
+//!
+//! Row k holds the drive from t_k to t_(k+1); the output of row k is measured at t_k, before that
+//! drive acts.
+//!
+//! # Examples
+//!
+//! ```
+//! use recording::{Quantity, ReadOptions, Sampling, parse_csv};
+//!
+//! let text = "time_ms,duty [%],position_mm\n0,0,0.00\n100,35,0.00\n200,35,0.02\n";
+//! let recording = parse_csv(text.as_bytes(), "run3.csv", &ReadOptions::new(Quantity::Duty))?;
+//! recording.check_identifiable()?;
+//!
+//! assert_eq!(recording.drive(), [0.0, 0.35, 0.35]);
+//! match recording.sampling() {
+//!     Sampling::Uniform { dt_s } => assert!((dt_s - 0.1).abs() < 1e-12),
+//!     other => unreachable!("{other:?}"),
+//! }
+//! # Ok::<(), recording::RecordingError>(())
+//! ```
+
+mod check;
+mod columns;
+mod error;
+mod layout;
+mod lines;
+mod quantity;
+mod read;
+mod recording;
+mod sampling;
+mod unit;
+mod write;
+
+pub use columns::{ColumnKey, ColumnSpec, Columns};
+pub use error::{Position, RecordingError};
+pub use quantity::Quantity;
+pub use read::{ReadOptions, parse_csv, read_csv};
+pub use recording::{Recording, RecordingParts};
+pub use sampling::{GAP_FACTOR, Gap, Sampling};
+pub use write::write_csv;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,159 @@
+//! Which column of a file is what.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeserializer};
+
+/// Which column of a file is what: the `[columns]` table of `rod.toml`.
+///
+/// What is `None` is found by its default name, matched without case, with any unit that suits:
+///
+/// | key | default |
+/// | --- | --- |
+/// | `time` | `time_s` or `time_ms` |
+/// | `drive` | by its quantity: `current_a` or `current_ma`, `duty`, `voltage_v`, `power_w`, `temperature_degc` (`_c`, `_k`) |
+/// | `output` | `displacement_mm`, or else the one column called `displacement`, `position`, `displacement_*` or `position_*` |
+/// | `temperature` | `temperature_degc` (`_c`, `_k`), if it is there; never beside a drive that is a temperature |
+/// | `ambient` | `ambient_degc` (`_c`, `_k`), if it is there |
+///
+/// # Examples
+///
+/// ```
+/// use recording::{ColumnSpec, Columns};
+///
+/// let columns = Columns {
+///     drive: Some(ColumnSpec::name("pwm_duty_limb0_rev")),
+///     output: Some(ColumnSpec::number(3).in_unit("mm")),
+///     ..Columns::default()
+/// };
+/// # assert!(columns.time.is_none());
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Columns {
+    /// Time; must rise.
+    pub time: Option<ColumnSpec>,
+    /// What drives the actuator.
+    pub drive: Option<ColumnSpec>,
+    /// What the actuator does: displacement, angle, force; keeps its unit.
+    pub output: Option<ColumnSpec>,
+    /// Measured temperature of the actuator.
+    pub temperature: Option<ColumnSpec>,
+    /// Measured temperature of the surroundings.
+    pub ambient: Option<ColumnSpec>,
+}
+
+/// One column: where it stands and, if its name does not say it, its unit.
+///
+/// Deserializes from a name (`"duty"`), a number counted from 1 (`3`), or a table
+/// (`{ name = "Temperature", unit = "degc" }`, `{ number = 3, unit = "mm" }`).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnSpec {
+    /// Where the column stands.
+    pub key: ColumnKey,
+    /// Its unit; `None`: the one at the end of its name.
+    pub unit: Option<String>,
+}
+
+/// Where a column stands in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ColumnKey {
+    /// Under this name in the header, matched without case.
+    Name(String),
+    /// At this place in the row, counted from 1; needs no header.
+    Number(usize),
+}
+
+impl ColumnSpec {
+    /// A column by its name in the header.
+    #[must_use]
+    pub fn name(name: impl Into<String>) -> Self {
+        Self {
+            key: ColumnKey::Name(name.into()),
+            unit: None,
+        }
+    }
+
+    /// A column by its number, counted from 1.
+    #[must_use]
+    pub fn number(number: usize) -> Self {
+        Self {
+            key: ColumnKey::Number(number),
+            unit: None,
+        }
+    }
+
+    /// The same column, in `unit`.
+    #[must_use]
+    pub fn in_unit(self, unit: impl Into<String>) -> Self {
+        Self {
+            unit: Some(unit.into()),
+            ..self
+        }
+    }
+}
+
+/// The table form of a column.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    name: Option<String>,
+    number: Option<usize>,
+    unit: Option<String>,
+}
+
+// Written by hand: an untagged enum would answer every typing error with "did not match any
+// variant".
+struct SpecVisitor;
+
+impl<'de> Visitor<'de> for SpecVisitor {
+    type Value = ColumnSpec;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "a column name, a column number counted from 1, or a table { name or number, unit }",
+        )
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<ColumnSpec, E> {
+        Ok(ColumnSpec::name(name))
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<ColumnSpec, E> {
+        match usize::try_from(number) {
+            Ok(number) if number >= 1 => Ok(ColumnSpec::number(number)),
+            _ => Err(E::custom(format!(
+                "column number {number}: columns are counted from 1"
+            ))),
+        }
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<ColumnSpec, E> {
+        // A number beyond i64 is beyond every file.
+        self.visit_i64(i64::try_from(number).unwrap_or(i64::MAX))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColumnSpec, A::Error> {
+        let table = Table::deserialize(MapAccessDeserializer::new(map))?;
+        let spec = match (table.name, table.number) {
+            (Some(name), None) => ColumnSpec::name(name),
+            (None, Some(number)) if number >= 1 => ColumnSpec::number(number),
+            (None, Some(number)) => {
+                let text = format!("column number {number}: columns are counted from 1");
+                return Err(A::Error::custom(text));
+            }
+            _ => return Err(A::Error::custom("a column needs either `name` or `number`")),
+        };
+        Ok(ColumnSpec {
+            unit: table.unit,
+            ..spec
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for ColumnSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SpecVisitor)
+    }
+}

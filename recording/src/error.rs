@@ -1,0 +1,329 @@
+//! What can be wrong with a recording.
+
+use std::fmt;
+
+/// Where in a recording a fault lies; displays as the part behind the name, `:118` or `, sample 7`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Position {
+    /// Line of a file, counted from 1.
+    Line(u64),
+    /// Index into the slices given to [`Recording::new`](crate::Recording::new), counted from 0.
+    Sample(usize),
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, ":{line}"),
+            Self::Sample(index) => write!(f, ", sample {index}"),
+        }
+    }
+}
+
+/// A fault of a recording.
+///
+/// `file` is the path or name that the caller gave. `role` is the key of the `[columns]` table
+/// (`time`, `drive`, `output`, `temperature`, `ambient`), `column` the column's name in the file, or
+/// `column 3` where it has none.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// The file cannot be opened, or reading it fails half way.
+    #[error("{file}: cannot be read")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+
+    /// There is nothing but blank lines and comments.
+    #[error("{file}: empty; expected a header line and at least 2 rows")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+
+    /// There are fewer than two samples.
+    #[error("{file}: rows of data: {n_samples}; expected at least 2")]
+    TooFewSamples {
+        /// The file.
+        file: String,
+        /// Samples found.
+        n_samples: usize,
+    },
+
+    /// There are more samples than the caller allows.
+    #[error(
+        "{file}:{line}: more than {max_samples} samples; expected a shorter recording, or a higher \
+         max_samples"
+    )]
+    TooManySamples {
+        /// The file.
+        file: String,
+        /// Line of the first sample too many.
+        line: u64,
+        /// Samples allowed.
+        max_samples: usize,
+    },
+
+    /// A line is so long that this cannot be a recording.
+    #[error("{file}:{line}: line of more than {max_bytes} bytes; expected CSV text")]
+    LineTooLong {
+        /// The file.
+        file: String,
+        /// The line.
+        line: u64,
+        /// Bytes allowed in a line.
+        max_bytes: usize,
+    },
+
+    /// A line is not UTF-8.
+    #[error("{file}:{line}: byte {byte} of the line is not UTF-8; expected text in UTF-8")]
+    NotUtf8 {
+        /// The file.
+        file: String,
+        /// The line.
+        line: u64,
+        /// First wrong byte, counted from 1 within the line.
+        byte: usize,
+    },
+
+    /// A column is looked for by name, and the file starts with numbers.
+    #[error(
+        "{file}:{line}: {role} = \"{wanted}\": the file has no header; expected a header line, or \
+         the number of the column under [columns], such as {role} = 1"
+    )]
+    NoHeader {
+        /// The file.
+        file: String,
+        /// Its first line.
+        line: u64,
+        /// Key of the column.
+        role: &'static str,
+        /// Name looked for.
+        wanted: String,
+    },
+
+    /// A column is not there.
+    #[error(
+        "{file}:{line}: {role} = {wanted}: no such column; expected {role} under [columns] to be \
+         one of the {n_columns} present: {present}"
+    )]
+    MissingColumn {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// Key of the column.
+        role: &'static str,
+        /// Name in quotes, or number, looked for.
+        wanted: String,
+        /// Number of columns in the file.
+        n_columns: usize,
+        /// Their names.
+        present: String,
+    },
+
+    /// Several columns fit.
+    #[error(
+        "{file}:{line}: {role} = \"{wanted}\": several columns fit, {fitting}; expected one, give \
+         its name or number under [columns]"
+    )]
+    DoubledColumn {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// Key of the column.
+        role: &'static str,
+        /// Name looked for.
+        wanted: String,
+        /// The columns that fit, with their numbers.
+        fitting: String,
+    },
+
+    /// One column is given two meanings.
+    #[error("{file}:{line}: {column} is both {first} and {second}; expected different columns")]
+    SharedColumn {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// The column.
+        column: String,
+        /// Key that takes the column.
+        first: &'static str,
+        /// Another key that takes it.
+        second: &'static str,
+    },
+
+    /// A column has no unit and needs one.
+    #[error(
+        "{file}:{line}: {role} = {column}: no unit; expected {accepted} at the end of its name, \
+         or as unit under [columns]"
+    )]
+    MissingUnit {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// Key of the column.
+        role: &'static str,
+        /// The column.
+        column: String,
+        /// Units that would do.
+        accepted: &'static str,
+    },
+
+    /// A column has a unit that is unknown or does not suit it.
+    #[error(
+        "{file}:{line}: {role} = {column}: unit \"{unit}\"; expected {accepted} at the end of its \
+         name, or as unit under [columns]"
+    )]
+    WrongUnit {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// Key of the column.
+        role: &'static str,
+        /// The column.
+        column: String,
+        /// Its unit.
+        unit: String,
+        /// Units that would do.
+        accepted: &'static str,
+    },
+
+    /// The unit of the output cannot be written behind a column name.
+    #[error(
+        "{file}: output unit \"{unit}\"; expected text such as mm, deg or N, without square \
+         brackets, quotes or control characters"
+    )]
+    InvalidOutputUnit {
+        /// The recording.
+        file: String,
+        /// The unit.
+        unit: String,
+    },
+
+    /// A drive that is a temperature has a measured temperature beside it.
+    #[error("{file}: both drive and temperature are temperatures; expected one of them")]
+    TwoTemperatures {
+        /// The recording.
+        file: String,
+    },
+
+    /// A row has another number of fields than the first line.
+    #[error("{file}:{line}: fields: {n_fields}; expected {n_columns}, as in the first line")]
+    FieldCount {
+        /// The file.
+        file: String,
+        /// Line of the row.
+        line: u64,
+        /// Its fields.
+        n_fields: usize,
+        /// Fields of the first line.
+        n_columns: usize,
+    },
+
+    /// A field is not a number.
+    #[error(
+        "{file}:{line}: {column} = \"{value}\": not a number; expected a finite number in {unit}"
+    )]
+    NotANumber {
+        /// The file.
+        file: String,
+        /// Line of the row.
+        line: u64,
+        /// The column.
+        column: String,
+        /// The field.
+        value: String,
+        /// Unit of the column.
+        unit: String,
+    },
+
+    /// A number is infinite or NaN.
+    #[error("{file}{at}: {column} = {value}: not finite; expected a finite number in {unit}")]
+    NotFinite {
+        /// The recording.
+        file: String,
+        /// Where in it.
+        at: Position,
+        /// The column.
+        column: String,
+        /// The number, as it stands there.
+        value: String,
+        /// Unit of the column.
+        unit: String,
+    },
+
+    /// Time falls or stands still.
+    #[error(
+        "{file}{at}: {column} = {value} after {previous} in the row before; expected time to rise"
+    )]
+    TimeNotRising {
+        /// The recording.
+        file: String,
+        /// Where in it.
+        at: Position,
+        /// The column.
+        column: String,
+        /// The time, in the unit of the column.
+        value: f64,
+        /// The time in the row before.
+        previous: f64,
+    },
+
+    /// A duty is outside 0..1.
+    #[error(
+        "{file}{at}: {column} = {value}: outside 0..{full_scale}; expected a duty of 0..1, or of \
+         0..100 in a column with unit %"
+    )]
+    DutyOutOfRange {
+        /// The recording.
+        file: String,
+        /// Where in it.
+        at: Position,
+        /// The column.
+        column: String,
+        /// The duty, in the unit of the column.
+        value: f64,
+        /// Duty of a bridge that is always on, in the unit of the column: 1 or 100.
+        full_scale: f64,
+    },
+
+    /// Slices of one recording differ in length.
+    #[error("{file}: {column} has {n_samples} samples; expected {expected}, as many as the drive")]
+    UnequalLengths {
+        /// The recording.
+        file: String,
+        /// The column.
+        column: &'static str,
+        /// Its samples.
+        n_samples: usize,
+        /// Samples of the drive.
+        expected: usize,
+    },
+
+    /// A drive or an output is the same throughout: there is nothing to identify.
+    #[error(
+        "{file}: {role} is {value} {unit} in all {n_samples} samples; expected it to change, there \
+         is nothing to identify"
+    )]
+    NeverChanges {
+        /// The recording.
+        file: String,
+        /// `drive` or `output`.
+        role: &'static str,
+        /// Its value.
+        value: f64,
+        /// Unit of the value.
+        unit: String,
+        /// Samples.
+        n_samples: usize,
+    },
+}

@@ -1,0 +1,358 @@
+//! Which field of a row is what: the wanted columns, found in the first line of a file.
+
+use crate::columns::{ColumnKey, ColumnSpec};
+use crate::error::RecordingError;
+use crate::quantity::Quantity;
+use crate::read::ReadOptions;
+use crate::unit::{Unit, normalized, output_symbol, split_name};
+
+/// Names of present columns that an error lists.
+const MAX_LISTED: usize = 20;
+/// Characters of a name or a field that an error shows.
+const MAX_SHOWN: usize = 40;
+
+/// One wanted column.
+pub(crate) struct Column {
+    /// Its place in a row, counted from 0.
+    pub(crate) index: usize,
+    /// What errors call it.
+    pub(crate) label: String,
+    /// How it converts; [`Unit::One`] for an output, which stays as it is.
+    pub(crate) unit: Unit,
+    /// What errors call its unit.
+    pub(crate) unit_text: String,
+}
+
+/// The wanted columns of a file.
+pub(crate) struct Layout {
+    pub(crate) n_columns: usize,
+    pub(crate) time: Option<Column>,
+    pub(crate) drive: Column,
+    pub(crate) output: Column,
+    pub(crate) temperature: Option<Column>,
+    pub(crate) ambient: Option<Column>,
+}
+
+/// The first line of a file.
+pub(crate) struct Header<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) line: u64,
+    /// The names; `None` where the first line holds numbers.
+    pub(crate) names: Option<Vec<String>>,
+    pub(crate) n_columns: usize,
+}
+
+/// What a column can be.
+struct Role {
+    /// Key in the `[columns]` table.
+    key: &'static str,
+    /// Normalized names, one of which is taken if the caller names none.
+    defaults: &'static [&'static str],
+    /// Stems that will do too, followed by anything.
+    default_stems: &'static [&'static str],
+    /// Units that suit, and the same in words; none: any unit.
+    units: &'static [Unit],
+    units_text: &'static str,
+}
+
+const TEMPERATURE_UNITS: (&[Unit], &str) = (&[Unit::DegreeCelsius, Unit::Kelvin], "degc or k");
+
+impl Role {
+    const fn new(
+        key: &'static str,
+        defaults: &'static [&'static str],
+        (units, units_text): (&'static [Unit], &'static str),
+    ) -> Self {
+        Self {
+            key,
+            defaults,
+            default_stems: &[],
+            units,
+            units_text,
+        }
+    }
+
+    const TIME: Self = Self::new(
+        "time",
+        &["time_s", "time_ms"],
+        (&[Unit::Second, Unit::Millisecond], "s or ms"),
+    );
+    const OUTPUT: Self = Self {
+        default_stems: &["displacement", "position"],
+        ..Self::new("output", &["displacement_mm"], (&[], ""))
+    };
+    const TEMPERATURE: Self = Self::new(
+        "temperature",
+        &["temperature_degc", "temperature_c", "temperature_k"],
+        TEMPERATURE_UNITS,
+    );
+    const AMBIENT: Self = Self::new(
+        "ambient",
+        &["ambient_degc", "ambient_c", "ambient_k"],
+        TEMPERATURE_UNITS,
+    );
+
+    const fn drive(quantity: Quantity) -> Self {
+        let (defaults, units): (&'static [&'static str], _) = match quantity {
+            Quantity::Current => {
+                let units: &[Unit] = &[Unit::Ampere, Unit::Milliampere];
+                (&["current_a", "current_ma"], (units, "a or ma"))
+            }
+            Quantity::Duty => {
+                let units: &[Unit] = &[Unit::One, Unit::Percent];
+                (
+                    &["duty", "duty_1", "duty_%", "duty_percent"],
+                    (units, "1 or %"),
+                )
+            }
+            Quantity::Voltage => (&["voltage_v"], (&[Unit::Volt] as &[Unit], "v")),
+            Quantity::Power => (&["power_w"], (&[Unit::Watt] as &[Unit], "w")),
+            Quantity::Temperature => (Self::TEMPERATURE.defaults, TEMPERATURE_UNITS),
+        };
+        Self::new("drive", defaults, units)
+    }
+}
+
+impl Layout {
+    /// Finds the columns that `options` ask for.
+    pub(crate) fn new(header: &Header<'_>, options: &ReadOptions) -> Result<Self, RecordingError> {
+        let columns = &options.columns;
+        let drive_is_temperature = options.drive_quantity == Quantity::Temperature;
+        let drive = Role::drive(options.drive_quantity);
+
+        let time = match header.column(&Role::TIME, columns.time.as_ref())? {
+            None if !(options.allow_untimed || drive_is_temperature) => {
+                return Err(header.missing_default(&Role::TIME));
+            }
+            time => time,
+        };
+        let temperature = match (&columns.temperature, drive_is_temperature) {
+            (Some(_), true) => {
+                return Err(RecordingError::TwoTemperatures {
+                    file: header.file.to_owned(),
+                });
+            }
+            (None, true) => None,
+            (spec, false) => header.column(&Role::TEMPERATURE, spec.as_ref())?,
+        };
+        let layout = Self {
+            n_columns: header.n_columns,
+            time,
+            drive: header
+                .column(&drive, columns.drive.as_ref())?
+                .ok_or_else(|| header.missing_default(&drive))?,
+            output: header
+                .column(&Role::OUTPUT, columns.output.as_ref())?
+                .ok_or_else(|| header.missing_default(&Role::OUTPUT))?,
+            temperature,
+            ambient: header.column(&Role::AMBIENT, columns.ambient.as_ref())?,
+        };
+        layout.check_distinct(header)?;
+        Ok(layout)
+    }
+
+    fn check_distinct(&self, header: &Header<'_>) -> Result<(), RecordingError> {
+        let all = [
+            ("time", self.time.as_ref()),
+            ("drive", Some(&self.drive)),
+            ("output", Some(&self.output)),
+            ("temperature", self.temperature.as_ref()),
+            ("ambient", self.ambient.as_ref()),
+        ];
+        for (k, (second, column)) in all.iter().enumerate() {
+            let Some(column) = column else { continue };
+            let same = |other: &Option<&Column>| other.is_some_and(|o| o.index == column.index);
+            if let Some((first, _)) = all[..k].iter().find(|(_, other)| same(other)) {
+                return Err(RecordingError::SharedColumn {
+                    file: header.file.to_owned(),
+                    line: header.line,
+                    column: column.label.clone(),
+                    first,
+                    second,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Header<'_> {
+    /// The column for `role`; `None` if the caller names none and no default is there.
+    fn column(
+        &self,
+        role: &Role,
+        spec: Option<&ColumnSpec>,
+    ) -> Result<Option<Column>, RecordingError> {
+        let Some(index) = self.locate(role, spec.map(|spec| &spec.key))? else {
+            return Ok(None);
+        };
+        let name = self.names.as_ref().and_then(|names| names.get(index));
+        let label = self.label(index);
+        let unit_text = spec
+            .and_then(|spec| spec.unit.as_deref())
+            .or_else(|| name.and_then(|name| split_name(name).1));
+        let (file, line) = (self.file.to_owned(), self.line);
+        let (unit, unit_text) = match (unit_text, unit_text.and_then(Unit::parse)) {
+            (text, _) if role.units.is_empty() => (Unit::One, output_symbol(text.unwrap_or(""))),
+            (_, Some(unit)) if role.units.contains(&unit) => (unit, unit.symbol().to_owned()),
+            // A duty has no unit to name.
+            (None, _) if role.units.contains(&Unit::One) => (Unit::One, "1".to_owned()),
+            (None, _) => {
+                let (role, accepted) = (role.key, role.units_text);
+                return Err(RecordingError::MissingUnit {
+                    file,
+                    line,
+                    role,
+                    column: label,
+                    accepted,
+                });
+            }
+            (Some(text), _) => {
+                return Err(RecordingError::WrongUnit {
+                    file,
+                    line,
+                    role: role.key,
+                    column: label,
+                    unit: shown(text),
+                    accepted: role.units_text,
+                });
+            }
+        };
+        Ok(Some(Column {
+            index,
+            label,
+            unit,
+            unit_text,
+        }))
+    }
+
+    /// Where the column for `role` stands, counted from 0.
+    fn locate(
+        &self,
+        role: &Role,
+        key: Option<&ColumnKey>,
+    ) -> Result<Option<usize>, RecordingError> {
+        match (key, &self.names) {
+            (Some(ColumnKey::Number(number)), _) => match number.checked_sub(1) {
+                Some(index) if index < self.n_columns => Ok(Some(index)),
+                _ => Err(self.missing(role, number.to_string())),
+            },
+            (Some(ColumnKey::Name(name)), None) => Err(self.no_header(role, name)),
+            (Some(ColumnKey::Name(name)), Some(names)) => {
+                let wanted = normalized(name);
+                match self.only(role, name, names, |present| present == wanted)? {
+                    None => Err(self.missing(role, format!("\"{}\"", shown(name)))),
+                    found => Ok(found),
+                }
+            }
+            (None, None) => Ok(None),
+            (None, Some(names)) => {
+                let wanted = role.defaults[0];
+                let found = self.only(role, wanted, names, |present| {
+                    role.defaults.contains(&present)
+                })?;
+                if found.is_some() || role.default_stems.is_empty() {
+                    return Ok(found);
+                }
+                self.only(role, wanted, names, |present| {
+                    role.default_stems.iter().any(|stem| {
+                        let rest = present.strip_prefix(stem);
+                        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+                    })
+                })
+            }
+        }
+    }
+
+    /// The one column whose normalized name `fits`, if any.
+    fn only(
+        &self,
+        role: &Role,
+        wanted: &str,
+        names: &[String],
+        fits: impl Fn(&str) -> bool,
+    ) -> Result<Option<usize>, RecordingError> {
+        let mut fitting = names
+            .iter()
+            .enumerate()
+            .filter(|(_, name)| fits(&normalized(name)))
+            .map(|(k, _)| k);
+        let Some(first) = fitting.next() else {
+            return Ok(None);
+        };
+        let others: Vec<usize> = fitting.collect();
+        if others.is_empty() {
+            return Ok(Some(first));
+        }
+        let described = std::iter::once(first)
+            .chain(others)
+            .map(|index| format!("{} (column {})", self.label(index), index + 1));
+        Err(RecordingError::DoubledColumn {
+            file: self.file.to_owned(),
+            line: self.line,
+            role: role.key,
+            wanted: shown(wanted),
+            fitting: listed(described),
+        })
+    }
+
+    fn label(&self, index: usize) -> String {
+        match self.names.as_ref().and_then(|names| names.get(index)) {
+            Some(name) if !name.is_empty() => shown(name),
+            _ => format!("column {}", index + 1),
+        }
+    }
+
+    fn missing_default(&self, role: &Role) -> RecordingError {
+        let wanted = role.defaults[0];
+        match &self.names {
+            Some(_) => self.missing(role, format!("\"{wanted}\"")),
+            None => self.no_header(role, wanted),
+        }
+    }
+
+    fn missing(&self, role: &Role, wanted: String) -> RecordingError {
+        RecordingError::MissingColumn {
+            file: self.file.to_owned(),
+            line: self.line,
+            role: role.key,
+            wanted,
+            n_columns: self.n_columns,
+            present: listed((0..self.n_columns).map(|index| self.label(index))),
+        }
+    }
+
+    fn no_header(&self, role: &Role, wanted: &str) -> RecordingError {
+        RecordingError::NoHeader {
+            file: self.file.to_owned(),
+            line: self.line,
+            role: role.key,
+            wanted: shown(wanted),
+        }
+    }
+}
+
+/// Text from a file as an error shows it: on one line, and not all of a long one.
+pub(crate) fn shown(text: &str) -> String {
+    let mut shown = String::new();
+    for (k, c) in text.chars().enumerate() {
+        if k == MAX_SHOWN {
+            shown.push('…');
+            break;
+        }
+        if c.is_control() {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
+fn listed(mut items: impl Iterator<Item = String>) -> String {
+    let mut list: Vec<String> = items.by_ref().take(MAX_LISTED).collect();
+    if items.next().is_some() {
+        list.push("…".to_owned());
+    }
+    list.join(", ")
+}

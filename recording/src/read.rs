@@ -1,0 +1,286 @@
+//! CSV to a checked recording, in one pass.
+
+use std::fs::File;
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+
+use crate::check::{Place, check_duty, check_rising};
+use crate::columns::Columns;
+use crate::error::{Position, RecordingError};
+use crate::layout::{Column, Header, Layout, shown};
+use crate::lines::{Delimiter, Lines};
+use crate::quantity::Quantity;
+use crate::recording::{Recording, RecordingParts};
+use crate::unit::Unit;
+
+/// What to read from a file, and how much.
+///
+/// # Examples
+///
+/// ```
+/// use recording::{Quantity, ReadOptions};
+///
+/// let options = ReadOptions { max_samples: 100_000, ..ReadOptions::new(Quantity::Duty) };
+/// # assert!(!options.allow_untimed);
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Which column is what.
+    pub columns: Columns,
+    /// What the drive column measures.
+    pub drive_quantity: Quantity,
+    /// Whether the time column may be missing although the drive is not a temperature. For static
+    /// data only, such as a loop measured point by point in steady state: the recording then has no
+    /// time ([`Sampling::Untimed`](crate::Sampling::Untimed)).
+    pub allow_untimed: bool,
+    /// Samples that a recording may have; 20 million by default, half a gigabyte in three columns.
+    pub max_samples: usize,
+}
+
+impl ReadOptions {
+    /// Default columns and limits for a drive of this quantity.
+    #[must_use]
+    pub fn new(drive_quantity: Quantity) -> Self {
+        Self {
+            columns: Columns::default(),
+            drive_quantity,
+            allow_untimed: false,
+            max_samples: 20_000_000,
+        }
+    }
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self::new(Quantity::default())
+    }
+}
+
+/// Reads a recording from a file; its name is `path` as given.
+///
+/// # Errors
+///
+/// [`RecordingError`], naming file, line, column, value and what would be accepted.
+pub fn read_csv(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<Recording, RecordingError> {
+    let path = path.as_ref();
+    let name = path.display().to_string();
+    match File::open(path) {
+        Ok(file) => parse_csv(file, &name, options),
+        Err(source) => Err(RecordingError::Unreadable { file: name, source }),
+    }
+}
+
+/// Reads a recording from any reader, which need not be buffered; `name` is what errors call it.
+///
+/// One pass: what is kept is the wanted columns, 8 bytes a value.
+///
+/// # Errors
+///
+/// [`RecordingError`], naming file, line, column, value and what would be accepted.
+pub fn parse_csv(
+    reader: impl Read,
+    name: &str,
+    options: &ReadOptions,
+) -> Result<Recording, RecordingError> {
+    let mut lines = Lines::new(reader, name);
+    let Some((line, first)) = lines.advance()? else {
+        return Err(RecordingError::Empty {
+            file: name.to_owned(),
+        });
+    };
+    let delimiter = Delimiter::detect(first);
+    let mut fields = Vec::new();
+    delimiter.split(first, &mut fields);
+    let names = header_names(first, &fields);
+    let n_columns = names.as_ref().map_or(fields.len(), Vec::len);
+    let header = Header {
+        file: name,
+        line,
+        names,
+        n_columns,
+    };
+    let mut rows = Rows::new(name, Layout::new(&header, options)?, options.max_samples);
+    if header.names.is_none() {
+        rows.push(line, first, &fields)?;
+    }
+    while let Some((line, row)) = lines.advance()? {
+        delimiter.split(row, &mut fields);
+        rows.push(line, row, &fields)?;
+    }
+    rows.finish(options.drive_quantity)
+}
+
+/// The names in the first line, or `None` if it holds a number.
+fn header_names(line: &str, fields: &[Range<usize>]) -> Option<Vec<String>> {
+    if fields
+        .iter()
+        .any(|field| line[field.clone()].parse::<f64>().is_ok())
+    {
+        return None;
+    }
+    let n_names = fields
+        .iter()
+        .rposition(|field| !field.is_empty())
+        .map_or(0, |last| last + 1);
+    let name = |field: &Range<usize>| line[field.clone()].replace("\"\"", "\"");
+    Some(fields[..n_names].iter().map(name).collect())
+}
+
+/// The samples read so far.
+struct Rows<'a> {
+    file: &'a str,
+    layout: Layout,
+    max_samples: usize,
+    /// The last time as it stands in the file, for errors.
+    last_time: f64,
+    time_s: Vec<f64>,
+    drive: Vec<f64>,
+    output: Vec<f64>,
+    temperature_degc: Vec<f64>,
+    ambient_degc: Vec<f64>,
+}
+
+impl<'a> Rows<'a> {
+    fn new(file: &'a str, layout: Layout, max_samples: usize) -> Self {
+        Self {
+            file,
+            layout,
+            max_samples,
+            last_time: f64::NEG_INFINITY,
+            time_s: Vec::new(),
+            drive: Vec::new(),
+            output: Vec::new(),
+            temperature_degc: Vec::new(),
+            ambient_degc: Vec::new(),
+        }
+    }
+
+    /// Checks one row and keeps its wanted columns.
+    fn push(
+        &mut self,
+        line: u64,
+        row: &str,
+        fields: &[Range<usize>],
+    ) -> Result<(), RecordingError> {
+        if self.drive.len() >= self.max_samples {
+            return Err(RecordingError::TooManySamples {
+                file: self.file.to_owned(),
+                line,
+                max_samples: self.max_samples,
+            });
+        }
+        self.check_count(line, fields)?;
+        let row = Row {
+            file: self.file,
+            line,
+            text: row,
+            fields,
+        };
+        if let Some(column) = &self.layout.time {
+            let raw = row.number(column)?;
+            let time_s = column.unit.to_base(raw);
+            if let Some(&previous_s) = self.time_s.last() {
+                // Compared as converted, shown as written.
+                check_rising(time_s > previous_s, &row.place(column), raw, self.last_time)?;
+            }
+            self.last_time = raw;
+            self.time_s.push(time_s);
+        }
+        let column = &self.layout.drive;
+        let raw = row.number(column)?;
+        match column.unit {
+            Unit::One => check_duty(raw, 1.0, &row.place(column))?,
+            Unit::Percent => check_duty(raw, 100.0, &row.place(column))?,
+            _ => {}
+        }
+        self.drive.push(column.unit.to_base(raw));
+        self.output.push(row.number(&self.layout.output)?);
+        if let Some(column) = &self.layout.temperature {
+            self.temperature_degc
+                .push(column.unit.to_base(row.number(column)?));
+        }
+        if let Some(column) = &self.layout.ambient {
+            self.ambient_degc
+                .push(column.unit.to_base(row.number(column)?));
+        }
+        Ok(())
+    }
+
+    /// A missing field is a line cut off, one too many often a decimal comma: neither may pass.
+    fn check_count(&self, line: u64, fields: &[Range<usize>]) -> Result<(), RecordingError> {
+        let n_columns = self.layout.n_columns;
+        let n_filled = fields
+            .iter()
+            .rposition(|field| !field.is_empty())
+            .map_or(0, |last| last + 1);
+        if fields.len() >= n_columns && n_filled <= n_columns {
+            return Ok(());
+        }
+        Err(RecordingError::FieldCount {
+            file: self.file.to_owned(),
+            line,
+            n_fields: fields.len(),
+            n_columns,
+        })
+    }
+
+    fn finish(self, drive_quantity: Quantity) -> Result<Recording, RecordingError> {
+        let Layout {
+            time,
+            output,
+            temperature,
+            ambient,
+            ..
+        } = self.layout;
+        Recording::from_checked(RecordingParts {
+            name: self.file.to_owned(),
+            time_s: time.map(|_| self.time_s),
+            drive_quantity,
+            drive: self.drive,
+            output_unit: output.unit_text,
+            output: self.output,
+            temperature_degc: temperature.map(|_| self.temperature_degc),
+            ambient_degc: ambient.map(|_| self.ambient_degc),
+        })
+    }
+}
+
+/// One row, split.
+struct Row<'a> {
+    file: &'a str,
+    line: u64,
+    text: &'a str,
+    fields: &'a [Range<usize>],
+}
+
+impl<'a> Row<'a> {
+    fn place(&self, column: &'a Column) -> Place<'a> {
+        Place {
+            file: self.file,
+            at: Position::Line(self.line),
+            column: &column.label,
+        }
+    }
+
+    /// The finite number in `column`, as it stands there.
+    fn number(&self, column: &Column) -> Result<f64, RecordingError> {
+        let field = &self.text[self.fields[column.index].clone()];
+        match field.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self
+                .place(column)
+                .not_finite(shown(field), &column.unit_text)),
+            Err(_) => Err(RecordingError::NotANumber {
+                file: self.file.to_owned(),
+                line: self.line,
+                column: column.label.clone(),
+                value: shown(field),
+                unit: column.unit_text.clone(),
+            }),
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! The checked value.
+
+use crate::check::{Place, check_duty, check_rising};
+use crate::error::{Position, RecordingError};
+use crate::layout::shown;
+use crate::quantity::Quantity;
+use crate::sampling::{Gap, Sampling, gaps};
+use crate::unit::output_symbol;
+
+/// A recording of an actuator: samples of drive and output, checked and in known units.
+///
+/// All columns have the same length, at least 2; all numbers are finite; time rises; a duty is in
+/// 0..1. Row k holds the drive from t_k to t_(k+1); the output of row k is measured at t_k, before
+/// that drive acts.
+///
+/// # Examples
+///
+/// ```
+/// use recording::{Quantity, Recording, RecordingParts, Sampling};
+///
+/// let recording = Recording::new(RecordingParts {
+///     name: "generated".to_owned(),
+///     time_s: Some((0..100).map(|k| 0.287 * f64::from(k)).collect()),
+///     drive_quantity: Quantity::Current,
+///     drive: (0..100).map(|k| if k < 50 { 0.0 } else { 1.8 }).collect(),
+///     output_unit: "mm".to_owned(),
+///     output: vec![0.0; 100],
+///     ..RecordingParts::default()
+/// })?;
+/// assert!(matches!(recording.sampling(), Sampling::Uniform { .. }));
+///
+/// // A sound recording, but nothing to identify a model from.
+/// let fault = recording.check_identifiable();
+/// assert!(fault.is_err_and(|fault| fault.to_string().starts_with("generated: output is 0 mm")));
+/// # Ok::<(), recording::RecordingError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    parts: RecordingParts,
+    sampling: Sampling,
+}
+
+/// What a [`Recording`] is made of; all slices of one length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RecordingParts {
+    /// What errors and reports call it.
+    pub name: String,
+    /// Time, s; rising. `None` for static data, which have no time.
+    pub time_s: Option<Vec<f64>>,
+    /// What `drive` is.
+    pub drive_quantity: Quantity,
+    /// Drive in the unit of its quantity: A, 0..1, V, W or °C.
+    pub drive: Vec<f64>,
+    /// Unit of `output`: mm, deg, N, ...; `1` or nothing where it has none.
+    pub output_unit: String,
+    /// Output, in `output_unit`.
+    pub output: Vec<f64>,
+    /// Measured temperature of the actuator, °C. `None` beside a drive that is a temperature.
+    pub temperature_degc: Option<Vec<f64>>,
+    /// Measured temperature of the surroundings, °C.
+    pub ambient_degc: Option<Vec<f64>>,
+}
+
+impl Recording {
+    /// Checks samples in memory, as the reader checks those of a file.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError`], naming column, sample (counted from 0) and value: slices of unequal
+    /// length or of fewer than two samples, a number that is not finite, time that does not rise, a
+    /// duty outside 0..1, an output unit that cannot be written, two temperatures.
+    pub fn new(parts: RecordingParts) -> Result<Self, RecordingError> {
+        let time = ("time_s", "s", parts.time_s.as_deref());
+        let drive = (parts.drive_quantity.column(), parts.drive_quantity.unit());
+        let rest = [
+            (
+                "output",
+                parts.output_unit.as_str(),
+                Some(parts.output.as_slice()),
+            ),
+            (
+                "temperature_degc",
+                "degC",
+                parts.temperature_degc.as_deref(),
+            ),
+            ("ambient_degc", "degC", parts.ambient_degc.as_deref()),
+        ];
+        for (column, _, values) in std::iter::once(&time).chain(&rest) {
+            match values {
+                Some(values) if values.len() != parts.drive.len() => {
+                    return Err(RecordingError::UnequalLengths {
+                        file: parts.name.clone(),
+                        column,
+                        n_samples: values.len(),
+                        expected: parts.drive.len(),
+                    });
+                }
+                _ => {}
+            }
+        }
+        let drive = (drive.0, drive.1, Some(parts.drive.as_slice()));
+        for (column, unit, values) in [time, drive].iter().chain(&rest) {
+            check_finite(&parts.name, column, unit, values.unwrap_or(&[]))?;
+        }
+        check_time(&parts.name, parts.time_s.as_deref().unwrap_or(&[]))?;
+        if parts.drive_quantity == Quantity::Duty {
+            for (sample, &duty) in parts.drive.iter().enumerate() {
+                check_duty(duty, 1.0, &place(&parts.name, drive.0, sample))?;
+            }
+        }
+        Self::from_checked(parts)
+    }
+
+    /// The recording of samples that are checked one by one; checks what concerns them together.
+    pub(crate) fn from_checked(mut parts: RecordingParts) -> Result<Self, RecordingError> {
+        let n_samples = parts.drive.len();
+        if n_samples < 2 {
+            return Err(RecordingError::TooFewSamples {
+                file: parts.name,
+                n_samples,
+            });
+        }
+        if parts.drive_quantity == Quantity::Temperature && parts.temperature_degc.is_some() {
+            return Err(RecordingError::TwoTemperatures { file: parts.name });
+        }
+        let unwritable = |c: char| c.is_control() || matches!(c, '[' | ']' | '"');
+        if parts.output_unit.contains(unwritable) {
+            return Err(RecordingError::InvalidOutputUnit {
+                file: parts.name,
+                unit: shown(&parts.output_unit),
+            });
+        }
+        parts.output_unit = output_symbol(&parts.output_unit);
+        parts.drive.shrink_to_fit();
+        parts.output.shrink_to_fit();
+        let optional = [
+            &mut parts.time_s,
+            &mut parts.temperature_degc,
+            &mut parts.ambient_degc,
+        ];
+        optional.into_iter().flatten().for_each(Vec::shrink_to_fit);
+        let sampling = Sampling::of(parts.time_s.as_deref().unwrap_or(&[]));
+        Ok(Self { parts, sampling })
+    }
+
+    /// What errors and reports call it: the path of a file, as it was given.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.parts.name
+    }
+
+    /// Time, s; rising. Empty if [`Self::sampling`] is [`Sampling::Untimed`].
+    #[must_use]
+    pub fn time_s(&self) -> &[f64] {
+        self.parts.time_s.as_deref().unwrap_or(&[])
+    }
+
+    /// Drive in the unit of its quantity: A, 0..1, V, W or °C.
+    #[must_use]
+    pub fn drive(&self) -> &[f64] {
+        &self.parts.drive
+    }
+
+    /// What the drive is.
+    #[must_use]
+    pub fn drive_quantity(&self) -> Quantity {
+        self.parts.drive_quantity
+    }
+
+    /// Output, in [`Self::output_unit`].
+    #[must_use]
+    pub fn output(&self) -> &[f64] {
+        &self.parts.output
+    }
+
+    /// Unit of the output: `mm`, `deg`, `N`, ...; `1` where it has none or none is stated.
+    #[must_use]
+    pub fn output_unit(&self) -> &str {
+        &self.parts.output_unit
+    }
+
+    /// Measured temperature of the actuator, °C.
+    #[must_use]
+    pub fn temperature_degc(&self) -> Option<&[f64]> {
+        self.parts.temperature_degc.as_deref()
+    }
+
+    /// Measured temperature of the surroundings, °C.
+    #[must_use]
+    pub fn ambient_degc(&self) -> Option<&[f64]> {
+        self.parts.ambient_degc.as_deref()
+    }
+
+    /// Number of samples, at least 2.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.parts.drive.len()
+    }
+
+    /// Never: a recording has at least two samples.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parts.drive.is_empty()
+    }
+
+    /// Whether time advances in equal steps.
+    #[must_use]
+    pub fn sampling(&self) -> Sampling {
+        self.sampling
+    }
+
+    /// Steps longer than [`GAP_FACTOR`](crate::GAP_FACTOR) times the median step, in order.
+    #[must_use]
+    pub fn gaps(&self) -> Vec<Gap> {
+        gaps(self.time_s(), self.sampling)
+    }
+
+    /// Whether there is anything to identify: both drive and output change.
+    ///
+    /// Not part of reading, so that a recording of nothing can still be inspected.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::NeverChanges`], for the drive first.
+    pub fn check_identifiable(&self) -> Result<(), RecordingError> {
+        let drive = ("drive", self.drive(), self.drive_quantity().unit());
+        let output = ("output", self.output(), self.output_unit());
+        for (role, values, unit) in [drive, output] {
+            let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if highest > lowest {
+                continue;
+            }
+            return Err(RecordingError::NeverChanges {
+                file: self.parts.name.clone(),
+                role,
+                value: lowest,
+                unit: unit.to_owned(),
+                n_samples: values.len(),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn place<'a>(file: &'a str, column: &'a str, sample: usize) -> Place<'a> {
+    Place {
+        file,
+        at: Position::Sample(sample),
+        column,
+    }
+}
+
+fn check_finite(
+    file: &str,
+    column: &str,
+    unit: &str,
+    values: &[f64],
+) -> Result<(), RecordingError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(k) => Err(place(file, column, k).not_finite(values[k].to_string(), unit)),
+    }
+}
+
+fn check_time(file: &str, time_s: &[f64]) -> Result<(), RecordingError> {
+    for (k, pair) in time_s.windows(2).enumerate() {
+        check_rising(
+            pair[1] > pair[0],
+            &place(file, "time_s", k + 1),
+            pair[1],
+            pair[0],
+        )?;
+    }
+    Ok(())
+}

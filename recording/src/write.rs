@@ -1,0 +1,79 @@
+//! A recording to CSV.
+
+use std::io::{self, Write};
+use std::num::FpCategory;
+
+use crate::recording::Recording;
+use crate::sampling::Sampling;
+use crate::unit::Unit;
+
+/// Writes a recording as CSV that [`parse_csv`](crate::parse_csv) reads back exactly, with default
+/// columns and the same drive quantity (and
+/// [`allow_untimed`](crate::ReadOptions::allow_untimed) if it has no time).
+///
+/// Columns: `time_s`, the drive ([`Quantity::column`](crate::Quantity::column)), the output as
+/// `displacement_mm` (in its unit, whatever it is), `temperature_degc`, `ambient_degc`; those that
+/// the recording has. Numbers are the shortest that read back as the same; they are written line
+/// by line, so give a buffered writer.
+///
+/// # Errors
+///
+/// Those of the writer.
+pub fn write_csv(recording: &Recording, mut writer: impl Write) -> io::Result<()> {
+    let time = match recording.sampling() {
+        Sampling::Untimed => None,
+        _ => Some(recording.time_s()),
+    };
+    let columns = [
+        ("time_s".to_owned(), time),
+        (
+            recording.drive_quantity().column().to_owned(),
+            Some(recording.drive()),
+        ),
+        (
+            output_column(recording.output_unit()),
+            Some(recording.output()),
+        ),
+        ("temperature_degc".to_owned(), recording.temperature_degc()),
+        ("ambient_degc".to_owned(), recording.ambient_degc()),
+    ];
+    let (names, values): (Vec<String>, Vec<&[f64]>) = columns
+        .into_iter()
+        .filter_map(|(name, values)| Some((name, values?)))
+        .unzip();
+    writeln!(writer, "{}", names.join(","))?;
+    for k in 0..recording.len() {
+        for (j, column) in values.iter().enumerate() {
+            if j > 0 {
+                writer.write_all(b",")?;
+            }
+            write_number(&mut writer, column[k])?;
+        }
+        writer.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+/// Name of an output column in this unit.
+fn output_column(unit: &str) -> String {
+    if Unit::parse(unit).is_some() && unit.chars().all(char::is_alphabetic) {
+        return format!("displacement_{}", unit.to_lowercase());
+    }
+    let name = format!("displacement [{unit}]");
+    if name.contains(['\t', ';', ',']) {
+        format!("\"{name}\"")
+    } else {
+        name
+    }
+}
+
+/// The shortest digits that read back as `value`; an extreme one in scientific notation.
+fn write_number(writer: &mut impl Write, value: f64) -> io::Result<()> {
+    let is_zero = value.classify() == FpCategory::Zero;
+    // Within these bounds plain notation needs the digits of the number and a few zeros.
+    if is_zero || (1e-5..1e16).contains(&value.abs()) {
+        write!(writer, "{value}")
+    } else {
+        write!(writer, "{value:e}")
+    }
+}
