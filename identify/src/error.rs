@@ -1,0 +1,110 @@
+use recording::RecordingError;
+use wiener::WienerError;
+
+/// What can be wrong with a rod file, a set of recordings or a model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IdentifyError {
+    /// A rod file cannot be read.
+    #[error("{file}: cannot be read")]
+    Unreadable {
+        /// File.
+        file: String,
+        /// Why.
+        #[source]
+        source: std::io::Error,
+    },
+    /// A rod file is not what DESIGN's `rod.toml` is: syntax, unknown key, wrong type.
+    #[error("{file}:{line}:{column}: {message}")]
+    Toml {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What the parser found and would have accepted.
+        message: String,
+    },
+    /// A value of a rod file is out of range.
+    #[error("{file}:{line}:{column}: {key} = {value}: {accepted}")]
+    Value {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Key.
+        key: String,
+        /// Rejected value.
+        value: f64,
+        /// What would be accepted.
+        accepted: String,
+    },
+    /// A key that this rig needs is missing.
+    #[error("{file}: {key} is missing: {why}")]
+    Missing {
+        /// File.
+        file: String,
+        /// Key, with its table.
+        key: &'static str,
+        /// Why it is needed.
+        why: &'static str,
+    },
+    /// `[model]` names a parameter that the model does not have.
+    #[error("{file}:{line}:{column}: [model] {name}: no such parameter; this rig has {known}")]
+    UnknownParameter {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Name as written.
+        name: String,
+        /// Names that would be accepted.
+        known: String,
+    },
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// No training recording was given.
+    #[error("no training recording; at least 1 is needed")]
+    NoRecordings,
+    /// A training recording has no time.
+    #[error("{recording}: no time; a heat balance can only be identified from timed samples")]
+    Untimed {
+        /// Recording.
+        recording: String,
+    },
+    /// Recordings measure the output in different units.
+    #[error("{recording}: output in {found}, but {first} is in {expected}: one unit is needed")]
+    Units {
+        /// Recording.
+        recording: String,
+        /// Its unit.
+        found: String,
+        /// First recording.
+        first: String,
+        /// Unit of the first recording.
+        expected: String,
+    },
+    /// A model without a free nonlinear parameter.
+    #[error("every parameter is fixed: nothing to identify")]
+    NothingFree,
+    /// More parameters to differentiate by than a batch has room for.
+    #[error("{found} free parameters; at most {most} can be fitted together")]
+    TooManyParameters {
+        /// Free nonlinear parameters.
+        found: usize,
+        /// Most that can be fitted.
+        most: usize,
+    },
+    /// A model cannot be simulated.
+    #[error("simulation")]
+    Simulation(#[from] WienerError),
+    /// The swarm refuses its settings.
+    #[error("swarm")]
+    Swarm(#[from] pso::SwarmError),
+}

@@ -1,0 +1,26 @@
+use recording::Recording;
+use wiener::Block;
+
+use crate::{IdentifyError, ParameterInfo};
+
+/// Any model as a fit sees it: named parameters in, outputs out, a batch of points at a time.
+pub trait ForwardModel: Sync {
+    /// The parameters, in the order of the values that [`ForwardModel::simulate`] takes.
+    fn parameters(&self) -> &[ParameterInfo];
+
+    /// Simulates a recording at several points and shows the outputs in blocks, so that memory does
+    /// not grow with the recording: see [`Block`], whose members are the points.
+    ///
+    /// `points` holds a row of parameter values a point. The output convention is that of the
+    /// recording: sample k before its drive acts.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError`] if a point lies outside the model's range or the recording does not fit it.
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError>;
+}

@@ -1,0 +1,218 @@
+//! Bounded Levenberg-Marquardt on the triangular factor of the Jacobian.
+
+use faer::Mat;
+use pso::Bound;
+
+use crate::IdentifyError;
+use crate::factor::solve;
+
+/// Settings of the least-squares search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeastSquaresConfig {
+    /// Most iterations; each costs one Jacobian and one batch of trial steps.
+    pub iterations: usize,
+    /// Relative offset below which the search has converged: the share of the residual that the
+    /// parameters could still explain, as a ratio of norms ([BatesWatts1981]).
+    pub relative_offset: f64,
+}
+
+impl Default for LeastSquaresConfig {
+    fn default() -> Self {
+        Self {
+            iterations: 60,
+            relative_offset: 1e-5,
+        }
+    }
+}
+
+/// Why a least-squares search ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub enum Termination {
+    /// The relative offset fell below its limit: a minimum.
+    Converged {
+        /// Relative offset reached.
+        relative_offset: f64,
+    },
+    /// No step lowers the cost any more, at a relative offset above the limit: a minimum with a
+    /// corner, or one as sharp as rounding allows.
+    NoFurtherStep {
+        /// Relative offset reached.
+        relative_offset: f64,
+    },
+    /// The limit of iterations.
+    Iterations {
+        /// Relative offset reached.
+        relative_offset: f64,
+    },
+}
+
+impl Termination {
+    /// Whether the result may be called a minimum: the relative offset is below 1e-3.
+    #[must_use]
+    pub fn is_minimum(&self) -> bool {
+        let (Self::Converged { relative_offset }
+        | Self::NoFurtherStep { relative_offset }
+        | Self::Iterations { relative_offset }) = self;
+        *relative_offset < 1e-3
+    }
+}
+
+/// The residual of a problem to first order around a point, without its linear parameters.
+#[derive(Debug, Clone)]
+pub(crate) struct Linearized {
+    /// Triangular factor of the Jacobian, square.
+    pub(crate) jacobian: Mat<f64>,
+    /// The residual in the same frame.
+    pub(crate) residual: Vec<f64>,
+    /// Sum of squares of the whole residual.
+    pub(crate) sum_of_squares: f64,
+}
+
+/// A sum of squares to be minimized.
+pub(crate) trait SumOfSquares {
+    fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError>;
+    fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError>;
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Minimum {
+    pub(crate) point: Vec<f64>,
+    pub(crate) sum_of_squares: f64,
+    pub(crate) termination: Termination,
+    pub(crate) iterations: usize,
+}
+
+/// Damping factors tried at once around the last good one: they share one run of the lanes.
+const DAMPING_TRIALS: [f64; 8] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 1e2, 1e3];
+
+/// Minimizes from `start` within `bounds`.
+///
+/// ```text
+/// min ‖J p + r‖² + μ ‖D p‖²,   x ← clamp(x + p)     [Marquardt1963], D the column norms [More1978]
+/// ```
+///
+/// Coordinates on a bound that the gradient pushes outward are held for the step ([Kanzow2004]).
+pub(crate) fn minimize(
+    problem: &impl SumOfSquares,
+    bounds: &[Bound],
+    start: &[f64],
+    config: &LeastSquaresConfig,
+) -> Result<Minimum, IdentifyError> {
+    let mut point = start.to_vec();
+    let mut damping = 1e-2;
+    let mut weights = vec![0.0_f64; point.len()];
+    for iteration in 0..config.iterations {
+        let local = problem.linearize(&point)?;
+        let free = free_coordinates(&local, bounds, &point);
+        for &j in &free {
+            weights[j] = weights[j].max(local.jacobian.col(j).norm_l2());
+        }
+        let relative_offset = relative_offset(&local, &free);
+        let minimum = |point, sum_of_squares, termination| Minimum {
+            point,
+            sum_of_squares,
+            termination,
+            iterations: iteration,
+        };
+        if relative_offset <= config.relative_offset {
+            let termination = Termination::Converged { relative_offset };
+            return Ok(minimum(point, local.sum_of_squares, termination));
+        }
+        let trials: Vec<Vec<f64>> = DAMPING_TRIALS
+            .iter()
+            .map(|factor| {
+                let step = damped_step(&local, &free, &weights, damping * factor);
+                moved(&point, &free, &step, bounds)
+            })
+            .collect();
+        let sums = problem.sums(&trials)?;
+        let best = (0..sums.len())
+            .filter(|&k| sums[k] < local.sum_of_squares)
+            .min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
+        let gained = best.map_or(0.0, |k| local.sum_of_squares - sums[k]);
+        match best {
+            Some(k) if gained > 1e-13 * local.sum_of_squares => {
+                point.clone_from(&trials[k]);
+                damping = (damping * DAMPING_TRIALS[k]).clamp(1e-12, 1e12);
+            }
+            // All eight fail: shorter steps once more, unless they are as short as they can be.
+            _ if damping < 1e9 => damping *= 1e6,
+            _ => {
+                let termination = Termination::NoFurtherStep { relative_offset };
+                return Ok(minimum(point, local.sum_of_squares, termination));
+            }
+        }
+    }
+    let local = problem.linearize(&point)?;
+    let free = free_coordinates(&local, bounds, &point);
+    Ok(Minimum {
+        point,
+        sum_of_squares: local.sum_of_squares,
+        termination: Termination::Iterations {
+            relative_offset: relative_offset(&local, &free),
+        },
+        iterations: config.iterations,
+    })
+}
+
+/// Coordinates that may move: not those on a bound that the gradient pushes outward.
+fn free_coordinates(local: &Linearized, bounds: &[Bound], point: &[f64]) -> Vec<usize> {
+    (0..point.len())
+        .filter(|&j| {
+            let gradient: f64 = (0..=j)
+                .map(|row| local.jacobian[(row, j)] * local.residual[row])
+                .sum();
+            let moves = local.jacobian.col(j).norm_l2() > 0.0;
+            let at_lower = point[j] <= bounds[j].lower && gradient >= 0.0;
+            let at_upper = point[j] >= bounds[j].upper && gradient <= 0.0;
+            moves && !at_lower && !at_upper
+        })
+        .collect()
+}
+
+/// ‖part of the residual in the span of the free columns‖ / ‖residual‖.
+fn relative_offset(local: &Linearized, free: &[usize]) -> f64 {
+    if free.is_empty() || local.sum_of_squares <= 0.0 {
+        return 0.0;
+    }
+    let n = local.residual.len();
+    let columns = Mat::from_fn(n, free.len(), |row, k| local.jacobian[(row, free[k])]);
+    let step = solve(&columns, &local.residual);
+    let explained: f64 = (0..n)
+        .map(|row| {
+            let fitted: f64 = (0..free.len()).map(|k| columns[(row, k)] * step[k]).sum();
+            fitted * fitted
+        })
+        .sum();
+    (explained / local.sum_of_squares).sqrt()
+}
+
+fn damped_step(local: &Linearized, free: &[usize], weights: &[f64], damping: f64) -> Vec<f64> {
+    let n = local.residual.len();
+    let matrix = Mat::from_fn(n + free.len(), free.len(), |row, k| {
+        if row < n {
+            local.jacobian[(row, free[k])]
+        } else if row - n == k {
+            damping.sqrt() * weights[free[k]]
+        } else {
+            0.0
+        }
+    });
+    let right: Vec<f64> = local
+        .residual
+        .iter()
+        .map(|residual| -residual)
+        .chain(free.iter().map(|_| 0.0))
+        .collect();
+    solve(&matrix, &right)
+}
+
+fn moved(point: &[f64], free: &[usize], step: &[f64], bounds: &[Bound]) -> Vec<f64> {
+    let mut moved = point.to_vec();
+    for (&j, step) in free.iter().zip(step) {
+        moved[j] = (point[j] + step).clamp(bounds[j].lower, bounds[j].upper);
+    }
+    moved
+}

@@ -1,0 +1,477 @@
+//! `rod.toml`: what is known of the rig.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+use recording::{Columns, Quantity, ReadOptions};
+use serde::Deserialize;
+use toml::Spanned;
+use wiener::Drive;
+use wiener::thermal::RodParams;
+
+use crate::{Bounds, IdentifyError, ParameterInfo, ParameterState};
+
+/// What a rod file says, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rod {
+    file: String,
+    text: String,
+    /// What drives the rod.
+    pub drive_kind: DriveKind,
+    /// Supply voltage of a duty drive, V.
+    pub supply_v: Option<f64>,
+    /// Length between the contacts, m.
+    pub length_m: Option<f64>,
+    /// Diameter, m.
+    pub diameter_m: Option<f64>,
+    /// Density, kg/m³.
+    pub density_kg_per_m3: Option<f64>,
+    /// Specific heat, J/(kg K).
+    pub specific_heat_j_per_kg_k: Option<f64>,
+    /// Range over which the specific heat is uncertain, J/(kg K).
+    pub specific_heat_range: Option<Bounds>,
+    /// Resistance, Ω/m.
+    pub resistance_ohm_per_m: Option<f64>,
+    /// Temperature of the surroundings, °C.
+    pub ambient_degc: Option<f64>,
+    /// Mechanics, where given.
+    pub load: Option<Load>,
+    /// What the rig stands, for tuning and proposed experiments.
+    pub limits: Limits,
+    /// Which column of a recording is what.
+    pub columns: Columns,
+    /// What the user says of the model's parameters.
+    pub model: Vec<ModelEntry>,
+}
+
+/// What the drive's number means, before its wiring is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DriveKind {
+    /// Current, A.
+    #[default]
+    Current,
+    /// Duty of a PWM supply, 0 to 1.
+    Duty,
+    /// Voltage, V.
+    Voltage,
+    /// Power, W.
+    Power,
+    /// Temperature, °C: static data, the loop's own input.
+    Temperature,
+}
+
+impl DriveKind {
+    /// The quantity of the drive's column.
+    #[must_use]
+    pub fn quantity(self) -> Quantity {
+        match self {
+            DriveKind::Current => Quantity::Current,
+            DriveKind::Duty => Quantity::Duty,
+            DriveKind::Voltage => Quantity::Voltage,
+            DriveKind::Power => Quantity::Power,
+            DriveKind::Temperature => Quantity::Temperature,
+        }
+    }
+}
+
+/// Mechanics of the load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Stiffness of the bias spring, N/mm.
+    pub spring_n_per_mm: Option<f64>,
+    /// Force of the spring at rest, N.
+    pub preload_n: Option<f64>,
+    /// Displacement of the sensor over elongation of the rod.
+    pub lever: Option<f64>,
+}
+
+/// What the rig stands.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Limits {
+    /// Largest drive, in its unit.
+    pub drive_max: Option<f64>,
+    /// Largest temperature, °C.
+    pub temperature_max_degc: Option<f64>,
+    /// Longest run, s.
+    pub duration_s: Option<f64>,
+}
+
+/// What `[model]` says of one parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelEntry {
+    name: String,
+    span: Range<usize>,
+    bounds: Option<Bounds>,
+    fixed: Option<f64>,
+}
+
+// The file as it is written: every number with its place, so that an error can point at it.
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RodFile {
+    rod: RodTable,
+    surroundings: Surroundings,
+    drive: DriveTable,
+    load: Option<LoadTable>,
+    limits: LimitsTable,
+    columns: Columns,
+    model: BTreeMap<Spanned<String>, ModelTable>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RodTable {
+    diameter_mm: Option<Spanned<f64>>,
+    length_mm: Option<Spanned<f64>>,
+    density_kg_per_m3: Option<Spanned<f64>>,
+    specific_heat_j_per_kg_k: Option<Spanned<Uncertain>>,
+    resistance_ohm_per_m: Option<Spanned<f64>>,
+}
+
+/// A number, or one with its range; places stand around the whole, since an untagged value has none
+/// inside.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a number, or { value = number, range = [low, high] }"
+)]
+enum Uncertain {
+    Value(f64),
+    Range(UncertainTable),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct UncertainTable {
+    value: f64,
+    range: [f64; 2],
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct Surroundings {
+    ambient_degc: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct DriveTable {
+    kind: DriveKind,
+    supply_v: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LoadTable {
+    spring_n_per_mm: Option<Spanned<f64>>,
+    preload_n: Option<Spanned<f64>>,
+    lever: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct LimitsTable {
+    drive_max: Option<Spanned<f64>>,
+    temperature_max_degc: Option<Spanned<f64>>,
+    duration_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelTable {
+    bounds: Option<[Spanned<f64>; 2]>,
+    fixed: Option<Spanned<f64>>,
+}
+
+/// Text of a file, to turn places into lines and columns.
+struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    /// Line and column, from 1, of a byte.
+    fn position(&self, byte: usize) -> (usize, usize) {
+        let before = &self.text[..byte.min(self.text.len())];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        (
+            before.matches('\n').count() + 1,
+            before[line_start..].chars().count() + 1,
+        )
+    }
+
+    fn toml(&self, error: &toml::de::Error) -> IdentifyError {
+        let (line, column) = self.position(error.span().map_or(0, |span| span.start));
+        IdentifyError::Toml {
+            file: self.file.to_owned(),
+            line,
+            column,
+            message: error.message().replace('\n', " "),
+        }
+    }
+
+    fn value(&self, key: &str, value: &Spanned<f64>, accepted: impl Into<String>) -> IdentifyError {
+        let (line, column) = self.position(value.span().start);
+        IdentifyError::Value {
+            file: self.file.to_owned(),
+            line,
+            column,
+            key: key.to_owned(),
+            value: *value.get_ref(),
+            accepted: accepted.into(),
+        }
+    }
+
+    fn positive(
+        &self,
+        key: &str,
+        value: &Option<Spanned<f64>>,
+    ) -> Result<Option<f64>, IdentifyError> {
+        match value {
+            None => Ok(None),
+            Some(spanned) if *spanned.get_ref() > 0.0 && spanned.get_ref().is_finite() => {
+                Ok(Some(*spanned.get_ref()))
+            }
+            Some(spanned) => Err(self.value(key, spanned, "must be finite and > 0")),
+        }
+    }
+
+    fn finite(
+        &self,
+        key: &str,
+        value: &Option<Spanned<f64>>,
+    ) -> Result<Option<f64>, IdentifyError> {
+        match value {
+            Some(spanned) if !spanned.get_ref().is_finite() => {
+                Err(self.value(key, spanned, "must be finite"))
+            }
+            other => Ok(other.as_ref().map(|spanned| *spanned.get_ref())),
+        }
+    }
+
+    fn uncertain(
+        &self,
+        key: &str,
+        value: &Option<Spanned<Uncertain>>,
+    ) -> Result<(Option<f64>, Option<Bounds>), IdentifyError> {
+        let Some(spanned) = value else {
+            return Ok((None, None));
+        };
+        let here = |value| Some(Spanned::new(spanned.span(), value));
+        match spanned.get_ref() {
+            Uncertain::Value(value) => Ok((self.positive(key, &here(*value))?, None)),
+            Uncertain::Range(UncertainTable { value, range }) => {
+                self.positive(&format!("{key}.range"), &here(range[0]))?;
+                let range = range.map(|end| Spanned::new(spanned.span(), end));
+                let range = self.rising(&format!("{key}.range"), &range)?;
+                Ok((
+                    self.positive(&format!("{key}.value"), &here(*value))?,
+                    Some(range),
+                ))
+            }
+        }
+    }
+
+    fn rising(&self, key: &str, range: &[Spanned<f64>; 2]) -> Result<Bounds, IdentifyError> {
+        let [lower, upper] = [0, 1].map(|k| *range[k].get_ref());
+        for end in range {
+            if !end.get_ref().is_finite() {
+                return Err(self.value(key, end, "must be finite"));
+            }
+        }
+        if lower < upper {
+            Ok(Bounds { lower, upper })
+        } else {
+            let accepted = format!("must be > {lower}, the lower end");
+            Err(self.value(key, &range[1], accepted))
+        }
+    }
+}
+
+impl Rod {
+    /// Reads a rod file.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Unreadable`], and as [`Rod::parse`].
+    pub fn read(path: &Path) -> Result<Self, IdentifyError> {
+        let file = path.display().to_string();
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::parse(&file, &text),
+            Err(source) => Err(IdentifyError::Unreadable { file, source }),
+        }
+    }
+
+    /// Reads the text of a rod file; `file` is its name for errors.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Toml`] for what is not such a file, [`IdentifyError::Value`] for a value out of
+    /// range, each with line and column.
+    pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
+        let source = Source { file, text };
+        let parsed: RodFile = toml::from_str(text).map_err(|error| source.toml(&error))?;
+        let RodFile {
+            rod,
+            drive,
+            load,
+            limits,
+            ..
+        } = &parsed;
+        let (specific_heat, specific_heat_range) = source.uncertain(
+            "rod.specific_heat_j_per_kg_k",
+            &rod.specific_heat_j_per_kg_k,
+        )?;
+        let mm = |key, value| -> Result<_, IdentifyError> {
+            Ok(source.positive(key, value)?.map(|mm| mm * 1e-3))
+        };
+        let load = match load {
+            None => None,
+            Some(table) => Some(Load {
+                spring_n_per_mm: source.positive("load.spring_n_per_mm", &table.spring_n_per_mm)?,
+                preload_n: source.finite("load.preload_n", &table.preload_n)?,
+                lever: source.positive("load.lever", &table.lever)?,
+            }),
+        };
+        Ok(Self {
+            drive_kind: drive.kind,
+            supply_v: source.positive("drive.supply_v", &drive.supply_v)?,
+            length_m: mm("rod.length_mm", &rod.length_mm)?,
+            diameter_m: mm("rod.diameter_mm", &rod.diameter_mm)?,
+            density_kg_per_m3: source.positive("rod.density_kg_per_m3", &rod.density_kg_per_m3)?,
+            specific_heat_j_per_kg_k: specific_heat,
+            specific_heat_range,
+            resistance_ohm_per_m: source
+                .positive("rod.resistance_ohm_per_m", &rod.resistance_ohm_per_m)?,
+            ambient_degc: source.finite(
+                "surroundings.ambient_degc",
+                &parsed.surroundings.ambient_degc,
+            )?,
+            load,
+            limits: Limits {
+                drive_max: source.positive("limits.drive_max", &limits.drive_max)?,
+                temperature_max_degc: source
+                    .finite("limits.temperature_max_degc", &limits.temperature_max_degc)?,
+                duration_s: source.positive("limits.duration_s", &limits.duration_s)?,
+            },
+            columns: parsed.columns,
+            model: parsed
+                .model
+                .iter()
+                .map(|(name, table)| model_entry(&source, name, table))
+                .collect::<Result<_, _>>()?,
+            file: file.to_owned(),
+            text: text.to_owned(),
+        })
+    }
+
+    /// Name of the file, as errors name it.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// How recordings of this rig are read.
+    #[must_use]
+    pub fn read_options(&self) -> ReadOptions {
+        ReadOptions {
+            columns: self.columns.clone(),
+            ..ReadOptions::new(self.drive_kind.quantity())
+        }
+    }
+
+    /// The drive with its wiring; lengths that do not matter for ratios are 1 m.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Missing`] if a duty drive has no supply voltage.
+    pub fn drive(&self) -> Result<Drive, IdentifyError> {
+        let length_m = self.length_m.unwrap_or(1.0);
+        match (self.drive_kind, self.supply_v) {
+            (DriveKind::Current, _) => Ok(Drive::Current),
+            (DriveKind::Duty, Some(supply_v)) => Ok(Drive::Duty { supply_v, length_m }),
+            (DriveKind::Duty, None) => Err(IdentifyError::Missing {
+                file: self.file.clone(),
+                key: "drive.supply_v",
+                why: "a duty says how long the supply is on, not how strong it is",
+            }),
+            (DriveKind::Voltage, _) => Ok(Drive::Voltage { length_m }),
+            (DriveKind::Power, _) => Ok(Drive::Power { length_m }),
+            (DriveKind::Temperature, _) => Err(IdentifyError::Missing {
+                file: self.file.clone(),
+                key: "drive.kind",
+                why: "a heat balance needs what heats the rod: current, duty, voltage or power",
+            }),
+        }
+    }
+
+    /// Geometry and material with a convective coefficient of 1 W/(m² K), if all that decides the
+    /// temperature is known: heat capacity and resistance per meter, and the length unless current
+    /// drives the rod.
+    #[must_use]
+    pub fn material(&self) -> Option<RodParams> {
+        if self.drive_kind != DriveKind::Current {
+            self.length_m?;
+        }
+        Some(RodParams {
+            diameter_m: self.diameter_m?,
+            density_kg_per_m3: self.density_kg_per_m3?,
+            specific_heat_j_per_kg_k: self.specific_heat_j_per_kg_k?,
+            resistance_ohm_per_m: self.resistance_ohm_per_m?,
+            convective_coefficient_w_per_m2_k: 1.0,
+        })
+    }
+
+    /// Puts what `[model]` says into the parameters of a model.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::UnknownParameter`].
+    pub(crate) fn apply_model(&self, infos: &mut [ParameterInfo]) -> Result<(), IdentifyError> {
+        for entry in &self.model {
+            let names: Vec<&str> = infos.iter().map(|info| info.name).collect();
+            let Some(k) = names.iter().position(|&name| name == entry.name) else {
+                let source = Source {
+                    file: &self.file,
+                    text: &self.text,
+                };
+                let (line, column) = source.position(entry.span.start);
+                return Err(IdentifyError::UnknownParameter {
+                    file: self.file.clone(),
+                    line,
+                    column,
+                    name: entry.name.clone(),
+                    known: names.join(", "),
+                });
+            };
+            if let Some(bounds) = entry.bounds {
+                infos[k].bounds = bounds;
+                infos[k].state = ParameterState::Free;
+            }
+            if let Some(value) = entry.fixed {
+                infos[k].state = ParameterState::Fixed(value);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn model_entry(
+    source: &Source<'_>,
+    name: &Spanned<String>,
+    table: &ModelTable,
+) -> Result<ModelEntry, IdentifyError> {
+    let key = format!("model.{}", name.get_ref());
+    Ok(ModelEntry {
+        name: name.get_ref().clone(),
+        span: name.span(),
+        bounds: match &table.bounds {
+            None => None,
+            Some(bounds) => Some(source.rising(&format!("{key}.bounds"), bounds)?),
+        },
+        fixed: source.finite(&format!("{key}.fixed"), &table.fixed)?,
+    })
+}

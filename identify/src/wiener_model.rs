@@ -1,0 +1,315 @@
+//! The Wiener cascade as a model to be fitted.
+
+use recording::{Recording, Sampling};
+use wiener::hysteresis::{LoopParams, Rule};
+use wiener::thermal::HeatBalanceParams;
+use wiener::{Block, Drive, Ensemble, Member, Profile, Start, WienerParams};
+
+use crate::{
+    Bounds, Enters, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale, Scope,
+};
+
+/// Steady rise at the largest drive that is assumed where nothing fixes the scale of temperature, K.
+///
+/// Displacement and drive alone leave that scale open (all temperature differences times any factor
+/// give the same output); only ratios of temperature differences mean anything then.
+const ASSUMED_RISE_K: f64 = 100.0;
+
+/// Range of the loop's widths, K: from a fraction of a kelvin to the widest alloys known.
+const WIDTHS_K: Bounds = Bounds {
+    lower: 0.3,
+    upper: 60.0,
+};
+
+/// The plain Wiener model of a rig, with the parameters that its rod file leaves open.
+#[derive(Debug, Clone)]
+pub struct WienerModel {
+    drive: Drive,
+    rule: Rule,
+    heat: Heat,
+    ambient_degc: Option<f64>,
+    parameters: Vec<ParameterInfo>,
+}
+
+/// What is known of the heat balance apart from its time constant.
+#[derive(Debug, Clone, Copy)]
+enum Heat {
+    /// Heat capacity and resistance: the time constant decides all.
+    Known {
+        heat_capacity_j_per_m_k: f64,
+        resistance_ohm_per_m: f64,
+    },
+    /// Neither: the steady rise per unit of drive stands beside the time constant. At 1 Ω/m a drive of
+    /// one unit heats with this power, W/m.
+    Constants { unit_power_w_per_m: f64 },
+}
+
+// Order of the parameters in a point.
+const TAU: usize = 0;
+const CENTER: usize = 1;
+const HALF_WIDTH: usize = 2;
+const SPREAD: usize = 3;
+const ZETA: usize = 4;
+const RISE: usize = 7;
+
+impl WienerModel {
+    /// The model of a rig, with bounds wide enough for the given training recordings.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError`] for recordings without time or in different units, a missing ambient
+    /// temperature or supply, and what `[model]` says of parameters that do not exist.
+    pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
+        let first = training.first().ok_or(IdentifyError::NoRecordings)?;
+        for recording in training {
+            if recording.output_unit() != first.output_unit() {
+                return Err(IdentifyError::Units {
+                    recording: recording.name().to_owned(),
+                    found: recording.output_unit().to_owned(),
+                    first: first.name().to_owned(),
+                    expected: first.output_unit().to_owned(),
+                });
+            }
+            recording.check_identifiable()?;
+        }
+        let ambient_degc = match (rod.ambient_degc, first.ambient_degc()) {
+            (Some(ambient_degc), _) => ambient_degc,
+            (None, Some(recorded)) => recorded[0],
+            (None, None) => {
+                return Err(IdentifyError::Missing {
+                    file: rod.file().to_owned(),
+                    key: "surroundings.ambient_degc",
+                    why: "no recording has a column for it either",
+                });
+            }
+        };
+        let drive = rod.drive()?;
+        let heat = match rod.material() {
+            None => Heat::Constants {
+                unit_power_w_per_m: drive.power_w_per_m([1.0], [1.0])[0],
+            },
+            Some(material) => {
+                let heat = material.heat_balance().map_err(wiener::WienerError::from)?;
+                Heat::Known {
+                    heat_capacity_j_per_m_k: heat.heat_capacity_j_per_m_k,
+                    resistance_ohm_per_m: heat.resistance_ohm_per_m,
+                }
+            }
+        };
+        let mut parameters =
+            parameters(first.output_unit(), ambient_degc, shortest_tau_s(training)?);
+        if let Heat::Constants { unit_power_w_per_m } = heat {
+            parameters.push(rise(drive, unit_power_w_per_m, training));
+        }
+        rod.apply_model(&mut parameters)?;
+        Ok(Self {
+            drive,
+            rule,
+            heat,
+            ambient_degc: rod.ambient_degc,
+            parameters,
+        })
+    }
+
+    /// Whether temperatures are in kelvins, or only ratios of their differences mean anything.
+    #[must_use]
+    pub fn knows_temperature(&self) -> bool {
+        matches!(self.heat, Heat::Known { .. })
+    }
+
+    /// The model's parameters for one point; gain 1 and offset 0 unless the point has them.
+    #[must_use]
+    pub fn wiener_params(&self, point: &[f64]) -> WienerParams {
+        let heat = match self.heat {
+            Heat::Known {
+                heat_capacity_j_per_m_k,
+                resistance_ohm_per_m,
+            } => HeatBalanceParams {
+                heat_capacity_j_per_m_k,
+                conductance_w_per_m_k: heat_capacity_j_per_m_k / point[TAU],
+                resistance_ohm_per_m,
+            },
+            Heat::Constants { unit_power_w_per_m } => {
+                let conductance_w_per_m_k = unit_power_w_per_m / point[RISE];
+                HeatBalanceParams {
+                    heat_capacity_j_per_m_k: point[TAU] * conductance_w_per_m_k,
+                    conductance_w_per_m_k,
+                    resistance_ohm_per_m: 1.0,
+                }
+            }
+        };
+        WienerParams {
+            heat,
+            limiting_loop: LoopParams {
+                loop_center_degc: point[CENTER],
+                loop_half_width_k: point[HALF_WIDTH],
+                loop_spread_k: point[SPREAD],
+                ..LoopParams::default()
+            },
+            zeta: point[ZETA],
+            gain: point[ZETA + 1],
+            offset: point[ZETA + 2],
+        }
+    }
+
+    fn profile<'a>(&self, recording: &'a Recording) -> Result<Profile<'a>, IdentifyError> {
+        let untimed = || IdentifyError::Untimed {
+            recording: recording.name().to_owned(),
+        };
+        let recorded = recording.ambient_degc();
+        let ambient_degc = match (self.ambient_degc, recorded) {
+            (_, Some(recorded)) => recorded[0],
+            (Some(ambient_degc), None) => ambient_degc,
+            (None, None) => {
+                return Err(IdentifyError::Missing {
+                    file: recording.name().to_owned(),
+                    key: "ambient_degc",
+                    why: "the rod file does not give it either",
+                });
+            }
+        };
+        let profile = match recording.sampling() {
+            Sampling::Uniform { dt_s } => Profile::uniform(recording.drive(), dt_s, ambient_degc)?,
+            Sampling::Jittered { .. } => {
+                Profile::timed(recording.drive(), recording.time_s(), ambient_degc)?
+            }
+            Sampling::Untimed => return Err(untimed()),
+        };
+        Ok(match recorded {
+            Some(recorded) => profile.with_ambient(recorded)?,
+            None => profile,
+        })
+    }
+}
+
+impl ForwardModel for WienerModel {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let profile = self.profile(recording)?;
+        let members: Vec<Member> = points
+            .iter()
+            .map(|point| Member {
+                params: self.wiener_params(point),
+                start: Start::rest(profile.first_ambient_degc()),
+            })
+            .collect();
+        let ensemble = Ensemble {
+            drive: self.drive,
+            rule: self.rule,
+        };
+        Ok(ensemble.run(&members, &profile, visit)?)
+    }
+}
+
+fn parameters(output_unit: &str, ambient_degc: f64, shortest_tau_s: f64) -> Vec<ParameterInfo> {
+    let nonlinear = |name, unit: &str, scale, bounds| ParameterInfo {
+        name,
+        unit: unit.to_owned(),
+        bounds,
+        scale,
+        scope: Scope::Shared,
+        enters: Enters::Nonlinear,
+        state: ParameterState::Free,
+    };
+    let linear = |name, scope, enters| ParameterInfo {
+        name,
+        unit: output_unit.to_owned(),
+        bounds: Bounds {
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+        },
+        scale: Scale::Linear,
+        scope,
+        enters,
+        state: ParameterState::Free,
+    };
+    vec![
+        nonlinear(
+            "tau_s",
+            "s",
+            Scale::Logarithmic,
+            Bounds {
+                lower: shortest_tau_s,
+                upper: 1000.0 * shortest_tau_s,
+            },
+        ),
+        nonlinear(
+            "loop_center_degc",
+            "°C",
+            Scale::Linear,
+            // From a loop whose cooling branch ends at ambient to the hottest alloys in use.
+            Bounds {
+                lower: ambient_degc,
+                upper: ambient_degc + 150.0,
+            },
+        ),
+        nonlinear("loop_half_width_k", "K", Scale::Logarithmic, WIDTHS_K),
+        nonlinear("loop_spread_k", "K", Scale::Logarithmic, WIDTHS_K),
+        nonlinear(
+            "zeta",
+            "1",
+            Scale::Linear,
+            Bounds {
+                lower: 0.05,
+                upper: 1.0,
+            },
+        ),
+        linear("gain", Scope::Shared, Enters::Gain),
+        linear("offset", Scope::PerRecording, Enters::Offset),
+    ]
+}
+
+/// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of
+/// the training data heats by [`ASSUMED_RISE_K`] in the end.
+fn rise(drive: Drive, unit_power_w_per_m: f64, training: &[Recording]) -> ParameterInfo {
+    let largest = training
+        .iter()
+        .flat_map(Recording::drive)
+        .fold(0.0_f64, |largest, drive| largest.max(drive.abs()));
+    let [power_w_per_m] = drive.power_w_per_m([largest], [1.0]);
+    let value = ASSUMED_RISE_K * unit_power_w_per_m / power_w_per_m;
+    let (name, unit) = match drive {
+        Drive::Current => ("lambda_k_per_a2", "K/A²"),
+        Drive::Duty { .. } => ("rise_k_per_duty", "K"),
+        Drive::Voltage { .. } => ("rise_k_per_v2", "K/V²"),
+        Drive::Power { .. } => ("rise_k_per_w", "K/W"),
+    };
+    ParameterInfo {
+        name,
+        unit: unit.to_owned(),
+        bounds: Bounds {
+            lower: 1e-3 * value,
+            upper: 1e3 * value,
+        },
+        scale: Scale::Logarithmic,
+        scope: Scope::Shared,
+        enters: Enters::Nonlinear,
+        state: ParameterState::Fixed(value),
+    }
+}
+
+/// Shortest time constant worth looking for, s: that of the finest sampling.
+fn shortest_tau_s(training: &[Recording]) -> Result<f64, IdentifyError> {
+    let mut shortest = f64::INFINITY;
+    for recording in training {
+        let dt_s = match recording.sampling() {
+            Sampling::Uniform { dt_s } => dt_s,
+            Sampling::Jittered { median_dt_s, .. } => median_dt_s,
+            Sampling::Untimed => {
+                return Err(IdentifyError::Untimed {
+                    recording: recording.name().to_owned(),
+                });
+            }
+        };
+        shortest = shortest.min(dt_s);
+    }
+    Ok(shortest)
+}

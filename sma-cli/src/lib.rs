@@ -1,1 +1,0 @@
-//! Identify, tune and diagnose shape-memory-alloy actuators

@@ -1,0 +1,32 @@
+//! `sma`: identify shape-memory-alloy actuators from recordings. The program's help says how.
+
+mod commands;
+mod outcome;
+mod report;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use commands::identify::IdentifyArgs;
+
+/// Identify the model of a shape-memory-alloy actuator from recordings of drive and displacement.
+#[derive(Debug, Parser)]
+#[command(name = "sma", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    Identify(IdentifyArgs),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        Command::Identify(args) => commands::identify::run(args),
+    };
+    outcome::report(result)
+}

@@ -1,0 +1,4 @@
+//! What the commands say: text for people, JSON for programs.
+
+pub(crate) mod identified;
+mod number;
