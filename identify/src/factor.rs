@@ -59,3 +59,36 @@ pub(crate) fn solve(matrix: &Mat<f64>, right: &[f64]) -> Vec<f64> {
     Qr::new(matrix.as_ref()).solve_lstsq_in_place_with_conj(faer::Conj::No, solution.as_mut());
     (0..matrix.ncols()).map(|row| solution[(row, 0)]).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_row_by_row_has_the_factor_of_the_whole() {
+        // More rows than one absorption takes; RᵀR = AᵀA whatever the order of the rows.
+        let value = |row: usize, column: usize| ((row * 7 + column * 13) as f64).sin();
+        let n_rows = 3 * ROWS + 17;
+        let mut triangle = Triangle::new(4);
+        for row in 0..n_rows {
+            triangle.push(|column| value(row, column));
+        }
+        let r = triangle.r();
+        for i in 0..4 {
+            for j in 0..4 {
+                let whole: f64 = (0..n_rows).map(|row| value(row, i) * value(row, j)).sum();
+                let factored: f64 = (0..4).map(|k| r[(k, i)] * r[(k, j)]).sum();
+                assert!((whole - factored).abs() < 1e-10 * n_rows as f64);
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_system_is_solved() {
+        let matrix = Mat::from_fn(3, 2, |row, column| {
+            [[1.0, 0.0], [0.0, 2.0], [0.0, 0.0]][row][column]
+        });
+        let solution = solve(&matrix, &[3.0, 4.0, 9.0]);
+        assert!((solution[0] - 3.0).abs() < 1e-14 && (solution[1] - 2.0).abs() < 1e-14);
+    }
+}

@@ -35,6 +35,8 @@ pub enum Termination {
         /// Relative offset reached.
         relative_offset: f64,
     },
+    /// The residual is rounding: the data are met exactly.
+    Exact,
     /// No step lowers the cost any more, at a relative offset above the limit: a minimum with a
     /// corner, or one as sharp as rounding allows.
     NoFurtherStep {
@@ -52,10 +54,12 @@ impl Termination {
     /// Whether the result may be called a minimum: the relative offset is below 1e-3.
     #[must_use]
     pub fn is_minimum(&self) -> bool {
-        let (Self::Converged { relative_offset }
-        | Self::NoFurtherStep { relative_offset }
-        | Self::Iterations { relative_offset }) = self;
-        *relative_offset < 1e-3
+        match self {
+            Self::Exact => true,
+            Self::Converged { relative_offset }
+            | Self::NoFurtherStep { relative_offset }
+            | Self::Iterations { relative_offset } => *relative_offset < 1e-3,
+        }
     }
 }
 
@@ -72,6 +76,8 @@ pub(crate) struct Linearized {
 
 /// A sum of squares to be minimized.
 pub(crate) trait SumOfSquares {
+    /// Sum of squares that is rounding and nothing else.
+    fn rounding(&self) -> f64;
     fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError>;
     fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError>;
 }
@@ -85,7 +91,7 @@ pub(crate) struct Minimum {
 }
 
 /// Damping factors tried at once around the last good one: they share one run of the lanes.
-const DAMPING_TRIALS: [f64; 8] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 1e2, 1e3];
+const DAMPING_TRIALS: [f64; 8] = [1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 30.0, 1e3];
 
 /// Minimizes from `start` within `bounds`.
 ///
@@ -116,6 +122,9 @@ pub(crate) fn minimize(
             termination,
             iterations: iteration,
         };
+        if local.sum_of_squares <= problem.rounding() {
+            return Ok(minimum(point, local.sum_of_squares, Termination::Exact));
+        }
         if relative_offset <= config.relative_offset {
             let termination = Termination::Converged { relative_offset };
             return Ok(minimum(point, local.sum_of_squares, termination));
@@ -215,4 +224,95 @@ fn moved(point: &[f64], free: &[usize], step: &[f64], bounds: &[Bound]) -> Vec<f
         moved[j] = (point[j] + step).clamp(bounds[j].lower, bounds[j].upper);
     }
     moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::factor::Triangle;
+
+    /// Rosenbrock's valley as a sum of squares: r = (10 (y - x²), 1 - x), minimum 0 at (1, 1), plus a
+    /// constant residual that no parameter explains.
+    struct Valley;
+
+    const UNEXPLAINED: f64 = 0.25;
+
+    impl SumOfSquares for Valley {
+        fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
+            let rows = [
+                [
+                    -20.0 * point[0],
+                    10.0,
+                    10.0 * (point[1] - point[0] * point[0]),
+                ],
+                [-1.0, 0.0, 1.0 - point[0]],
+                [0.0, 0.0, UNEXPLAINED],
+            ];
+            let mut triangle = Triangle::new(3);
+            for row in &rows {
+                triangle.push(|column| row[column]);
+            }
+            let r = triangle.r();
+            Ok(Linearized {
+                jacobian: r.get(..2, ..2).to_owned(),
+                residual: vec![r[(0, 2)], r[(1, 2)]],
+                sum_of_squares: rows.iter().map(|row| row[2] * row[2]).sum(),
+            })
+        }
+
+        fn rounding(&self) -> f64 {
+            0.0
+        }
+
+        fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
+            points
+                .iter()
+                .map(|point| Ok(self.linearize(point)?.sum_of_squares))
+                .collect()
+        }
+    }
+
+    fn end(bounds: [Bound; 2], start: [f64; 2]) -> Minimum {
+        // A valley so curved wants many steps.
+        let config = LeastSquaresConfig {
+            iterations: 200,
+            ..LeastSquaresConfig::default()
+        };
+        minimize(&Valley, &bounds, &start, &config).unwrap()
+    }
+
+    const WIDE: Bound = Bound {
+        lower: -10.0,
+        upper: 10.0,
+    };
+
+    #[test]
+    fn the_valley_is_followed_to_its_end() {
+        for start in [[-1.2, 1.0], [5.0, -7.0], [-10.0, 10.0]] {
+            let minimum = end([WIDE, WIDE], start);
+            assert!(
+                minimum.termination.is_minimum(),
+                "{:?}",
+                minimum.termination
+            );
+            assert!((minimum.point[0] - 1.0).abs() < 1e-4 && (minimum.point[1] - 1.0).abs() < 1e-4);
+            assert!((minimum.sum_of_squares - UNEXPLAINED * UNEXPLAINED).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn a_bound_in_the_way_is_where_it_ends() {
+        // With x ≤ ½ the valley's floor is y = x² = ¼ there.
+        let bounds = [
+            Bound {
+                lower: -10.0,
+                upper: 0.5,
+            },
+            WIDE,
+        ];
+        let minimum = end(bounds, [-1.2, 1.0]);
+        assert!(minimum.termination.is_minimum());
+        assert_eq!(minimum.point[0].to_bits(), 0.5_f64.to_bits());
+        assert!((minimum.point[1] - 0.25).abs() < 1e-6);
+    }
 }

@@ -323,6 +323,11 @@ impl<M: ForwardModel> SumOfSquares for Problem<'_, M> {
         })
     }
 
+    /// The moments' products cancel to some 1e-16 of the spread; a hundred times that is safe.
+    fn rounding(&self) -> f64 {
+        1e-14 * self.spread()
+    }
+
     fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
         Ok(self
             .solve(points)?

@@ -1,5 +1,7 @@
 //! The text of every error.
 
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
 use sma_hysteresis::{
     Branch, ExponentialProximity, Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity,
 };

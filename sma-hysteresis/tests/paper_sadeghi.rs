@@ -1,5 +1,7 @@
 //! Eqs 4-12 of [Sadeghi], each by a second route, with the misprint that was corrected.
 
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
 mod common;
 
 use std::f64::consts::{FRAC_PI_2, PI};

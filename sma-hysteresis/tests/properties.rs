@@ -1,5 +1,7 @@
 //! Laws of the operator, over random materials and paths.
 
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
 mod common;
 
 use common::{material, walk};

@@ -22,7 +22,7 @@ pub enum ThermalError {
     },
     /// A temperature that is too low to be reached in time: current only heats.
     #[error(
-        "{to_degc} °C within {within_s} s: the rod cannot cool that fast; without any current it is still at {coolest_degc} °C then, so ask for at least that or allow more time"
+        "{to_degc} °C within {within_s} s: the rod cannot cool that fast; without any current it is still at {coolest_degc} °C then, so ask for at least that or change the time allowed"
     )]
     CannotCool {
         /// Temperature asked for, °C.

@@ -131,7 +131,8 @@ impl<const L: usize> HeatBalance<L> {
         self.resistance_ohm_per_m
     }
 
-    /// Prepares a sample of `dt_s` ≥ 0 seconds; 0 leaves every temperature as it is, `NaN` gives `NaN`.
+    /// Prepares a sample of `dt_s` ≥ 0 seconds; 0 leaves every temperature as it
+    /// is, up to rounding; `NaN` gives `NaN`.
     #[must_use]
     pub fn over(&self, dt_s: f64) -> Sample<L> {
         Sample {

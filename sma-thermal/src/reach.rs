@@ -25,8 +25,8 @@ impl HeatBalance<1> {
     ///
     /// # Errors
     ///
-    /// A negative radicand: [`ThermalError::CannotCool`], or [`ThermalError::BelowAmbient`] where more
-    /// time would not help. [`ThermalError::NotFinite`] for a temperature, [`ThermalError::NotPositive`]
+    /// A negative radicand: [`ThermalError::CannotCool`], or [`ThermalError::BelowAmbient`] where no
+    /// other time would help. [`ThermalError::NotFinite`] for a temperature, [`ThermalError::NotPositive`]
     /// for the time.
     pub fn current_to_reach_a(&self, reach: &Reach) -> Result<f64, ThermalError> {
         let from_degc = finite_degc("from_degc", reach.from_degc)?;
@@ -37,7 +37,7 @@ impl HeatBalance<1> {
         let retained = libm::exp(-within_s / tau_s);
         let coolest_degc = ambient_degc + (from_degc - ambient_degc) * retained;
         if to_degc < coolest_degc {
-            return Err(if to_degc < ambient_degc && from_degc >= ambient_degc {
+            return Err(if to_degc < ambient_degc && to_degc <= from_degc {
                 ThermalError::BelowAmbient {
                     to_degc,
                     ambient_degc,
