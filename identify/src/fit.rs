@@ -159,12 +159,17 @@ pub fn fit<M: ForwardModel>(
         unreachable!("one point gives one solution");
     };
     let lowest = minimum.sum_of_squares;
-    let spread: f64 = problem.spread();
+    let recordings = trained_recordings(&problem, training, &minimum.point, &solved)?;
+    // Summed from the residuals: near an exact fit the search's own sum is rounding.
+    let sum: f64 = recordings
+        .iter()
+        .map(|one| one.rmse * one.rmse * one.n_samples as f64)
+        .sum();
     Ok(Fit {
         parameters: fitted_parameters(&problem, &minimum.point, &solved),
-        train_rmse: (lowest / n).sqrt(),
-        fit_fraction: 1.0 - (lowest / spread).sqrt(),
-        recordings: trained_recordings(&problem, training, &minimum.point, &solved)?,
+        train_rmse: (sum / n).sqrt(),
+        fit_fraction: 1.0 - (sum / problem.spread()).sqrt(),
+        recordings,
         termination: minimum.termination,
         agreeing_starts: ends.iter().filter(|&&end| end <= 1.01 * lowest).count() as u64,
         starts: ends.len() as u64,

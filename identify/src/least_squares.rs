@@ -12,7 +12,7 @@ pub struct LeastSquaresConfig {
     /// Most iterations; each costs one Jacobian and one batch of trial steps.
     pub iterations: usize,
     /// Relative offset below which the search has converged: the share of the residual that the
-    /// parameters could still explain, as a ratio of norms ([BatesWatts1981]).
+    /// parameters could still explain, as a ratio of norms ([Bates1981]).
     pub relative_offset: f64,
 }
 

@@ -71,14 +71,14 @@ impl ParameterInfo {
         self.enters == Enters::Nonlinear && self.state == ParameterState::Free
     }
 
-    fn to_search(&self, value: f64) -> f64 {
+    fn coordinate_of(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value,
             Scale::Logarithmic => value.ln(),
         }
     }
 
-    fn from_search(&self, coordinate: f64) -> f64 {
+    fn value_at(&self, coordinate: f64) -> f64 {
         let value = match self.scale {
             Scale::Linear => coordinate,
             Scale::Logarithmic => coordinate.exp(),
@@ -143,8 +143,8 @@ impl ParameterVector {
             .map(|coordinate| {
                 let info = &self.infos[self.parameter(coordinate)];
                 Bound {
-                    lower: info.to_search(info.bounds.lower),
-                    upper: info.to_search(info.bounds.upper),
+                    lower: info.coordinate_of(info.bounds.lower),
+                    upper: info.coordinate_of(info.bounds.upper),
                 }
             })
             .collect()
@@ -182,7 +182,7 @@ impl ParameterVector {
             .collect();
         for coordinate in self.acting_on(recording) {
             let parameter = self.parameter(coordinate);
-            values[parameter] = self.infos[parameter].from_search(coordinates[coordinate]);
+            values[parameter] = self.infos[parameter].value_at(coordinates[coordinate]);
         }
         values
     }

@@ -1,5 +1,10 @@
 //! The measured recordings of a Flexinol wire against a bias spring, where they are present.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "tests fail by panicking, in their helpers too"
+)]
+
 use identify::{FitConfig, Rod, WienerModel, fit, validate};
 use recording::read_csv;
 use wiener::hysteresis::Rule;

@@ -1,5 +1,10 @@
 //! A fit of generated recordings returns what generated them.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "tests fail by panicking, in their helpers too"
+)]
+
 mod common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles};

@@ -1,5 +1,10 @@
 //! What `rod.toml` may say, and the text of every error where it says something else.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "tests fail by panicking, in their helpers too"
+)]
+
 mod common;
 
 use common::{ROD, recording, rod, steps};

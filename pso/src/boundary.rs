@@ -3,7 +3,7 @@ use crate::bound::Bound;
 /// What happens to one coordinate of a particle that would leave its bounds.
 ///
 /// The other coordinates of the particle are left alone. The names and an experimental comparison
-/// are in [`HelwigEtAl2013`](crate#references).
+/// are in [`Helwig2013`](crate#references).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Boundary {
     /// Position: on the bound. Velocity: zero.

@@ -37,7 +37,7 @@ pub struct SwarmConfig {
 
 impl SwarmConfig {
     /// The setting to take unless there is a reason for another: 50 particles, weights of SPSO-2011
-    /// ([`Weights::spso_2011`]), speed at most half the range [`EberhartShi2000`](crate#references),
+    /// ([`Weights::spso_2011`]), speed at most half the range [`Eberhart2000`](crate#references),
     /// velocity zeroed at the bound and everybody informed as in the standard swarms of 2006 and 2007
     /// [`Clerc2012`](crate#references), Latin-hypercube starts.
     ///
@@ -95,7 +95,7 @@ impl SwarmConfig {
     }
 
     /// The controller-tuning setting of [`Sadeghi`](crate#references): 50 particles, constriction
-    /// [`ClercKennedy2002`](crate#references) with φ1 = φ2 = 2.05, hence w = 0.7298 and
+    /// [`Clerc2002`](crate#references) with φ1 = φ2 = 2.05, hence w = 0.7298 and
     /// c1 = c2 = 1.4962; the paper runs 150 iterations.
     ///
     /// It is order-2 stable (c1 + c2 = 2.99 < 24 (1 − w²)/(7 − 5w) = 3.35) and needs no velocity limit.

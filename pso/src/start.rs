@@ -18,7 +18,7 @@ use rand::Rng;
 pub enum Start {
     /// Every coordinate uniform in its range.
     Uniform,
-    /// Latin hypercube [`McKayEtAl1979`](crate#references): each range is cut into as many strata as
+    /// Latin hypercube [`McKay1979`](crate#references): each range is cut into as many strata as
     /// there are particles, and each stratum holds one particle.
     LatinHypercube,
     /// The first particles start at these points, for example at an earlier result; the others as in

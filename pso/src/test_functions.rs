@@ -1,7 +1,7 @@
 //! Published functions with known minima, for tests and tables.
 //!
 //! All have the minimum 0, at the origin or, for Rosenbrock, at (1, …, 1). Domains are those of
-//! [`BrattonKennedy2007`](crate#references). Thresholds of success are those of
+//! [`Bratton2007`](crate#references). Thresholds of success are those of
 //! [`Trelea2003`](crate#references), set for 30 dimensions and mild in 10; he has none for Ackley,
 //! which takes that of the sphere.
 

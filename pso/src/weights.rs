@@ -6,7 +6,7 @@ use crate::error::{not_negative, positive};
 pub enum Inertia {
     /// The same in every move; finite, >= 0.
     Constant(f64),
-    /// Falls (or rises) along a line [`ShiEberhart1998`](crate#references).
+    /// Falls (or rises) along a line [`Shi1998`](crate#references).
     ///
     /// ```text
     /// w_k = first + (last − first) min(k, iterations) / iterations,   k = 0, 1, … (moves)
@@ -120,7 +120,7 @@ pub struct ConstrictionParams {
 }
 
 impl Weights {
-    /// Constriction coefficient [`ClercKennedy2002`](crate#references), with κ = 1.
+    /// Constriction coefficient [`Clerc2002`](crate#references), with κ = 1.
     ///
     /// ```text
     /// χ = 2 / |2 − φ − √(φ² − 4φ)|,   φ = φ1 + φ2

@@ -24,7 +24,7 @@ const NOISE_MM: f64 = 0.005;
 const CONVERTER_STEP_MM: f64 = 5.0 / 4096.0;
 
 /// What the rod really is.
-pub fn truth() -> Result<WienerParams, Box<dyn Error>> {
+pub(crate) fn truth() -> Result<WienerParams, Box<dyn Error>> {
     let rod = RodParams {
         diameter_m: 1.2e-3,
         density_kg_per_m3: 6450.0,
@@ -53,7 +53,10 @@ fn current(corners: &[(f64, f64)]) -> Vec<f64> {
     (0..samples)
         .map(|k| {
             let time_s = k as f64 * DT_S;
-            let next = corners.iter().position(|corner| corner.0 > time_s).unwrap_or(corners.len() - 1);
+            let next = corners
+                .iter()
+                .position(|corner| corner.0 > time_s)
+                .unwrap_or(corners.len() - 1);
             let ((t0, i0), (t1, i1)) = (corners[next - 1], corners[next]);
             let exact = i0 + (i1 - i0) * (time_s - t0) / (t1 - t0);
             // A supply set in steps of 1 mA.
@@ -65,18 +68,48 @@ fn current(corners: &[(f64, f64)]) -> Vec<f64> {
 /// Slow ramps, fast ones, steps, and minor loops.
 fn training_current() -> Vec<f64> {
     current(&[
-        (0.0, 0.0), (10.0, 0.0), (70.0, 5.4), (90.0, 5.4), (150.0, 0.0), (170.0, 0.0), (170.1, 5.0),
-        (210.0, 5.0), (210.1, 2.5), (240.0, 2.5), (255.0, 5.2), (275.0, 3.6), (290.0, 4.7), (305.0, 3.9),
-        (325.0, 4.9), (325.1, 0.0), (400.0, 0.0),
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (70.0, 5.4),
+        (90.0, 5.4),
+        (150.0, 0.0),
+        (170.0, 0.0),
+        (170.1, 5.0),
+        (210.0, 5.0),
+        (210.1, 2.5),
+        (240.0, 2.5),
+        (255.0, 5.2),
+        (275.0, 3.6),
+        (290.0, 4.7),
+        (305.0, 3.9),
+        (325.0, 4.9),
+        (325.1, 0.0),
+        (400.0, 0.0),
     ])
 }
 
 /// A staircase and a sawtooth, neither of them in the training data.
 fn validation_current() -> Vec<f64> {
     current(&[
-        (0.0, 0.0), (10.0, 0.0), (10.1, 3.5), (45.0, 3.5), (45.1, 4.4), (80.0, 4.4), (80.1, 5.2),
-        (110.0, 5.2), (110.1, 4.0), (150.0, 4.0), (150.1, 0.0), (190.0, 0.0), (215.0, 5.5), (215.1, 3.0),
-        (240.0, 5.0), (240.1, 3.4), (260.0, 4.6), (260.1, 0.0), (320.0, 0.0),
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (10.1, 3.5),
+        (45.0, 3.5),
+        (45.1, 4.4),
+        (80.0, 4.4),
+        (80.1, 5.2),
+        (110.0, 5.2),
+        (110.1, 4.0),
+        (150.0, 4.0),
+        (150.1, 0.0),
+        (190.0, 0.0),
+        (215.0, 5.5),
+        (215.1, 3.0),
+        (240.0, 5.0),
+        (240.1, 3.4),
+        (260.0, 4.6),
+        (260.1, 0.0),
+        (320.0, 0.0),
     ])
 }
 
@@ -99,27 +132,38 @@ fn csv(name: &str, drive: Vec<f64>, seed: u64) -> Result<Vec<u8>, Box<dyn Error>
     }
     let recording = Recording::new(RecordingParts {
         name: name.to_owned(),
-        time_s: Some((0..drive.len()).map(|k| (k as f64 * DT_S * 10.0).round() / 10.0).collect()),
+        time_s: Some(
+            (0..drive.len())
+                .map(|k| (k as f64 * DT_S * 10.0).round() / 10.0)
+                .collect(),
+        ),
         drive_quantity: Quantity::Current,
         drive,
         output_unit: "mm".to_owned(),
         output,
         ..RecordingParts::default()
     })?;
-    let mut bytes = b"# Generated, not measured: cargo run -p sma-cli --example generate_recording\n".to_vec();
+    let mut bytes =
+        b"# Generated, not measured: cargo run -p sma-cli --example generate_recording\n".to_vec();
     write_csv(&recording, &mut bytes)?;
     Ok(bytes)
 }
 
 /// The bundled recordings: file name and content.
-pub fn files() -> Result<[(&'static str, Vec<u8>); 2], Box<dyn Error>> {
+pub(crate) fn files() -> Result<[(&'static str, Vec<u8>); 2], Box<dyn Error>> {
     Ok([
         ("train.csv", csv("train.csv", training_current(), 1)?),
-        ("validate.csv", csv("validate.csv", validation_current(), 2)?),
+        (
+            "validate.csv",
+            csv("validate.csv", validation_current(), 2)?,
+        ),
     ])
 }
 
-#[allow(dead_code, reason = "the test that includes this file has its own main")]
+#[allow(
+    dead_code,
+    reason = "the test that includes this file has its own main"
+)]
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("bundled");
     for (name, bytes) in files()? {

@@ -28,5 +28,5 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Identify(args) => commands::identify::run(args),
     };
-    outcome::report(result)
+    outcome::report(&result)
 }

@@ -16,28 +16,31 @@ pub(crate) enum Outcome {
     NotConverged,
 }
 
-/// Exit code of bad input.
+const DONE: u8 = 0;
+const FAILED: u8 = 1;
 const BAD_INPUT: u8 = 3;
-/// Exit code of a search that did not converge.
 const NOT_CONVERGED: u8 = 4;
 
-/// Maps how a command ended to the exit code, and says on stderr why it failed.
-pub(crate) fn report(result: anyhow::Result<Outcome>) -> ExitCode {
-    let error = match result {
-        Ok(Outcome::Done) => return ExitCode::SUCCESS,
-        Ok(Outcome::NotConverged) => return ExitCode::from(NOT_CONVERGED),
-        Err(error) => error,
-    };
-    if is_closed_pipe(&error) {
-        return ExitCode::SUCCESS;
+/// Says on stderr why a command failed, and maps how it ended to the exit code.
+pub(crate) fn report(result: &anyhow::Result<Outcome>) -> ExitCode {
+    if let Err(error) = result
+        && !is_closed_pipe(error)
+    {
+        let chain: Vec<String> = error.chain().map(ToString::to_string).collect();
+        // Nobody is left to tell if stderr is closed too.
+        let _ = writeln!(io::stderr(), "sma: {}", chain.join(": "));
     }
-    let chain: Vec<String> = error.chain().map(ToString::to_string).collect();
-    // Nobody is left to tell if stderr is closed too.
-    let _ = writeln!(io::stderr(), "sma: {}", chain.join(": "));
-    if is_bad_input(error.as_ref()) {
-        ExitCode::from(BAD_INPUT)
-    } else {
-        ExitCode::FAILURE
+    ExitCode::from(code(result))
+}
+
+/// Exit codes; clap itself ends with 2 for a call that is no call of this program.
+fn code(result: &anyhow::Result<Outcome>) -> u8 {
+    match result {
+        Ok(Outcome::Done) => DONE,
+        Ok(Outcome::NotConverged) => NOT_CONVERGED,
+        Err(error) if is_closed_pipe(error) => DONE,
+        Err(error) if is_bad_input(error.as_ref()) => BAD_INPUT,
+        Err(_) => FAILED,
     }
 }
 
@@ -50,4 +53,19 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 
 fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
     error.is::<IdentifyError>() || error.is::<RecordingError>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_end_has_its_code() {
+        assert_eq!(code(&Ok(Outcome::Done)), 0);
+        assert_eq!(code(&Err(anyhow::anyhow!("no space left"))), 1);
+        assert_eq!(code(&Err(IdentifyError::NoRecordings.into())), 3);
+        assert_eq!(code(&Ok(Outcome::NotConverged)), 4);
+        let closed = io::Error::from(io::ErrorKind::BrokenPipe);
+        assert_eq!(code(&Err(closed.into())), 0);
+    }
 }

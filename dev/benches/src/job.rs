@@ -189,6 +189,12 @@ impl Job {
         &self.bounds
     }
 
+    /// Sample time, s.
+    #[must_use]
+    pub fn dt_s(&self) -> f64 {
+        self.dt_s
+    }
+
     /// Temperature of the surroundings, °C.
     #[must_use]
     pub fn ambient_degc(&self) -> f64 {

@@ -42,7 +42,10 @@ impl Identified<'_> {
             let _ = write!(text, "\n{note}");
         }
         text.push('\n');
-        text
+        // Tables pad their last column.
+        text.lines()
+            .map(|line| line.trim_end().to_owned() + "\n")
+            .collect()
     }
 
     fn verdict(&self) -> String {

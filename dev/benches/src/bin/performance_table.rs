@@ -99,7 +99,10 @@ fn all_seeds<T: Send>(
 /// Cells of a row: shares of the costs near the floor and far from it, and their median.
 fn cells(costs: &[f64], floor_mm2: f64) -> String {
     let share = |holds: &dyn Fn(f64) -> bool| {
-        let count = costs.iter().filter(|&&cost| holds(cost / floor_mm2)).count();
+        let count = costs
+            .iter()
+            .filter(|&&cost| holds(cost / floor_mm2))
+            .count();
         100.0 * count as f64 / costs.len() as f64
     };
     let mut sorted = costs.to_vec();
@@ -182,7 +185,10 @@ fn main() -> Result<(), Failure> {
         println!("| {name} | {} | {time_s:.1} |", cells(&costs, floor_mm2));
     }
     let (costs, time_s) = all_seeds(|seed| argmin_cost(&job, seed))?;
-    println!("| argmin 0.11 | {} | {time_s:.1} |", cells(&costs, floor_mm2));
+    println!(
+        "| argmin 0.11 | {} | {time_s:.1} |",
+        cells(&costs, floor_mm2)
+    );
 
     let simulations: u64 = fits.iter().map(|fit| fit.simulations).sum();
     println!(

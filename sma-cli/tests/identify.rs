@@ -1,0 +1,200 @@
+//! `sma identify` as a user calls it.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::path::PathBuf;
+
+use assert_cmd::Command;
+
+#[path = "../examples/generate_recording.rs"]
+mod generate_recording;
+
+fn bundled(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("bundled")
+        .join(name)
+}
+
+fn sma() -> Command {
+    let mut command = Command::cargo_bin("sma").unwrap();
+    command.current_dir(bundled(""));
+    command
+}
+
+fn identify_bundled() -> Command {
+    let mut command = sma();
+    command.args([
+        "identify",
+        "rod.toml",
+        "--train",
+        "train.csv",
+        "--validate",
+        "validate.csv",
+    ]);
+    command
+}
+
+fn stdout(command: &mut Command) -> String {
+    String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+}
+
+/// Exit code and stderr of a call that fails.
+fn refusal(command: &mut Command) -> (i32, String) {
+    let assert = command.assert().failure();
+    let output = assert.get_output();
+    assert!(output.stdout.is_empty(), "stdout is for results");
+    (
+        output.status.code().unwrap(),
+        String::from_utf8(output.stderr.clone()).unwrap(),
+    )
+}
+
+/// A folder with the bundled rod file and one recording of the given text.
+fn folder(recording: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(bundled("rod.toml"), folder.path().join("rod.toml")).unwrap();
+    std::fs::write(folder.path().join("run.csv"), recording).unwrap();
+    folder
+}
+
+#[test]
+fn the_bundled_recordings_are_what_the_generator_makes() {
+    for (name, bytes) in generate_recording::files().unwrap() {
+        assert!(
+            std::fs::read(bundled(name)).unwrap() == bytes,
+            "{name}: run the generator again"
+        );
+    }
+}
+
+#[test]
+fn the_bundled_rod_is_found_again() {
+    let text = stdout(identify_bundled().args(["--json", "-"]));
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["schema_version"], 1);
+    assert_eq!(json["command"], "identify");
+    // Noise of 5 µm and a converter step of 1.2 µm: nothing is left but them, also where unseen.
+    for key in ["train_rmse", "validate_rmse"] {
+        let rmse = json["fit"][key].as_f64().unwrap();
+        assert!((0.0045..0.0055).contains(&rmse), "{key} = {rmse}");
+    }
+    assert!(json["fit"]["fit_percent"].as_f64().unwrap() > 99.0);
+    let truth = generate_recording::truth().unwrap();
+    let tau_s = truth.heat.heat_capacity_j_per_m_k / truth.heat.conductance_w_per_m_k;
+    for (name, truth) in [
+        ("tau_s", tau_s),
+        ("loop_center_degc", truth.limiting_loop.loop_center_degc),
+        ("loop_half_width_k", truth.limiting_loop.loop_half_width_k),
+        ("loop_spread_k", truth.limiting_loop.loop_spread_k),
+        ("zeta", truth.zeta),
+        ("gain", truth.gain),
+        ("offset", truth.offset),
+    ] {
+        let parameters = json["parameters"].as_array().unwrap();
+        let parameter = parameters.iter().find(|one| one["name"] == name).unwrap();
+        let value = parameter["values"][0].as_f64().unwrap();
+        assert!(
+            (value / truth - 1.0).abs() < 0.005,
+            "{name}: {value} {truth}"
+        );
+    }
+}
+
+#[test]
+fn the_text_says_the_verdict_first() {
+    let text = stdout(&mut identify_bundled());
+    // How many simulations it took may differ with the vectors of the machine's linear algebra.
+    let (text, effort) = text.split_at(text.find(" independent starts").unwrap() - "4 of 4".len());
+    assert!(effort.ends_with("seed 1.\n"), "{effort}");
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn threads_do_not_move_a_byte() {
+    let on = |threads| stdout(identify_bundled().args(["--threads", threads, "--json", "-"]));
+    let one = on("1");
+    assert_eq!(one, on("2"));
+    assert_eq!(one, on("7"));
+}
+
+#[test]
+fn json_goes_to_a_file_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("fit.json");
+    let text = stdout(identify_bundled().arg("--json").arg(&file));
+    assert!(text.starts_with("The model meets"));
+    let json = std::fs::read_to_string(&file).unwrap();
+    assert_eq!(json, stdout(identify_bundled().args(["--json", "-"])));
+    // A folder that is not there leaves nothing behind.
+    let (code, error) = refusal(identify_bundled().args(["--json", "no/such/folder/fit.json"]));
+    assert_eq!(code, 1);
+    assert!(
+        error.starts_with("sma: no/such/folder/fit.json: cannot be written: "),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_wrong_call_is_a_usage_error() {
+    let (code, error) = refusal(sma().args(["identify", "rod.toml"]));
+    assert_eq!(code, 2);
+    assert!(error.contains("--train <CSV>..."), "{error}");
+    assert_eq!(refusal(&mut sma()).0, 2);
+}
+
+#[test]
+fn faults_of_a_recording_are_bad_input_with_their_place() {
+    let header = "time_s,current_a,displacement_mm\n";
+    for (rows, expected) in [
+        (
+            "0,0,0\n0.1,-,0.1\n",
+            "sma: run.csv:3: current_a = \"-\": not a number; expected a finite number in A\n",
+        ),
+        (
+            "0,0,0\n0.1,nan,0.1\n",
+            "sma: run.csv:3: current_a = nan: not finite; expected a finite number in A\n",
+        ),
+        (
+            "0,0,0\n0,1,0.1\n",
+            "sma: run.csv:3: time_s = 0 after 0 in the row before; expected time to rise\n",
+        ),
+        ("0,1,0\n0.1,1,0.1\n", "sma: run.csv: drive is 1 A "),
+    ] {
+        let folder = folder(&format!("{header}{rows}"));
+        let (code, error) = refusal(
+            Command::cargo_bin("sma")
+                .unwrap()
+                .current_dir(folder.path())
+                .args(["identify", "rod.toml", "--train", "run.csv"]),
+        );
+        assert_eq!(code, 3, "{error}");
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+#[test]
+fn faults_of_the_rod_file_are_bad_input_with_their_place() {
+    let folder = folder("");
+    std::fs::write(
+        folder.path().join("rod.toml"),
+        "[rod]\ndiameter_mm = -1.2\n",
+    )
+    .unwrap();
+    let (code, error) = refusal(
+        Command::cargo_bin("sma")
+            .unwrap()
+            .current_dir(folder.path())
+            .args(["identify", "rod.toml", "--train", "run.csv"]),
+    );
+    assert_eq!(code, 3);
+    assert_eq!(
+        error,
+        "sma: rod.toml:2:15: rod.diameter_mm = -1.2: must be finite and > 0\n"
+    );
+    let (code, error) = refusal(sma().args(["identify", "none.toml", "--train", "train.csv"]));
+    assert_eq!(code, 3);
+    assert!(
+        error.starts_with("sma: none.toml: cannot be read: "),
+        "{error}"
+    );
+}
