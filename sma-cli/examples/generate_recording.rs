@@ -150,8 +150,8 @@ fn csv(name: &str, drive: Vec<f64>, seed: u64) -> Result<Vec<u8>, Box<dyn Error>
 }
 
 /// The bundled recordings: file name and content.
-pub(crate) fn files() -> Result<[(&'static str, Vec<u8>); 2], Box<dyn Error>> {
-    Ok([
+pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, Box<dyn Error>> {
+    Ok(vec![
         ("train.csv", csv("train.csv", training_current(), 1)?),
         (
             "validate.csv",
