@@ -110,7 +110,7 @@ impl Fit {
 
 /// Fits a model to several recordings together.
 ///
-/// The cost is the mean squared error over all samples ([Sadeghi, section 4]). Each start runs a short
+/// The cost is the mean squared error over all samples (Sadeghi, section 4). Each start runs a short
 /// swarm and polishes its best point by bounded least squares; the lowest end is the fit. `progress`
 /// is told, after each start, how many are done and the lowest mean square so far.
 ///

@@ -12,7 +12,7 @@ pub struct LeastSquaresConfig {
     /// Most iterations; each costs one Jacobian and one batch of trial steps.
     pub iterations: usize,
     /// Relative offset below which the search has converged: the share of the residual that the
-    /// parameters could still explain, as a ratio of norms ([Bates1981]).
+    /// parameters could still explain, as a ratio of norms (Bates1981 in REFERENCES.md).
     pub relative_offset: f64,
 }
 
@@ -99,7 +99,7 @@ const DAMPING_TRIALS: [f64; 8] = [1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 30.0, 1e3];
 /// min ‖J p + r‖² + μ ‖D p‖²,   x ← clamp(x + p)     [Marquardt1963], D the column norms [More1978]
 /// ```
 ///
-/// Coordinates on a bound that the gradient pushes outward are held for the step ([Kanzow2004]).
+/// Coordinates on a bound that the gradient pushes outward are held for the step (Kanzow2004 in REFERENCES.md).
 pub(crate) fn minimize(
     problem: &impl SumOfSquares,
     bounds: &[Bound],

@@ -285,7 +285,7 @@ impl Columns {
 
 impl<M: ForwardModel> SumOfSquares for Problem<'_, M> {
     /// With the linear parameters' columns first, what stands below them in the triangular factor is
-    /// the Jacobian of the problem *without* them: variable projection ([Golub1973], in
+    /// the Jacobian of the problem *without* them: variable projection (Golub1973 in REFERENCES.md, in
     /// Kaufman's form) without projecting anything.
     fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
         let mut solved = self.solve(&[point.to_vec()])?;

@@ -5,6 +5,7 @@
     reason = "tests fail by panicking, in their helpers too"
 )]
 
+#[allow(dead_code, reason = "the other tests use the rest")]
 mod common;
 
 use common::{ROD, recording, rod, steps};

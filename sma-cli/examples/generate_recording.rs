@@ -23,8 +23,10 @@ const NOISE_MM: f64 = 0.005;
 /// Step of a 12-bit converter over 5 mm, mm.
 const CONVERTER_STEP_MM: f64 = 5.0 / 4096.0;
 
+type Made<T> = Result<T, Box<dyn Error>>;
+
 /// What the rod really is.
-pub(crate) fn truth() -> Result<WienerParams, Box<dyn Error>> {
+pub(crate) fn truth() -> Made<WienerParams> {
     let rod = RodParams {
         diameter_m: 1.2e-3,
         density_kg_per_m3: 6450.0,
@@ -114,7 +116,7 @@ fn validation_current() -> Vec<f64> {
 }
 
 /// One bundled file: a comment that says what it is, then the recording.
-fn csv(name: &str, drive: Vec<f64>, seed: u64) -> Result<Vec<u8>, Box<dyn Error>> {
+fn csv(name: &str, drive: Vec<f64>, seed: u64) -> Made<Vec<u8>> {
     let model = Wiener::new(Drive::Current, Rule::LastReversal, &[truth()?])?;
     let mut output = Vec::with_capacity(drive.len());
     run(
@@ -150,7 +152,7 @@ fn csv(name: &str, drive: Vec<f64>, seed: u64) -> Result<Vec<u8>, Box<dyn Error>
 }
 
 /// The bundled recordings: file name and content.
-pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, Box<dyn Error>> {
+pub(crate) fn files() -> Made<Vec<(&'static str, Vec<u8>)>> {
     Ok(vec![
         ("train.csv", csv("train.csv", training_current(), 1)?),
         (
@@ -164,7 +166,7 @@ pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, Box<dyn Error>> {
     dead_code,
     reason = "the test that includes this file has its own main"
 )]
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Made<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("bundled");
     for (name, bytes) in files()? {
         std::fs::write(folder.join(name), bytes)?;
