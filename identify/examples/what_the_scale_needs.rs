@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, reason = "an example talks")]
 
 use std::error::Error;
+use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, Rod, WienerModel, fit};
 use recording::{Quantity, Recording, RecordingParts};
@@ -71,12 +72,9 @@ fn recorded() -> Result<Recording, Box<dyn Error>> {
 
 fn identified(rod: &str, training: &[Recording]) -> Result<Fit, Box<dyn Error>> {
     let model = WienerModel::new(&Rod::parse("rod.toml", rod)?, Rule::LastReversal, training)?;
-    Ok(fit(
-        &model,
-        training,
-        &FitConfig::default(),
-        &mut |_, _| (),
-    )?)
+    Ok(fit(&model, training, &FitConfig::default(), &mut |_| {
+        ControlFlow::Continue(())
+    })?)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -90,6 +90,67 @@ pub enum IdentifyError {
         /// Unit of the first recording.
         expected: String,
     },
+    /// Recordings are driven in different ways.
+    #[error(
+        "{recording}: driven by {found}, but {first} by {expected}: one kind of drive is needed"
+    )]
+    Drives {
+        /// Recording.
+        recording: String,
+        /// Its drive.
+        found: &'static str,
+        /// First recording.
+        first: String,
+        /// Drive of the first recording.
+        expected: &'static str,
+    },
+    /// A forward model did not show what it was asked for.
+    #[error(
+        "{recording}: the model showed {shown} of {expected} samples, or not all points in every block"
+    )]
+    IncompleteBlocks {
+        /// Recording.
+        recording: String,
+        /// Samples shown.
+        shown: usize,
+        /// Samples of the recording.
+        expected: usize,
+    },
+    /// A gain that is not shared, an offset that is, or two of a kind: such are not solved for.
+    #[error(
+        "{name}: a model may have one shared gain and one offset for each recording, or fixed ones"
+    )]
+    NotSolvable {
+        /// Parameter.
+        name: &'static str,
+    },
+    /// No simulation gave a number.
+    #[error(
+        "no point within the bounds gives a finite cost; check the recordings for absurd values"
+    )]
+    NothingFinite,
+    /// A rod file asks for what the model cannot do.
+    #[error(
+        "{file}: drive.kind = \"temperature\": such data have no heat balance to identify; give current, duty, voltage or power"
+    )]
+    StaticDrive {
+        /// File.
+        file: String,
+    },
+    /// An entry of `[model]` says nothing, too much, or what cannot be.
+    #[error("{file}:{line}:{column}: [model] {name}: {accepted}")]
+    Entry {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Parameter.
+        name: String,
+        /// What would be accepted.
+        accepted: String,
+    },
     /// A model without a free nonlinear parameter.
     #[error("every parameter is fixed: nothing to identify")]
     NothingFree,

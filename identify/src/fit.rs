@@ -1,15 +1,31 @@
 //! Swarm for the basin, least squares for the floor.
 
+use std::ops::ControlFlow;
+
 use pso::{Stop, Swarm, SwarmConfig};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use recording::Recording;
+use recording::{Quantity, Recording};
 
+use crate::identifiability::{UnfixedDirection, unfixed_directions};
 use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
-use crate::problem::{Problem, Solved};
+use crate::moments::Solved;
+use crate::problem::{Problem, Residuals};
+use crate::uncertainty::{Covariance, covariance};
 use crate::{
-    Enters, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope, Termination,
+    Bounds, Enters, ForwardModel, IdentifyError, ParameterInfo, ResidualNoise, Scope, Termination,
 };
+
+/// What is made small.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Loss {
+    /// The mean square: the paper's cost.
+    #[default]
+    Squares,
+    /// Huber's loss, by weights that are found anew until they stay: large residuals (a bumped table, a
+    /// lost sample) count by their size instead of its square.
+    Huber,
+}
 
 /// Settings of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +39,8 @@ pub struct FitConfig {
     pub starts: u64,
     /// Least-squares search from the best point of each swarm.
     pub least_squares: LeastSquaresConfig,
+    /// What is made small.
+    pub loss: Loss,
     /// Seed; start k takes stream k of it.
     pub seed: u64,
 }
@@ -34,6 +52,7 @@ impl Default for FitConfig {
             swarm_iterations: 30,
             starts: 4,
             least_squares: LeastSquaresConfig::default(),
+            loss: Loss::Squares,
             seed: 1,
         }
     }
@@ -47,6 +66,8 @@ pub struct FittedParameter {
     /// Its value, in its unit; one for each training recording if it is
     /// [`Scope::PerRecording`], else one.
     pub values: Vec<f64>,
+    /// 95 % interval of each value; `None` if it is fixed, on a bound, or not fixed by the data.
+    pub intervals: Vec<Option<Bounds>>,
     /// Whether a value ended on a bound: the data pull it further, or say nothing of it.
     pub at_bound: bool,
 }
@@ -60,6 +81,28 @@ pub struct TrainedRecording {
     pub rmse: f64,
     /// Its number of samples.
     pub n_samples: usize,
+    /// Highest temperature of the model in it, °C: absurd, if what is said of the rod is wrong.
+    pub peak_temperature_degc: f64,
+}
+
+/// Correlations between the estimates of the free parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Correlation {
+    /// Names, with the recording's number, from 0, for per-recording ones.
+    pub names: Vec<String>,
+    /// Correlations, a row a name; `NaN` where the data do not fix a parameter.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// How far a fit is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitProgress {
+    /// Starts done.
+    pub starts: u64,
+    /// Starts to be made.
+    pub of: u64,
+    /// Lowest root mean square so far, in the output unit.
+    pub lowest_rmse: f64,
 }
 
 /// An identified model.
@@ -69,10 +112,23 @@ pub struct Fit {
     pub parameters: Vec<FittedParameter>,
     /// Root mean square of recording - model over all training samples, in the output unit.
     pub train_rmse: f64,
+    /// Root mean square of recorded - simulated temperature, K, where temperatures were recorded.
+    pub temperature_rmse_k: Option<f64>,
     /// 1 - RMSE / standard deviation of the output (each recording about its own mean).
     pub fit_fraction: f64,
     /// The training recordings one by one.
     pub recordings: Vec<TrainedRecording>,
+    /// What the residuals of the output are like.
+    pub noise: ResidualNoise,
+    /// Akaike's and Schwarz's criteria of the residuals' innovations, natural units: for comparing
+    /// models on the same recordings, the lower the better.
+    pub aic: f64,
+    /// See `aic`.
+    pub bic: f64,
+    /// Correlations between estimates.
+    pub correlation: Correlation,
+    /// Directions in which parameters can change together without showing.
+    pub unfixed: Vec<UnfixedDirection>,
     /// Why the least-squares search of the best start ended.
     pub termination: Termination,
     /// Starts that ended within 1 % of the lowest mean square.
@@ -81,22 +137,21 @@ pub struct Fit {
     pub starts: u64,
     /// Simulations of the whole training set.
     pub simulations: u64,
+    /// Costs of the swarms that were no number; they counted as +∞.
+    pub rejected_costs: u64,
+    /// Seed of the fit.
+    pub seed: u64,
+    /// Unit of the output.
+    pub output_unit: String,
+    /// What drives the rod.
+    pub drive_quantity: Quantity,
 }
 
 impl Fit {
-    /// Values of all parameters for a recording other than the training ones, in the model's order:
-    /// the shared ones; per-recording ones are 0 for an offset and the first recording's otherwise.
+    /// Whether the result is a minimum, and one that at least two starts found, if there were as many.
     #[must_use]
-    pub fn shared_values(&self) -> Vec<f64> {
-        self.parameters
-            .iter()
-            .map(
-                |parameter| match (parameter.info.scope, parameter.info.enters) {
-                    (Scope::PerRecording, Enters::Offset) => 0.0,
-                    _ => parameter.values[0],
-                },
-            )
-            .collect()
+    pub fn converged(&self) -> bool {
+        self.termination.is_minimum() && self.agreeing_starts >= self.starts.min(2)
     }
 
     /// The parameter of a name.
@@ -111,8 +166,8 @@ impl Fit {
 /// Fits a model to several recordings together.
 ///
 /// The cost is the mean squared error over all samples (Sadeghi, section 4). Each start runs a short
-/// swarm and polishes its best point by bounded least squares; the lowest end is the fit. `progress`
-/// is told, after each start, how many are done and the lowest mean square so far.
+/// swarm and polishes its best point by bounded least squares; the lowest end is the fit. `progress` is
+/// told after each start how far it is, and may end the search with the starts made so far.
 ///
 /// Same seed and inputs, same bytes, on any number of threads.
 ///
@@ -125,64 +180,225 @@ pub fn fit<M: ForwardModel>(
     model: &M,
     training: &[Recording],
     config: &FitConfig,
-    progress: &mut dyn FnMut(u64, f64),
+    progress: &mut dyn FnMut(&FitProgress) -> ControlFlow<()>,
 ) -> Result<Fit, IdentifyError> {
     if training.is_empty() {
         return Err(IdentifyError::NoRecordings);
     }
-    let problem = Problem::new(model, training)?;
-    let n = problem.n_samples() as f64;
-    let mut best: Option<Minimum> = None;
-    let mut ends = Vec::new();
-    let mut simulations = 0;
-    for start in 0..config.starts.max(1) {
-        let (point, evaluations) = swarm_start(&problem, config, start)?;
-        let minimum = minimize(&problem, problem.bounds(), &point, &config.least_squares)?;
-        simulations += evaluations + minimum.iterations as u64 * (9 + 2 * point.len() as u64);
-        ends.push(minimum.sum_of_squares);
-        if best
-            .as_ref()
-            .is_none_or(|best| minimum.sum_of_squares < best.sum_of_squares)
-        {
-            best = Some(minimum);
-        }
-        progress(
-            start + 1,
-            ends.iter().copied().fold(f64::INFINITY, f64::min) / n,
-        );
+    for recording in training {
+        recording.check_identifiable()?;
     }
-    let Some(minimum) = best else {
+    let mut problem = Problem::new(model, training)?;
+    if problem.vector().is_empty() {
+        return Err(IdentifyError::NothingFree);
+    }
+    problem.weigh_temperature(equal_spreads(&problem, training));
+    let n = problem.n_samples() as f64;
+    let mut search = Search::default();
+    for start in 0..config.starts.max(1) {
+        let point = swarm_start(&problem, config, start, &mut search)?;
+        search.descend(&problem, &point, config)?;
+        let so_far = FitProgress {
+            starts: start + 1,
+            of: config.starts.max(1),
+            lowest_rmse: (search.lowest() / n).sqrt(),
+        };
+        if progress(&so_far).is_break() {
+            break;
+        }
+    }
+    if search.lowest().is_infinite() {
+        return Err(IdentifyError::NothingFinite);
+    }
+    let ends = search.ends.clone();
+    let agreed = 1.01 * search.lowest() + problem.rounding();
+    reweigh(&mut problem, &mut search, config)?;
+    let Some(minimum) = search.best else {
         unreachable!("at least one start is made");
     };
-    let mut solved = problem.solve(std::slice::from_ref(&minimum.point))?;
-    let Some(solved) = solved.pop() else {
-        unreachable!("one point gives one solution");
-    };
-    let lowest = minimum.sum_of_squares;
-    let recordings = trained_recordings(&problem, training, &minimum.point, &solved)?;
-    // Summed from the residuals: near an exact fit the search's own sum is rounding.
-    let sum: f64 = recordings
+    let solved = problem.solve_one(&minimum.point)?;
+    let residuals = problem.residuals(&minimum.point, &solved)?;
+    let covariance = covariance(&problem, &minimum.point, &solved)?;
+    let sum: f64 = residuals
         .iter()
-        .map(|one| one.rmse * one.rmse * one.n_samples as f64)
+        .flat_map(|one| &one.values)
+        .map(|value| value * value)
         .sum();
+    let n_parameters = covariance.columns.len() as f64;
+    // Twice the negative logarithm of the likelihood, but for a constant of the data.
+    let deviance = n * covariance.noise.innovation_variance.ln();
+    let n_temperatures = problem.n_temperatures();
     Ok(Fit {
-        parameters: fitted_parameters(&problem, &minimum.point, &solved),
+        parameters: fitted_parameters(&problem, &minimum.point, &solved, &covariance),
         train_rmse: (sum / n).sqrt(),
-        fit_fraction: 1.0 - (sum / problem.spread()).sqrt(),
-        recordings,
+        temperature_rmse_k: (n_temperatures > 0)
+            .then(|| (solved.temperature / n_temperatures as f64).sqrt()),
+        fit_fraction: 1.0 - (sum / squares_about_mean(training)).sqrt(),
+        recordings: training
+            .iter()
+            .zip(&residuals)
+            .map(|(recording, residuals)| TrainedRecording {
+                name: recording.name().to_owned(),
+                rmse: root_mean_square(&residuals.values),
+                peak_temperature_degc: residuals.peak_temperature_degc,
+                n_samples: recording.len(),
+            })
+            .collect(),
+        aic: deviance + 2.0 * n_parameters,
+        bic: deviance + n.ln() * n_parameters,
+        correlation: correlation(&problem, &covariance),
+        unfixed: unfixed_directions(&problem, &minimum.point, &covariance.noise)?,
+        noise: covariance.noise,
         termination: minimum.termination,
-        agreeing_starts: ends.iter().filter(|&&end| end <= 1.01 * lowest).count() as u64,
+        agreeing_starts: ends.iter().filter(|&&end| end <= agreed).count() as u64,
         starts: ends.len() as u64,
-        simulations,
+        simulations: problem.simulations(),
+        rejected_costs: search.rejected_costs,
+        seed: config.seed,
+        output_unit: training[0].output_unit().to_owned(),
+        drive_quantity: training[0].drive_quantity(),
     })
 }
 
-/// The best point of a short swarm, and the number of its evaluations.
+/// The least-squares searches so far.
+#[derive(Debug, Default)]
+struct Search {
+    best: Option<Minimum>,
+    /// Where each start ended.
+    ends: Vec<f64>,
+    rejected_costs: u64,
+}
+
+impl Search {
+    fn descend<M: ForwardModel>(
+        &mut self,
+        problem: &Problem<'_, M>,
+        point: &[f64],
+        config: &FitConfig,
+    ) -> Result<(), IdentifyError> {
+        let minimum = minimize(problem, problem.bounds(), point, &config.least_squares)?;
+        self.ends.push(minimum.sum_of_squares);
+        if self
+            .best
+            .as_ref()
+            .is_none_or(|best| minimum.sum_of_squares < best.sum_of_squares)
+        {
+            self.best = Some(minimum);
+        }
+        Ok(())
+    }
+
+    fn lowest(&self) -> f64 {
+        self.ends.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays.
+fn reweigh<M: ForwardModel>(
+    problem: &mut Problem<'_, M>,
+    search: &mut Search,
+    config: &FitConfig,
+) -> Result<(), IdentifyError> {
+    /// Weights converge linearly; with many outliers it takes tens of rounds, each from close by.
+    const ROUNDS: usize = 60;
+    let temperatures = problem.n_temperatures();
+    if temperatures == 0 && config.loss == Loss::Squares {
+        return Ok(());
+    }
+    for _ in 0..ROUNDS {
+        let Some(before) = search.best.take() else {
+            return Ok(());
+        };
+        let solved = problem.solve_one(&before.point)?;
+        if temperatures > 0 && solved.temperature > 0.0 {
+            let output = solved.output / problem.n_samples() as f64;
+            problem.weigh_temperature(output / (solved.temperature / temperatures as f64));
+        }
+        if config.loss == Loss::Huber {
+            problem.weigh_samples(huber_weights(&problem.residuals(&before.point, &solved)?));
+        }
+        search.descend(problem, &before.point, config)?;
+        let still = search.best.as_ref().is_some_and(|after| {
+            let moves = before.point.iter().zip(&after.point).zip(problem.bounds());
+            moves
+                .into_iter()
+                .all(|((a, b), bound)| (a - b).abs() <= 1e-7 * (bound.upper - bound.lower))
+        });
+        if still {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Weights of Huber's loss: 1 up to 1.345 robust standard deviations (95 % efficiency on normal noise,
+/// Huber 1981), and falling as 1/|residual| beyond.
+fn huber_weights(residuals: &[Residuals]) -> Vec<Vec<f64>> {
+    const KNEE: f64 = 1.345;
+    /// Standard deviation over median absolute deviation of a normal distribution.
+    const NORMAL: f64 = 1.4826;
+    let mut sizes: Vec<f64> = residuals
+        .iter()
+        .flat_map(|one| &one.values)
+        .map(|value| value.abs())
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    let scale = NORMAL * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    let weight = |residual: &f64| {
+        if scale > 0.0 {
+            (KNEE * scale / residual.abs()).min(1.0)
+        } else {
+            1.0
+        }
+    };
+    residuals
+        .iter()
+        .map(|one| one.values.iter().map(weight).collect())
+        .collect()
+}
+
+/// Weight of temperatures before it is known how well they can be met: that of equal spreads.
+fn equal_spreads<M: ForwardModel>(problem: &Problem<'_, M>, training: &[Recording]) -> f64 {
+    let n = problem.n_temperatures();
+    if n == 0 {
+        return 0.0;
+    }
+    let spread: f64 = training
+        .iter()
+        .filter_map(Recording::temperature_degc)
+        .map(squares_about_own_mean)
+        .sum();
+    let output = problem.spread() / problem.n_samples() as f64;
+    if spread > 0.0 {
+        output / (spread / n as f64)
+    } else {
+        0.0
+    }
+}
+
+pub(crate) fn squares_about_own_mean(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| (value - mean).powi(2)).sum()
+}
+
+fn squares_about_mean(recordings: &[Recording]) -> f64 {
+    recordings
+        .iter()
+        .map(|recording| squares_about_own_mean(recording.output()))
+        .sum()
+}
+
+pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// The best point of a short swarm.
 fn swarm_start<M: ForwardModel>(
     problem: &Problem<'_, M>,
     config: &FitConfig,
     start: u64,
-) -> Result<(Vec<f64>, u64), IdentifyError> {
+    search: &mut Search,
+) -> Result<Vec<f64>, IdentifyError> {
     let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
     rng.set_stream(start);
     let mut swarm = Swarm::new(config.swarm.clone(), problem.bounds(), rng)?;
@@ -194,7 +410,8 @@ fn swarm_start<M: ForwardModel>(
         let costs = problem.sums(swarm.ask())?;
         swarm.tell(&costs)?;
     }
-    let point = match swarm.best_point() {
+    search.rejected_costs += swarm.rejected_costs();
+    Ok(match swarm.best_point() {
         Some(point) => point.to_vec(),
         // No cost was finite: the middle is as good as any.
         None => problem
@@ -202,64 +419,83 @@ fn swarm_start<M: ForwardModel>(
             .iter()
             .map(|bound| f64::midpoint(bound.lower, bound.upper))
             .collect(),
-    };
-    Ok((point, swarm.evaluations()))
+    })
 }
 
 fn fitted_parameters<M: ForwardModel>(
     problem: &Problem<'_, M>,
     point: &[f64],
     solved: &Solved,
+    covariance: &Covariance,
 ) -> Vec<FittedParameter> {
     let vector = problem.vector();
-    let by_recording: Vec<Vec<f64>> = (0..solved.offsets.len())
-        .map(|r| vector.values(point, r))
-        .collect();
-    vector
-        .infos()
-        .iter()
-        .enumerate()
-        .map(|(k, info)| {
-            let mut values: Vec<f64> = match info.enters {
-                Enters::Gain => vec![solved.gain; by_recording.len()],
-                Enters::Offset => solved.offsets.clone(),
-                Enters::Nonlinear => by_recording.iter().map(|values| values[k]).collect(),
+    let n_recordings = problem.n_recordings();
+    (0..vector.infos().len())
+        .map(|k| {
+            let info = &vector.infos()[k];
+            let n_values = match info.scope {
+                Scope::Shared => 1,
+                Scope::PerRecording => n_recordings,
             };
-            if info.scope == Scope::Shared {
-                values.truncate(1);
-            }
-            // Searched on a transformed scale: a value within rounding of a bound is on it.
-            let margin = 1e-9 * (info.bounds.upper - info.bounds.lower);
-            let at_bound = info.state == ParameterState::Free
-                && info.enters == Enters::Nonlinear
-                && values.iter().any(|&value| {
-                    value <= info.bounds.lower + margin || value >= info.bounds.upper - margin
+            let mut values = Vec::with_capacity(n_values);
+            let mut intervals = Vec::with_capacity(n_values);
+            let mut at_bound = false;
+            for r in 0..n_values {
+                values.push(match info.enters {
+                    Enters::Gain => solved.gain,
+                    Enters::Offset => solved.offsets[r],
+                    Enters::Nonlinear => vector.values(point, r)[k],
                 });
+                let column = problem.column_of(k, r);
+                let half = column
+                    .and_then(|column| covariance.standard_error(column))
+                    .map(|error| covariance.quantile * error);
+                at_bound |= column.is_some_and(|column| !covariance.columns.contains(&column));
+                intervals.push(half.map(|half| match vector.coordinate_of(k, r) {
+                    Some(j) => info.interval_around(point[j], half),
+                    None => Bounds {
+                        lower: values[r] - half,
+                        upper: values[r] + half,
+                    },
+                }));
+            }
             FittedParameter {
                 info: info.clone(),
                 values,
+                intervals,
                 at_bound,
             }
         })
         .collect()
 }
 
-fn trained_recordings<M: ForwardModel>(
-    problem: &Problem<'_, M>,
-    training: &[Recording],
-    point: &[f64],
-    solved: &Solved,
-) -> Result<Vec<TrainedRecording>, IdentifyError> {
-    training
-        .iter()
-        .enumerate()
-        .map(|(r, recording)| {
-            let sum = problem.sum_of_squares_of(r, point, solved)?;
-            Ok(TrainedRecording {
-                name: recording.name().to_owned(),
-                rmse: (sum / recording.len() as f64).sqrt(),
-                n_samples: recording.len(),
-            })
-        })
-        .collect()
+fn correlation<M: ForwardModel>(problem: &Problem<'_, M>, covariance: &Covariance) -> Correlation {
+    let infos = problem.vector().infos();
+    let mut names = Vec::new();
+    for &column in &covariance.columns {
+        for (k, info) in infos.iter().enumerate() {
+            for r in 0..problem.n_recordings() {
+                if problem.column_of(k, r) == Some(column) {
+                    match info.scope {
+                        Scope::Shared if r == 0 => names.push(info.name.to_owned()),
+                        Scope::Shared => {}
+                        Scope::PerRecording => names.push(format!("{}[{r}]", info.name)),
+                    }
+                }
+            }
+        }
+    }
+    let n = covariance.columns.len();
+    let entry = |i: usize, j: usize| {
+        let product = covariance.matrix[(i, i)] * covariance.matrix[(j, j)];
+        if product.is_finite() {
+            covariance.matrix[(i, j)] / product.sqrt()
+        } else {
+            f64::NAN
+        }
+    };
+    let matrix = (0..n)
+        .map(|i| (0..n).map(|j| entry(i, j)).collect())
+        .collect();
+    Correlation { names, matrix }
 }

@@ -11,8 +11,9 @@ pub trait ForwardModel: Sync {
     /// Simulates a recording at several points and shows the outputs in blocks, so that memory does
     /// not grow with the recording: see [`Block`], whose members are the points.
     ///
-    /// `points` holds a row of parameter values a point. The output convention is that of the
-    /// recording: sample k before its drive acts.
+    /// `points` holds a row of parameter values a point, at most 32 of them. Every block must show all
+    /// points, and the blocks together all samples in their order; a fit refuses a model that does not.
+    /// The output convention is that of the recording: sample k before its drive acts.
     ///
     /// # Errors
     ///

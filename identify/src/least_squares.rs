@@ -19,7 +19,7 @@ pub struct LeastSquaresConfig {
 impl Default for LeastSquaresConfig {
     fn default() -> Self {
         Self {
-            iterations: 60,
+            iterations: 200,
             relative_offset: 1e-5,
         }
     }
@@ -43,6 +43,8 @@ pub enum Termination {
         /// Relative offset reached.
         relative_offset: f64,
     },
+    /// The cost at the start was no number: nothing could be done.
+    NotFinite,
     /// The limit of iterations.
     Iterations {
         /// Relative offset reached.
@@ -56,6 +58,7 @@ impl Termination {
     pub fn is_minimum(&self) -> bool {
         match self {
             Self::Exact => true,
+            Self::NotFinite => false,
             Self::Converged { relative_offset }
             | Self::NoFurtherStep { relative_offset }
             | Self::Iterations { relative_offset } => *relative_offset < 1e-3,
@@ -87,7 +90,6 @@ pub(crate) struct Minimum {
     pub(crate) point: Vec<f64>,
     pub(crate) sum_of_squares: f64,
     pub(crate) termination: Termination,
-    pub(crate) iterations: usize,
 }
 
 /// Damping factors tried at once around the last good one: they share one run of the lanes.
@@ -109,26 +111,27 @@ pub(crate) fn minimize(
     let mut point = start.to_vec();
     let mut damping = 1e-2;
     let mut weights = vec![0.0_f64; point.len()];
-    for iteration in 0..config.iterations {
-        let local = problem.linearize(&point)?;
+    let mut local = problem.linearize(&point)?;
+    let mut iterations = 0;
+    let termination = loop {
+        if !local.sum_of_squares.is_finite() {
+            break Termination::NotFinite;
+        }
         let free = free_coordinates(&local, bounds, &point);
         for &j in &free {
             weights[j] = weights[j].max(local.jacobian.col(j).norm_l2());
         }
         let relative_offset = relative_offset(&local, &free);
-        let minimum = |point, sum_of_squares, termination| Minimum {
-            point,
-            sum_of_squares,
-            termination,
-            iterations: iteration,
-        };
         if local.sum_of_squares <= problem.rounding() {
-            return Ok(minimum(point, local.sum_of_squares, Termination::Exact));
+            break Termination::Exact;
         }
         if relative_offset <= config.relative_offset {
-            let termination = Termination::Converged { relative_offset };
-            return Ok(minimum(point, local.sum_of_squares, termination));
+            break Termination::Converged { relative_offset };
         }
+        if iterations == config.iterations {
+            break Termination::Iterations { relative_offset };
+        }
+        iterations += 1;
         let trials: Vec<Vec<f64>> = DAMPING_TRIALS
             .iter()
             .map(|factor| {
@@ -138,31 +141,25 @@ pub(crate) fn minimize(
             .collect();
         let sums = problem.sums(&trials)?;
         let best = (0..sums.len())
-            .filter(|&k| sums[k] < local.sum_of_squares)
+            .filter(|&k| local.sum_of_squares - sums[k] > 1e-13 * local.sum_of_squares)
             .min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
-        let gained = best.map_or(0.0, |k| local.sum_of_squares - sums[k]);
         match best {
-            Some(k) if gained > 1e-13 * local.sum_of_squares => {
+            Some(k) => {
                 point.clone_from(&trials[k]);
                 damping = (damping * DAMPING_TRIALS[k]).clamp(1e-12, 1e12);
+                local = problem.linearize(&point)?;
             }
             // All eight fail: shorter steps once more, unless they are as short as they can be.
-            _ if damping < 1e9 => damping *= 1e6,
-            _ => {
-                let termination = Termination::NoFurtherStep { relative_offset };
-                return Ok(minimum(point, local.sum_of_squares, termination));
-            }
+            None if damping < 1e9 => damping *= 1e6,
+            None => break Termination::NoFurtherStep { relative_offset },
         }
-    }
-    let local = problem.linearize(&point)?;
-    let free = free_coordinates(&local, bounds, &point);
+    };
+    let sum = local.sum_of_squares;
     Ok(Minimum {
         point,
-        sum_of_squares: local.sum_of_squares,
-        termination: Termination::Iterations {
-            relative_offset: relative_offset(&local, &free),
-        },
-        iterations: config.iterations,
+        // What is no number is never the lowest.
+        sum_of_squares: if sum.is_nan() { f64::INFINITY } else { sum },
+        termination,
     })
 }
 
@@ -187,11 +184,17 @@ fn relative_offset(local: &Linearized, free: &[usize]) -> f64 {
         return 0.0;
     }
     let n = local.residual.len();
-    let columns = Mat::from_fn(n, free.len(), |row, k| local.jacobian[(row, free[k])]);
-    let step = solve(&columns, &local.residual);
+    let norms: Vec<f64> = (0..n).map(|j| local.jacobian.col(j).norm_l2()).collect();
+    // A trace of damping: along directions that the data do not fix there is nothing to explain, and
+    // without it rounding would be taken for it.
+    let step = damped_step(local, free, &norms, 1e-10);
     let explained: f64 = (0..n)
         .map(|row| {
-            let fitted: f64 = (0..free.len()).map(|k| columns[(row, k)] * step[k]).sum();
+            let fitted: f64 = free
+                .iter()
+                .zip(&step)
+                .map(|(&j, step)| local.jacobian[(row, j)] * step)
+                .sum();
             fitted * fitted
         })
         .sum();

@@ -56,6 +56,8 @@ pub struct ParameterInfo {
     pub unit: String,
     /// Range, in `unit`. Not used for gain and offset, which are solved for.
     pub bounds: Bounds,
+    /// Values that mean something, in `unit`: what a user may ask for.
+    pub admissible: Bounds,
     /// Scale of the search.
     pub scale: Scale,
     /// Shared, or one a recording.
@@ -71,10 +73,18 @@ impl ParameterInfo {
         self.enters == Enters::Nonlinear && self.state == ParameterState::Free
     }
 
-    fn coordinate_of(&self, value: f64) -> f64 {
+    fn on_search_scale(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value,
             Scale::Logarithmic => value.ln(),
+        }
+    }
+
+    /// The values from `half` below a coordinate to `half` above it, as far as the bounds go.
+    pub(crate) fn interval_around(&self, coordinate: f64, half: f64) -> Bounds {
+        Bounds {
+            lower: self.value_at(coordinate - half),
+            upper: self.value_at(coordinate + half),
         }
     }
 
@@ -143,8 +153,8 @@ impl ParameterVector {
             .map(|coordinate| {
                 let info = &self.infos[self.parameter(coordinate)];
                 Bound {
-                    lower: info.coordinate_of(info.bounds.lower),
-                    upper: info.coordinate_of(info.bounds.upper),
+                    lower: info.on_search_scale(info.bounds.lower),
+                    upper: info.on_search_scale(info.bounds.upper),
                 }
             })
             .collect()
@@ -164,6 +174,13 @@ impl ParameterVector {
             None => self.shared[coordinate],
             Some(own) => self.per_recording[own % self.per_recording.len()],
         }
+    }
+
+    /// The coordinate that stands for a parameter in a recording; `None` if it is not searched.
+    #[must_use]
+    pub fn coordinate_of(&self, parameter: usize, recording: usize) -> Option<usize> {
+        self.acting_on(recording)
+            .find(|&coordinate| self.parameter(coordinate) == parameter)
     }
 
     /// Values of all parameters for one recording, in the model's order and in their units; gain and

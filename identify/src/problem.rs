@@ -1,86 +1,112 @@
 //! The sum of squares of several recordings together, gain and offsets solved for.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use pso::Bound;
 use rayon::prelude::*;
-use recording::Recording;
-use wiener::{Block, widest_vectors};
+use recording::{Quantity, Recording};
+use wiener::Block;
 
 use crate::factor::Triangle;
 use crate::least_squares::{Linearized, SumOfSquares};
-use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector};
+use crate::moments::{BATCH, Moments, Solved, Weighed, solve_linear};
+use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
 
-/// Points simulated together by one thread: the lanes of a full chunk.
-const BATCH: usize = 32;
-
-/// Step of a central difference as a share of the coordinate's range: its cube root of rounding.
+/// Step of a central difference as a share of the coordinate's range: near the cube root of rounding.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Gain and offsets that fit best at one point, and what is left.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Solved {
-    pub(crate) gain: f64,
-    /// One a recording.
-    pub(crate) offsets: Vec<f64>,
-    pub(crate) sum_of_squares: f64,
-}
-
-/// Moments of the shape f and the output y of one recording; y from its mean.
-#[derive(Debug, Clone, Copy, Default)]
-struct Moments {
-    f: f64,
-    ff: f64,
-    fy: f64,
-}
-
+/// ```text
+/// S(θ) = Σ w (y - gain f - offset)² + w_T Σ (T - T_recorded)²,   gain and offsets the best for θ
+/// ```
 #[derive(Debug)]
 pub(crate) struct Problem<'a, M> {
     model: &'a M,
-    recordings: &'a [Recording],
+    recordings: Vec<Weighed<'a>>,
     vector: ParameterVector,
     bounds: Vec<Bound>,
-    /// Mean of each output.
-    means: Vec<f64>,
-    /// Σ (y - mean)² of each.
-    spreads: Vec<f64>,
     gain: ParameterState,
     offset: ParameterState,
+    /// w_T, (output unit/K)²; 0 leaves recorded temperatures out.
+    temperature_weight: f64,
+    /// Points simulated so far.
+    simulations: AtomicU64,
+}
+
+/// What is left of one recording.
+#[derive(Debug)]
+pub(crate) struct Residuals {
+    /// Recording - model.
+    pub(crate) values: Vec<f64>,
+    /// Highest temperature of the model, °C.
+    pub(crate) peak_temperature_degc: f64,
+}
+
+/// One residual and its derivatives, unweighted.
+#[derive(Debug)]
+pub(crate) struct Row<'a> {
+    pub(crate) channel: Channel,
+    pub(crate) sample: usize,
+    /// Derivatives with respect to the linear parameters, then the coordinates.
+    derivatives: &'a [f64],
+    /// Model - recording.
+    pub(crate) residual: f64,
+}
+
+/// What a residual is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Channel {
+    Output,
+    Temperature,
+}
+
+impl Row<'_> {
+    pub(crate) fn derivative(&self, column: usize) -> f64 {
+        self.derivatives[column]
+    }
 }
 
 impl<'a, M: ForwardModel> Problem<'a, M> {
     pub(crate) fn new(model: &'a M, recordings: &'a [Recording]) -> Result<Self, IdentifyError> {
         let vector = ParameterVector::new(model.parameters(), recordings.len());
-        if vector.is_empty() {
-            return Err(IdentifyError::NothingFree);
-        }
         // A central difference takes two lanes a coordinate beside the point itself.
         let most = (BATCH - 1) / 2;
         let found = vector.acting_on(0).count();
         if found > most {
             return Err(IdentifyError::TooManyParameters { found, most });
         }
-        let state = |enters, absent| {
-            let info = model.parameters().iter().find(|info| info.enters == enters);
-            info.map_or(ParameterState::Fixed(absent), |info| info.state)
-        };
-        let means: Vec<f64> = recordings
-            .iter()
-            .map(|recording| recording.output().iter().sum::<f64>() / recording.len() as f64)
-            .collect();
-        let spreads = recordings
-            .iter()
-            .zip(&means)
-            .map(|(recording, mean)| recording.output().iter().map(|y| (y - mean).powi(2)).sum())
-            .collect();
+        one_unit(recordings)?;
+        let gain = linear_state(model, Enters::Gain, Scope::Shared, 1.0)?;
+        let offset = linear_state(model, Enters::Offset, Scope::PerRecording, 0.0)?;
         Ok(Self {
             model,
-            recordings,
+            recordings: recordings
+                .iter()
+                .map(|recording| Weighed::new(recording, None))
+                .collect(),
             bounds: vector.bounds(),
             vector,
-            means,
-            spreads,
-            gain: state(Enters::Gain, 1.0),
-            offset: state(Enters::Offset, 0.0),
+            gain,
+            offset,
+            temperature_weight: 0.0,
+            simulations: AtomicU64::new(0),
         })
+    }
+
+    /// Weighs the samples of each recording anew.
+    pub(crate) fn weigh_samples(&mut self, weights: Vec<Vec<f64>>) {
+        for (weighed, weights) in self.recordings.iter_mut().zip(weights) {
+            *weighed = Weighed::new(weighed.recording, Some(weights));
+        }
+    }
+
+    /// Weighs recorded temperatures against the output, (output unit/K)².
+    pub(crate) fn weigh_temperature(&mut self, weight: f64) {
+        self.temperature_weight = weight;
+    }
+
+    /// Points simulated so far, each over all recordings.
+    pub(crate) fn simulations(&self) -> u64 {
+        self.simulations.load(Ordering::Relaxed)
     }
 
     pub(crate) fn vector(&self) -> &ParameterVector {
@@ -91,37 +117,143 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
         &self.bounds
     }
 
+    pub(crate) fn n_recordings(&self) -> usize {
+        self.recordings.len()
+    }
+
+    /// Number of output samples.
     pub(crate) fn n_samples(&self) -> usize {
-        self.recordings.iter().map(Recording::len).sum()
+        self.recordings
+            .iter()
+            .map(|weighed| weighed.recording.len())
+            .sum()
     }
 
-    /// Σ (y - mean)² over all recordings, each about its own mean.
+    /// Number of recorded temperatures.
+    pub(crate) fn n_temperatures(&self) -> usize {
+        let of =
+            |weighed: &Weighed<'_>| weighed.recording.temperature_degc().map_or(0, <[f64]>::len);
+        self.recordings.iter().map(of).sum()
+    }
+
+    /// Σ w (y - mean)² over all recordings, each about its own mean.
     pub(crate) fn spread(&self) -> f64 {
-        self.spreads.iter().sum()
+        self.recordings.iter().map(Weighed::spread).sum()
     }
 
-    /// Sum of squares of one recording at a point with its gain and offsets.
-    pub(crate) fn sum_of_squares_of(
+    /// Weight of a residual in the sum of squares.
+    pub(crate) fn weight(&self, r: usize, row: &Row<'_>) -> f64 {
+        match row.channel {
+            Channel::Output => self.recordings[r].weight(row.sample),
+            Channel::Temperature => self.temperature_weight,
+        }
+    }
+
+    /// Number of columns that stand for gain and offsets, before those of the coordinates.
+    pub(crate) fn n_linear(&self) -> usize {
+        let offsets = match self.offset {
+            ParameterState::Free => self.recordings.len(),
+            ParameterState::Fixed(_) => 0,
+        };
+        self.n_gains() + offsets
+    }
+
+    /// 1 if the gain is free, else 0.
+    pub(crate) fn n_gains(&self) -> usize {
+        usize::from(self.gain == ParameterState::Free)
+    }
+
+    /// Column of the Jacobian of a parameter in a recording; `None` if it is not free.
+    pub(crate) fn column_of(&self, parameter: usize, r: usize) -> Option<usize> {
+        let info = &self.vector.infos()[parameter];
+        match (info.enters, info.state) {
+            (_, ParameterState::Fixed(_)) => None,
+            (Enters::Gain, ParameterState::Free) => Some(0),
+            (Enters::Offset, ParameterState::Free) => Some(self.n_gains() + r),
+            (Enters::Nonlinear, ParameterState::Free) => {
+                let coordinate = self.vector.coordinate_of(parameter, r)?;
+                Some(self.n_linear() + coordinate)
+            }
+        }
+    }
+
+    /// Recording - model at every sample of each recording's output, and the model's highest temperature.
+    pub(crate) fn residuals(
         &self,
-        r: usize,
         point: &[f64],
         solved: &Solved,
-    ) -> Result<f64, IdentifyError> {
-        let recording = &self.recordings[r];
-        let mut sum = 0.0;
-        self.model
-            .simulate(&[self.vector.values(point, r)], recording, &mut |block| {
-                let shapes = block.displacement.iter().step_by(block.stride);
-                for (f, y) in shapes.zip(&recording.output()[block.first_sample..]) {
-                    sum += (y - solved.gain * f - solved.offsets[r]).powi(2);
-                }
-            })?;
-        Ok(sum)
+    ) -> Result<Vec<Residuals>, IdentifyError> {
+        (0..self.recordings.len())
+            .map(|r| {
+                let recording = self.recordings[r].recording;
+                let mut values = Vec::with_capacity(recording.len());
+                let mut peak_temperature_degc = f64::NEG_INFINITY;
+                let points = [self.vector.values(point, r)];
+                self.simulate(r, &points, &mut |block| {
+                    let shapes = block.displacement.iter().step_by(block.stride);
+                    for (f, y) in shapes.zip(&recording.output()[block.first_sample..]) {
+                        values.push(y - solved.gain * f - solved.offsets[r]);
+                    }
+                    let shown = block.temperature_degc.iter().step_by(block.stride);
+                    peak_temperature_degc = shown.copied().fold(peak_temperature_degc, f64::max);
+                })?;
+                Ok(Residuals {
+                    values,
+                    peak_temperature_degc,
+                })
+            })
+            .collect()
+    }
+
+    /// Simulates a recording at points of the model and holds the model to its promise: every block
+    /// shows all points, and the blocks together all samples in their order.
+    fn simulate(
+        &self,
+        r: usize,
+        points: &[Vec<f64>],
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let recording = self.recordings[r].recording;
+        let mut shown = 0;
+        let mut complete = true;
+        self.model.simulate(points, recording, &mut |block| {
+            let rows = block.displacement.len() / block.stride.max(1);
+            let fits = block.first_member == 0
+                && (points.len()..=BATCH).contains(&block.stride)
+                && block.members == points.len()
+                && block.first_sample == shown
+                && shown + rows <= recording.len()
+                && block.temperature_degc.len() == block.displacement.len();
+            complete &= fits;
+            shown += rows;
+            if complete {
+                visit(block);
+            }
+        })?;
+        if complete && shown == recording.len() {
+            Ok(())
+        } else {
+            Err(IdentifyError::IncompleteBlocks {
+                recording: recording.name().to_owned(),
+                shown,
+                expected: recording.len(),
+            })
+        }
+    }
+
+    /// Solves for gain and offsets at one point.
+    pub(crate) fn solve_one(&self, point: &[f64]) -> Result<Solved, IdentifyError> {
+        let Some(solved) = self.solve(&[point.to_vec()])?.pop() else {
+            unreachable!("one point gives one solution");
+        };
+        Ok(solved)
     }
 
     /// Solves for gain and offsets at each point. Results stand in the order of the points, whatever
     /// the number of threads.
-    pub(crate) fn solve(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
+    fn solve(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
+        self.simulations
+            .fetch_add(points.len() as u64, Ordering::Relaxed);
         let tasks: Vec<(usize, &[Vec<f64>])> = points
             .chunks(BATCH)
             .flat_map(|batch| (0..self.recordings.len()).map(move |r| (r, batch)))
@@ -136,150 +268,103 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
                 let of_point: Vec<Moments> = (0..n_recordings)
                     .map(|r| moments[p / BATCH * n_recordings + r][p % BATCH])
                     .collect();
-                self.solve_linear(&of_point)
+                solve_linear(&self.recordings, &of_point, self.gain, self.offset)
             })
             .collect())
     }
 
-    fn moments(&self, r: usize, batch: &[Vec<f64>]) -> Result<Vec<Moments>, IdentifyError> {
-        let recording = &self.recordings[r];
+    fn moments(&self, r: usize, batch: &[Vec<f64>]) -> Result<[Moments; BATCH], IdentifyError> {
+        let weighed = &self.recordings[r];
         let values: Vec<Vec<f64>> = batch
             .iter()
             .map(|point| self.vector.values(point, r))
             .collect();
-        let mean = self.means[r];
         let mut moments = [Moments::default(); BATCH];
-        self.model.simulate(&values, recording, &mut |block| {
-            let output = &recording.output()[block.first_sample..];
-            let lanes = &mut moments[block.first_member..];
-            widest_vectors(
-                #[inline(always)]
-                || add_moments(lanes, &block, output, mean),
-            );
-        })?;
-        Ok(moments[..batch.len()].to_vec())
+        self.simulate(r, &values, &mut |block| weighed.add(&mut moments, &block))?;
+        Ok(moments)
     }
 
-    /// min Σ (y - gain f - offset)² over gain and offsets, in closed form.
-    fn solve_linear(&self, moments: &[Moments]) -> Solved {
-        // Sums over all recordings of products of f and y, each from its mean where the offset is
-        // free, from the fixed offset otherwise.
-        let (mut ff, mut fy, mut yy) = (0.0, 0.0, 0.0);
-        for (r, m) in moments.iter().enumerate() {
-            let n = self.recordings[r].len() as f64;
-            match self.offset {
-                ParameterState::Free => {
-                    ff += m.ff - m.f * m.f / n;
-                    fy += m.fy;
-                    yy += self.spreads[r];
-                }
-                ParameterState::Fixed(offset) => {
-                    let shift = self.means[r] - offset;
-                    ff += m.ff;
-                    fy += m.fy + shift * m.f;
-                    yy += self.spreads[r] + n * shift * shift;
-                }
-            }
-        }
-        let gain = match self.gain {
-            ParameterState::Fixed(gain) => gain,
-            // A shape that never moves explains nothing.
-            ParameterState::Free if ff > 0.0 => fy / ff,
-            ParameterState::Free => 0.0,
-        };
-        let offsets = moments
-            .iter()
-            .enumerate()
-            .map(|(r, m)| match self.offset {
-                ParameterState::Free => {
-                    self.means[r] - gain * m.f / self.recordings[r].len() as f64
-                }
-                ParameterState::Fixed(offset) => offset,
-            })
-            .collect();
-        Solved {
-            gain,
-            offsets,
-            sum_of_squares: (yy - 2.0 * gain * fy + gain * gain * ff).max(0.0),
-        }
+    fn sum_of_squares(&self, solved: &Solved) -> f64 {
+        solved.output + self.temperature_weight * solved.temperature
     }
 
-    /// Adds the rows of one recording to the factor of [linear columns | Jacobian | residual].
-    fn add_rows(
+    /// Shows the residuals of one recording with their derivatives, by central differences: sample
+    /// after sample, the output before the temperature.
+    pub(crate) fn rows(
         &self,
-        triangle: &mut Triangle,
+        r: usize,
         point: &[f64],
         solved: &Solved,
-        r: usize,
+        visit: &mut dyn FnMut(&Row<'_>),
     ) -> Result<(), IdentifyError> {
-        let recording = &self.recordings[r];
+        let recording = self.recordings[r].recording;
         let acting: Vec<usize> = self.vector.acting_on(r).collect();
+        let (batch, per_distance) = self.differences(point, &acting);
+        let values: Vec<Vec<f64>> = batch
+            .iter()
+            .map(|point| self.vector.values(point, r))
+            .collect();
+        let (gains, linear) = (self.n_gains(), self.n_linear());
+        let temperatures = recording
+            .temperature_degc()
+            .filter(|_| self.temperature_weight > 0.0);
+        let mut derivatives = vec![0.0; linear + self.vector.len()];
+        self.simulate(r, &values, &mut |block| {
+            let shapes = block.displacement.chunks_exact(block.stride);
+            let shown = block.temperature_degc.chunks_exact(block.stride);
+            for (row, (shapes, shown)) in shapes.zip(shown).enumerate() {
+                let sample = block.first_sample + row;
+                derivatives[..gains].fill(shapes[0]);
+                if linear > gains {
+                    derivatives[gains + r] = 1.0;
+                }
+                for (k, &j) in acting.iter().enumerate() {
+                    let difference = shapes[2 + 2 * k] - shapes[1 + 2 * k];
+                    derivatives[linear + j] = solved.gain * difference * per_distance[k];
+                }
+                let fitted = solved.gain * shapes[0] + solved.offsets[r];
+                visit(&Row {
+                    channel: Channel::Output,
+                    sample,
+                    derivatives: &derivatives,
+                    residual: fitted - recording.output()[sample],
+                });
+                let Some(temperatures) = temperatures else {
+                    continue;
+                };
+                derivatives[..linear].fill(0.0);
+                for (k, &j) in acting.iter().enumerate() {
+                    derivatives[linear + j] =
+                        (shown[2 + 2 * k] - shown[1 + 2 * k]) * per_distance[k];
+                }
+                visit(&Row {
+                    channel: Channel::Temperature,
+                    sample,
+                    derivatives: &derivatives,
+                    residual: shown[0] - temperatures[sample],
+                });
+            }
+        })
+    }
+
+    /// The point itself, then for each acting coordinate a point below and one above, and 1 over the
+    /// distance of these two: at a bound the difference is one-sided, between equal bounds there is none.
+    fn differences(&self, point: &[f64], acting: &[usize]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let mut batch = vec![point.to_vec()];
-        let mut distances = Vec::with_capacity(acting.len());
-        for &j in &acting {
+        let mut per_distance = Vec::with_capacity(acting.len());
+        for &j in acting {
             let bound = &self.bounds[j];
             let step = DIFFERENCE * (bound.upper - bound.lower);
             let ends = [-step, step].map(|step| (point[j] + step).clamp(bound.lower, bound.upper));
-            distances.push(ends[1] - ends[0]);
+            let distance = ends[1] - ends[0];
+            per_distance.push(if distance > 0.0 { 1.0 / distance } else { 0.0 });
             batch.extend(ends.map(|end| {
                 let mut moved = point.to_vec();
                 moved[j] = end;
                 moved
             }));
         }
-        let values: Vec<Vec<f64>> = batch
-            .iter()
-            .map(|point| self.vector.values(point, r))
-            .collect();
-        let columns = self.columns(r);
-        let mut derivative = vec![0.0; self.vector.len()];
-        self.model.simulate(&values, recording, &mut |block| {
-            for (row, shapes) in block.displacement.chunks_exact(block.stride).enumerate() {
-                let y = recording.output()[block.first_sample + row];
-                for (k, &j) in acting.iter().enumerate() {
-                    derivative[j] =
-                        solved.gain * (shapes[2 + 2 * k] - shapes[1 + 2 * k]) / distances[k];
-                }
-                let residual = solved.gain * shapes[0] + solved.offsets[r] - y;
-                triangle.push(|column| columns.value(column, shapes[0], &derivative, residual));
-            }
-        })
-    }
-
-    /// Where the linear parameters stand in a row of recording `r`.
-    fn columns(&self, r: usize) -> Columns {
-        let gains = usize::from(self.gain == ParameterState::Free);
-        let offsets = match self.offset {
-            ParameterState::Free => self.recordings.len(),
-            ParameterState::Fixed(_) => 0,
-        };
-        Columns {
-            gains,
-            linear: gains + offsets,
-            own_offset: gains + r,
-            coordinates: self.vector.len(),
-        }
-    }
-}
-
-struct Columns {
-    gains: usize,
-    linear: usize,
-    own_offset: usize,
-    coordinates: usize,
-}
-
-impl Columns {
-    fn value(&self, column: usize, shape: f64, derivative: &[f64], residual: f64) -> f64 {
-        if column < self.gains {
-            shape
-        } else if column < self.linear {
-            f64::from(u8::from(column == self.own_offset))
-        } else if column < self.linear + self.coordinates {
-            derivative[column - self.linear]
-        } else {
-            residual
-        }
+        (batch, per_distance)
     }
 }
 
@@ -288,24 +373,31 @@ impl<M: ForwardModel> SumOfSquares for Problem<'_, M> {
     /// the Jacobian of the problem *without* them: variable projection (Golub1973 in REFERENCES.md, in
     /// Kaufman's form) without projecting anything.
     fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
-        let mut solved = self.solve(&[point.to_vec()])?;
-        let Some(solved) = solved.pop() else {
-            unreachable!("one point gives one solution");
-        };
-        let Columns {
-            linear,
-            coordinates,
-            ..
-        } = self.columns(0);
+        let solved = self.solve_one(point)?;
+        let differenced = 1 + 2 * self.vector.acting_on(0).count();
+        self.simulations
+            .fetch_add(differenced as u64, Ordering::Relaxed);
+        let (linear, coordinates) = (self.n_linear(), self.vector.len());
+        let columns = linear + coordinates + 1;
         let triangles = (0..self.recordings.len())
             .into_par_iter()
             .map(|r| {
-                let mut triangle = Triangle::new(linear + coordinates + 1);
-                self.add_rows(&mut triangle, point, &solved, r)?;
+                let mut triangle = Triangle::new(columns);
+                self.rows(r, point, &solved, &mut |row| {
+                    let root = self.weight(r, row).sqrt();
+                    triangle.push(|column| {
+                        let last = column + 1 == columns;
+                        root * if last {
+                            row.residual
+                        } else {
+                            row.derivative(column)
+                        }
+                    });
+                })?;
                 Ok(triangle.r())
             })
             .collect::<Result<Vec<_>, IdentifyError>>()?;
-        let mut whole = Triangle::new(linear + coordinates + 1);
+        let mut whole = Triangle::new(columns);
         for part in &triangles {
             for row in 0..part.nrows() {
                 whole.push(|column| part[(row, column)]);
@@ -313,13 +405,11 @@ impl<M: ForwardModel> SumOfSquares for Problem<'_, M> {
         }
         let r = whole.r();
         Ok(Linearized {
-            jacobian: r
-                .get(linear..linear + coordinates, linear..linear + coordinates)
-                .to_owned(),
-            residual: (linear..linear + coordinates)
-                .map(|row| r[(row, linear + coordinates)])
+            jacobian: r.get(linear..columns - 1, linear..columns - 1).to_owned(),
+            residual: (linear..columns - 1)
+                .map(|row| r[(row, columns - 1)])
                 .collect(),
-            sum_of_squares: solved.sum_of_squares,
+            sum_of_squares: self.sum_of_squares(&solved),
         })
     }
 
@@ -331,26 +421,71 @@ impl<M: ForwardModel> SumOfSquares for Problem<'_, M> {
     fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
         Ok(self
             .solve(points)?
-            .into_iter()
-            .map(|solved| solved.sum_of_squares)
+            .iter()
+            .map(|solved| self.sum_of_squares(solved))
             .collect())
     }
 }
 
-#[inline(always)]
-fn add_moments(moments: &mut [Moments], block: &Block<'_>, output: &[f64], mean: f64) {
-    let mut sums = [[0.0; BATCH]; 3];
-    for (shapes, y) in block.displacement.chunks_exact(block.stride).zip(output) {
-        let y = y - mean;
-        for (l, &f) in shapes.iter().enumerate().take(BATCH) {
-            sums[0][l] += f;
-            sums[1][l] += f * f;
-            sums[2][l] += f * y;
-        }
+/// How the one parameter that enters as `enters` is known; absent, it is fixed.
+fn linear_state<M: ForwardModel>(
+    model: &M,
+    enters: Enters,
+    scope: Scope,
+    absent: f64,
+) -> Result<ParameterState, IdentifyError> {
+    let mut found = model
+        .parameters()
+        .iter()
+        .filter(|info| info.enters == enters);
+    let Some(info) = found.next() else {
+        return Ok(ParameterState::Fixed(absent));
+    };
+    let is_free = info.state == ParameterState::Free;
+    if found.next().is_some() || (is_free && info.scope != scope) {
+        return Err(IdentifyError::NotSolvable { name: info.name });
     }
-    for l in 0..block.members {
-        moments[l].f += sums[0][l];
-        moments[l].ff += sums[1][l];
-        moments[l].fy += sums[2][l];
+    Ok(info.state)
+}
+
+/// Recordings that are looked at together measure one thing in one unit, under one kind of drive.
+fn one_unit(recordings: &[Recording]) -> Result<(), IdentifyError> {
+    let Some(first) = recordings.first() else {
+        return Ok(());
+    };
+    for recording in recordings {
+        same_quantities(
+            recording,
+            first.name(),
+            first.output_unit(),
+            first.drive_quantity(),
+        )?;
     }
+    Ok(())
+}
+
+/// Refuses a recording whose output unit or drive differs from that of `first`.
+pub(crate) fn same_quantities(
+    recording: &Recording,
+    first: &str,
+    output_unit: &str,
+    drive: Quantity,
+) -> Result<(), IdentifyError> {
+    if recording.output_unit() != output_unit {
+        return Err(IdentifyError::Units {
+            recording: recording.name().to_owned(),
+            found: recording.output_unit().to_owned(),
+            first: first.to_owned(),
+            expected: output_unit.to_owned(),
+        });
+    }
+    if recording.drive_quantity() != drive {
+        return Err(IdentifyError::Drives {
+            recording: recording.name().to_owned(),
+            found: recording.drive_quantity().name(),
+            first: first.to_owned(),
+            expected: drive.name(),
+        });
+    }
+    Ok(())
 }

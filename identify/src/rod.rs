@@ -10,7 +10,7 @@ use toml::Spanned;
 use wiener::Drive;
 use wiener::thermal::RodParams;
 
-use crate::{Bounds, IdentifyError, ParameterInfo, ParameterState};
+use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState};
 
 /// What a rod file says, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Rod {
     file: String,
     text: String,
     /// What drives the rod.
-    pub drive_kind: DriveKind,
+    pub drive_kind: Quantity,
     /// Supply voltage of a duty drive, V.
     pub supply_v: Option<f64>,
     /// Length between the contacts, m.
@@ -43,37 +43,6 @@ pub struct Rod {
     pub columns: Columns,
     /// What the user says of the model's parameters.
     pub model: Vec<ModelEntry>,
-}
-
-/// What the drive's number means, before its wiring is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum DriveKind {
-    /// Current, A.
-    #[default]
-    Current,
-    /// Duty of a PWM supply, 0 to 1.
-    Duty,
-    /// Voltage, V.
-    Voltage,
-    /// Power, W.
-    Power,
-    /// Temperature, °C: static data, the loop's own input.
-    Temperature,
-}
-
-impl DriveKind {
-    /// The quantity of the drive's column.
-    #[must_use]
-    pub fn quantity(self) -> Quantity {
-        match self {
-            DriveKind::Current => Quantity::Current,
-            DriveKind::Duty => Quantity::Duty,
-            DriveKind::Voltage => Quantity::Voltage,
-            DriveKind::Power => Quantity::Power,
-            DriveKind::Temperature => Quantity::Temperature,
-        }
-    }
 }
 
 /// Mechanics of the load.
@@ -103,8 +72,14 @@ pub struct Limits {
 pub struct ModelEntry {
     name: String,
     span: Range<usize>,
-    bounds: Option<Bounds>,
-    fixed: Option<f64>,
+    wish: Wish,
+}
+
+/// What is wished of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wish {
+    Fixed(f64),
+    Bounds(Bounds),
 }
 
 // The file as it is written: every number with its place, so that an error can point at it.
@@ -159,7 +134,7 @@ struct Surroundings {
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
 struct DriveTable {
-    kind: DriveKind,
+    kind: Quantity,
     supply_v: Option<Spanned<f64>>,
 }
 
@@ -267,6 +242,15 @@ impl Source<'_> {
                 self.positive(&format!("{key}.range"), &here(range[0]))?;
                 let range = range.map(|end| Spanned::new(spanned.span(), end));
                 let range = self.rising(&format!("{key}.range"), &range)?;
+                if !(range.lower..=range.upper).contains(value) {
+                    let accepted =
+                        format!("must lie in its range, {} to {}", range.lower, range.upper);
+                    return Err(self.value(
+                        &format!("{key}.value"),
+                        &Spanned::new(spanned.span(), *value),
+                        accepted,
+                    ));
+                }
                 Ok((
                     self.positive(&format!("{key}.value"), &here(*value))?,
                     Some(range),
@@ -379,7 +363,7 @@ impl Rod {
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
             columns: self.columns.clone(),
-            ..ReadOptions::new(self.drive_kind.quantity())
+            ..ReadOptions::new(self.drive_kind)
         }
     }
 
@@ -391,38 +375,60 @@ impl Rod {
     pub fn drive(&self) -> Result<Drive, IdentifyError> {
         let length_m = self.length_m.unwrap_or(1.0);
         match (self.drive_kind, self.supply_v) {
-            (DriveKind::Current, _) => Ok(Drive::Current),
-            (DriveKind::Duty, Some(supply_v)) => Ok(Drive::Duty { supply_v, length_m }),
-            (DriveKind::Duty, None) => Err(IdentifyError::Missing {
+            (Quantity::Current, _) => Ok(Drive::Current),
+            (Quantity::Duty, Some(supply_v)) => Ok(Drive::Duty { supply_v, length_m }),
+            (Quantity::Duty, None) => Err(IdentifyError::Missing {
                 file: self.file.clone(),
                 key: "drive.supply_v",
                 why: "a duty says how long the supply is on, not how strong it is",
             }),
-            (DriveKind::Voltage, _) => Ok(Drive::Voltage { length_m }),
-            (DriveKind::Power, _) => Ok(Drive::Power { length_m }),
-            (DriveKind::Temperature, _) => Err(IdentifyError::Missing {
+            (Quantity::Voltage, _) => Ok(Drive::Voltage { length_m }),
+            (Quantity::Power, _) => Ok(Drive::Power { length_m }),
+            (Quantity::Temperature, _) => Err(IdentifyError::StaticDrive {
                 file: self.file.clone(),
-                key: "drive.kind",
-                why: "a heat balance needs what heats the rod: current, duty, voltage or power",
             }),
         }
     }
 
     /// Geometry and material with a convective coefficient of 1 W/(m² K), if all that decides the
-    /// temperature is known: heat capacity and resistance per meter, and the length unless current
-    /// drives the rod.
+    /// temperature is known; see [`Rod::missing_for_temperature`].
     #[must_use]
     pub fn material(&self) -> Option<RodParams> {
-        if self.drive_kind != DriveKind::Current {
-            self.length_m?;
+        if !self.missing_for_temperature().is_empty() {
+            return None;
         }
         Some(RodParams {
             diameter_m: self.diameter_m?,
             density_kg_per_m3: self.density_kg_per_m3?,
             specific_heat_j_per_kg_k: self.specific_heat_j_per_kg_k?,
-            resistance_ohm_per_m: self.resistance_ohm_per_m?,
+            // Power heats the same whatever the resistance.
+            resistance_ohm_per_m: self.resistance_ohm_per_m.unwrap_or(1.0),
             convective_coefficient_w_per_m2_k: 1.0,
         })
+    }
+
+    /// The keys without which temperatures are known by their ratios only: heat capacity and
+    /// resistance per meter, and the length unless current drives the rod.
+    #[must_use]
+    pub fn missing_for_temperature(&self) -> Vec<&'static str> {
+        let needs_length = self.drive_kind != Quantity::Current;
+        let needs_resistance = self.drive_kind != Quantity::Power;
+        [
+            ("diameter_mm", self.diameter_m.is_none()),
+            ("density_kg_per_m3", self.density_kg_per_m3.is_none()),
+            (
+                "specific_heat_j_per_kg_k",
+                self.specific_heat_j_per_kg_k.is_none(),
+            ),
+            (
+                "resistance_ohm_per_m",
+                needs_resistance && self.resistance_ohm_per_m.is_none(),
+            ),
+            ("length_mm", needs_length && self.length_m.is_none()),
+        ]
+        .into_iter()
+        .filter_map(|(key, missing)| missing.then_some(key))
+        .collect()
     }
 
     /// Puts what `[model]` says into the parameters of a model.
@@ -434,11 +440,7 @@ impl Rod {
         for entry in &self.model {
             let names: Vec<&str> = infos.iter().map(|info| info.name).collect();
             let Some(k) = names.iter().position(|&name| name == entry.name) else {
-                let source = Source {
-                    file: &self.file,
-                    text: &self.text,
-                };
-                let (line, column) = source.position(entry.span.start);
+                let (line, column) = self.position(&entry.span);
                 return Err(IdentifyError::UnknownParameter {
                     file: self.file.clone(),
                     line,
@@ -447,15 +449,49 @@ impl Rod {
                     known: names.join(", "),
                 });
             };
-            if let Some(bounds) = entry.bounds {
-                infos[k].bounds = bounds;
-                infos[k].state = ParameterState::Free;
-            }
-            if let Some(value) = entry.fixed {
-                infos[k].state = ParameterState::Fixed(value);
+            let info = &mut infos[k];
+            let Bounds { lower, upper } = info.admissible;
+            let admissible = |value: f64| (lower..=upper).contains(&value);
+            match entry.wish {
+                Wish::Bounds(_) if info.enters != Enters::Nonlinear => {
+                    return Err(self.entry_error(
+                        entry,
+                        "is solved for, not searched: fix it or leave it out",
+                    ));
+                }
+                Wish::Bounds(bounds) if admissible(bounds.lower) && admissible(bounds.upper) => {
+                    info.bounds = bounds;
+                    info.state = ParameterState::Free;
+                }
+                Wish::Fixed(value) if admissible(value) => {
+                    info.state = ParameterState::Fixed(value);
+                }
+                _ => {
+                    let accepted = format!("must lie from {lower:e} to {upper:e} {}", info.unit);
+                    return Err(self.entry_error(entry, &accepted));
+                }
             }
         }
         Ok(())
+    }
+
+    fn entry_error(&self, entry: &ModelEntry, accepted: &str) -> IdentifyError {
+        let (line, column) = self.position(&entry.span);
+        IdentifyError::Entry {
+            file: self.file.clone(),
+            line,
+            column,
+            name: entry.name.clone(),
+            accepted: accepted.to_owned(),
+        }
+    }
+
+    fn position(&self, span: &Range<usize>) -> (usize, usize) {
+        let source = Source {
+            file: &self.file,
+            text: &self.text,
+        };
+        source.position(span.start)
     }
 }
 
@@ -465,13 +501,29 @@ fn model_entry(
     table: &ModelTable,
 ) -> Result<ModelEntry, IdentifyError> {
     let key = format!("model.{}", name.get_ref());
+    let wish = match (&table.bounds, &table.fixed) {
+        (Some(bounds), None) => Wish::Bounds(source.rising(&format!("{key}.bounds"), bounds)?),
+        (None, Some(fixed)) => {
+            let fixed = Some(fixed.clone());
+            let Some(value) = source.finite(&format!("{key}.fixed"), &fixed)? else {
+                unreachable!("a value that is there stays there");
+            };
+            Wish::Fixed(value)
+        }
+        _ => {
+            let (line, column) = source.position(name.span().start);
+            return Err(IdentifyError::Entry {
+                file: source.file.to_owned(),
+                line,
+                column,
+                name: name.get_ref().clone(),
+                accepted: "must be { fixed = value } or { bounds = [low, high] }".to_owned(),
+            });
+        }
+    };
     Ok(ModelEntry {
         name: name.get_ref().clone(),
         span: name.span(),
-        bounds: match &table.bounds {
-            None => None,
-            Some(bounds) => Some(source.rising(&format!("{key}.bounds"), bounds)?),
-        },
-        fixed: source.finite(&format!("{key}.fixed"), &table.fixed)?,
+        wish,
     })
 }

@@ -1,6 +1,10 @@
-use recording::Recording;
+use recording::{HOLD_TOLERANCE, Recording};
+use wiener::Block;
 
-use crate::{Fit, ForwardModel, IdentifyError};
+use crate::fit::{root_mean_square, squares_about_own_mean};
+use crate::least_squares::{LeastSquaresConfig, minimize};
+use crate::problem::{Problem, same_quantities};
+use crate::{Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
 const FEWEST_AT_REST: usize = 10;
@@ -13,8 +17,13 @@ pub enum OffsetSource {
         /// Their number.
         n_samples: usize,
     },
-    /// Over the whole recording: the drive rises at once.
-    WholeRecording,
+    /// Over the whole recording: too few samples stand before the drive rises.
+    WholeRecording {
+        /// Their number.
+        at_rest: usize,
+    },
+    /// Over the whole recording: its drive never rises, so that it tests nothing.
+    NeverDriven,
 }
 
 /// How well a fitted model meets a recording that it has not seen.
@@ -24,8 +33,8 @@ pub struct Validated {
     pub name: String,
     /// Root mean square of recording - model, in the output unit.
     pub rmse: f64,
-    /// 1 - RMSE / standard deviation of the output.
-    pub fit_fraction: f64,
+    /// 1 - RMSE / standard deviation of the output; `None` if the output never changes.
+    pub fit_fraction: Option<f64>,
     /// Number of samples.
     pub n_samples: usize,
     /// Offset of this recording, in the output unit.
@@ -34,9 +43,33 @@ pub struct Validated {
     pub offset_source: OffsetSource,
 }
 
-/// Predicts a recording with the shared parameters frozen; only the offset is set, by a rule that is
-/// the same for every model: from the samples before the drive first rises, or over the whole
-/// recording if there are fewer than ten.
+/// A model whose shared parameters are those of a fit; what is left is the recording's own.
+#[derive(Debug)]
+struct Frozen<'a, M> {
+    model: &'a M,
+    parameters: Vec<ParameterInfo>,
+}
+
+impl<M: ForwardModel> ForwardModel for Frozen<'_, M> {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        self.model.simulate(points, recording, visit)
+    }
+}
+
+/// Predicts a recording with the shared parameters frozen.
+///
+/// Only the recording's own parameters are set (its offset, and its start where that is free), by a
+/// rule that is the same for every model: from the samples before the drive first rises, or over the
+/// whole recording if there are fewer than ten. A fixed offset stays.
 ///
 /// # Errors
 ///
@@ -46,46 +79,68 @@ pub fn validate<M: ForwardModel>(
     fit: &Fit,
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
-    let mut predicted: Vec<f64> = Vec::with_capacity(recording.len());
-    model.simulate(&[fit.shared_values()], recording, &mut |block| {
-        predicted.extend(block.displacement.iter().step_by(block.stride));
-    })?;
-    let errors: Vec<f64> = recording
-        .output()
-        .iter()
-        .zip(&predicted)
-        .map(|(y, f)| y - f)
-        .collect();
+    let first = &fit.recordings[0].name;
+    same_quantities(recording, first, &fit.output_unit, fit.drive_quantity)?;
+    let mut parameters = model.parameters().to_vec();
+    for (info, fitted) in parameters.iter_mut().zip(&fit.parameters) {
+        if info.scope == Scope::Shared {
+            info.state = ParameterState::Fixed(fitted.values[0]);
+        }
+    }
+    let frozen = Frozen { model, parameters };
+    let mut problem = Problem::new(&frozen, std::slice::from_ref(recording))?;
     let at_rest = samples_at_rest(recording.drive());
-    let (offset, offset_source) = if at_rest >= FEWEST_AT_REST {
-        let source = OffsetSource::BeforeDrive { n_samples: at_rest };
-        (mean(&errors[..at_rest]), source)
+    let offset_source = if at_rest == recording.len() {
+        OffsetSource::NeverDriven
+    } else if at_rest >= FEWEST_AT_REST {
+        let weight = |k| f64::from(u8::from(k < at_rest));
+        problem.weigh_samples(vec![(0..recording.len()).map(weight).collect()]);
+        OffsetSource::BeforeDrive { n_samples: at_rest }
     } else {
-        (mean(&errors), OffsetSource::WholeRecording)
+        OffsetSource::WholeRecording { at_rest }
     };
-    let n = recording.len() as f64;
-    let sum_of_squares: f64 = errors.iter().map(|error| (error - offset).powi(2)).sum();
-    let level = mean(recording.output());
-    let spread: f64 = recording.output().iter().map(|y| (y - level).powi(2)).sum();
+    let middle: Vec<f64> = problem
+        .bounds()
+        .iter()
+        .map(|bound| f64::midpoint(bound.lower, bound.upper))
+        .collect();
+    let point = if middle.is_empty() {
+        middle
+    } else {
+        minimize(
+            &problem,
+            problem.bounds(),
+            &middle,
+            &LeastSquaresConfig::default(),
+        )?
+        .point
+    };
+    let solved = problem.solve_one(&point)?;
+    let residuals = problem.residuals(&point, &solved)?;
+    let rmse = root_mean_square(&residuals[0].values);
+    let output = recording.output();
+    let moves = output.iter().any(|y| y.to_bits() != output[0].to_bits());
+    let spread = squares_about_own_mean(output) / output.len() as f64;
     Ok(Validated {
         name: recording.name().to_owned(),
-        rmse: (sum_of_squares / n).sqrt(),
-        fit_fraction: 1.0 - (sum_of_squares / spread).sqrt(),
+        rmse,
+        fit_fraction: moves.then(|| 1.0 - rmse / spread.sqrt()),
         n_samples: recording.len(),
-        offset,
+        offset: solved.offsets[0],
         offset_source,
     })
 }
 
-/// Samples before the drive first acts, the one at which it does included: its output is read before.
+/// Samples before the drive first rises from its lowest level by more than a hundredth of its range,
+/// the one at which it does included: its output is read before. All, if it never does.
 fn samples_at_rest(drive: &[f64]) -> usize {
-    match drive.iter().position(|drive| drive.abs() > 0.0) {
+    let size = drive.iter().map(|drive| drive.abs());
+    let lowest = size.clone().fold(f64::INFINITY, f64::min);
+    let highest = size.clone().fold(0.0, f64::max);
+    let level = lowest + HOLD_TOLERANCE * (highest - lowest);
+    match size.clone().position(|size| size > level) {
         Some(0) => 0,
         Some(k) => k + 1,
         None => drive.len(),
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }

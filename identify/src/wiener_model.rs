@@ -21,6 +21,13 @@ const WIDTHS_K: Bounds = Bounds {
     upper: 60.0,
 };
 
+/// Loop center above ambient up to which is searched, K: the hottest NiTi wires on sale transform below
+/// 120 °C, high-temperature alloys need bounds of their own in `[model]`.
+const HIGHEST_CENTER_K: f64 = 150.0;
+
+/// Smallest ζ that is searched: below, branches from a limiting curve are thirty times its width long.
+const SMALLEST_ZETA: f64 = 0.05;
+
 /// The plain Wiener model of a rig, with the parameters that its rod file leaves open.
 #[derive(Debug, Clone)]
 pub struct WienerModel {
@@ -28,6 +35,7 @@ pub struct WienerModel {
     rule: Rule,
     heat: Heat,
     ambient_degc: Option<f64>,
+    rise_is_assumed: bool,
     parameters: Vec<ParameterInfo>,
 }
 
@@ -50,7 +58,11 @@ const CENTER: usize = 1;
 const HALF_WIDTH: usize = 2;
 const SPREAD: usize = 3;
 const ZETA: usize = 4;
-const RISE: usize = 7;
+const GAIN: usize = 5;
+const OFFSET: usize = 6;
+const START_RISE: usize = 7;
+const START_SHARE: usize = 8;
+const RISE: usize = 9;
 
 impl WienerModel {
     /// The model of a rig, with bounds wide enough for the given training recordings.
@@ -61,27 +73,15 @@ impl WienerModel {
     /// temperature or supply, and what `[model]` says of parameters that do not exist.
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
-        for recording in training {
-            if recording.output_unit() != first.output_unit() {
-                return Err(IdentifyError::Units {
-                    recording: recording.name().to_owned(),
-                    found: recording.output_unit().to_owned(),
-                    first: first.name().to_owned(),
-                    expected: first.output_unit().to_owned(),
-                });
-            }
-            recording.check_identifiable()?;
-        }
-        let ambient_degc = match (rod.ambient_degc, first.ambient_degc()) {
-            (Some(ambient_degc), _) => ambient_degc,
-            (None, Some(recorded)) => recorded[0],
-            (None, None) => {
-                return Err(IdentifyError::Missing {
-                    file: rod.file().to_owned(),
-                    key: "surroundings.ambient_degc",
-                    why: "no recording has a column for it either",
-                });
-            }
+        let recorded = training
+            .iter()
+            .find_map(|recording| recording.ambient_degc());
+        let Some(ambient_degc) = recorded.map(|recorded| recorded[0]).or(rod.ambient_degc) else {
+            return Err(IdentifyError::Missing {
+                file: rod.file().to_owned(),
+                key: "surroundings.ambient_degc",
+                why: "no recording has a column for it either",
+            });
         };
         let drive = rod.drive()?;
         let heat = match rod.material() {
@@ -96,13 +96,24 @@ impl WienerModel {
                 }
             }
         };
-        let mut parameters =
-            parameters(first.output_unit(), ambient_degc, shortest_tau_s(training)?);
+        let mut parameters = parameters(first.output_unit(), ambient_degc, tau_bounds_s(training)?);
         if let Heat::Constants { unit_power_w_per_m } = heat {
-            parameters.push(rise(drive, unit_power_w_per_m, training));
+            let mut rise = rise(drive, unit_power_w_per_m, training);
+            // A recorded temperature fixes the scale.
+            if training
+                .iter()
+                .any(|recording| recording.temperature_degc().is_some())
+            {
+                rise.state = ParameterState::Free;
+            }
+            parameters.push(rise);
         }
+        let assumed = parameters.get(RISE).map(|rise| rise.state);
         rod.apply_model(&mut parameters)?;
+        let kept = parameters.get(RISE).map(|rise| rise.state);
         Ok(Self {
+            // What the user fixes is known; what the data fix is, too.
+            rise_is_assumed: kept == assumed && matches!(kept, Some(ParameterState::Fixed(_))),
             drive,
             rule,
             heat,
@@ -111,10 +122,11 @@ impl WienerModel {
         })
     }
 
-    /// Whether temperatures are in kelvins, or only ratios of their differences mean anything.
+    /// Whether temperatures are in kelvins, or only ratios of their differences mean anything: an
+    /// assumed rise fixes the scale by convention only.
     #[must_use]
     pub fn knows_temperature(&self) -> bool {
-        matches!(self.heat, Heat::Known { .. })
+        !self.rise_is_assumed
     }
 
     /// The model's parameters for one point; gain 1 and offset 0 unless the point has them.
@@ -147,8 +159,8 @@ impl WienerModel {
                 ..LoopParams::default()
             },
             zeta: point[ZETA],
-            gain: point[ZETA + 1],
-            offset: point[ZETA + 2],
+            gain: point[GAIN],
+            offset: point[OFFSET],
         }
     }
 
@@ -198,7 +210,10 @@ impl ForwardModel for WienerModel {
             .iter()
             .map(|point| Member {
                 params: self.wiener_params(point),
-                start: Start::rest(profile.first_ambient_degc()),
+                start: Start {
+                    temperature_degc: profile.first_ambient_degc() + point[START_RISE],
+                    share: point[START_SHARE],
+                },
             })
             .collect();
         let ensemble = Ensemble {
@@ -209,11 +224,29 @@ impl ForwardModel for WienerModel {
     }
 }
 
-fn parameters(output_unit: &str, ambient_degc: f64, shortest_tau_s: f64) -> Vec<ParameterInfo> {
+fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<ParameterInfo> {
     let nonlinear = |name, unit: &str, scale, bounds| ParameterInfo {
         name,
         unit: unit.to_owned(),
         bounds,
+        admissible: match (scale, name) {
+            (_, "zeta") => Bounds {
+                lower: 1e-6,
+                upper: 1.0,
+            },
+            (_, "start_share") => Bounds {
+                lower: 0.0,
+                upper: 1.0,
+            },
+            (Scale::Logarithmic, _) => Bounds {
+                lower: 1e-12,
+                upper: 1e12,
+            },
+            (Scale::Linear, _) => Bounds {
+                lower: -1e12,
+                upper: 1e12,
+            },
+        },
         scale,
         scope: Scope::Shared,
         enters: Enters::Nonlinear,
@@ -226,29 +259,29 @@ fn parameters(output_unit: &str, ambient_degc: f64, shortest_tau_s: f64) -> Vec<
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
         },
+        admissible: Bounds {
+            lower: -1e12,
+            upper: 1e12,
+        },
         scale: Scale::Linear,
         scope,
         enters,
         state: ParameterState::Free,
     };
+    let start = |name, unit, bounds, value| ParameterInfo {
+        scope: Scope::PerRecording,
+        state: ParameterState::Fixed(value),
+        ..nonlinear(name, unit, Scale::Linear, bounds)
+    };
     vec![
-        nonlinear(
-            "tau_s",
-            "s",
-            Scale::Logarithmic,
-            Bounds {
-                lower: shortest_tau_s,
-                upper: 1000.0 * shortest_tau_s,
-            },
-        ),
+        nonlinear("tau_s", "s", Scale::Logarithmic, tau_s),
         nonlinear(
             "loop_center_degc",
             "°C",
             Scale::Linear,
-            // From a loop whose cooling branch ends at ambient to the hottest alloys in use.
             Bounds {
                 lower: ambient_degc,
-                upper: ambient_degc + 150.0,
+                upper: ambient_degc + HIGHEST_CENTER_K,
             },
         ),
         nonlinear("loop_half_width_k", "K", Scale::Logarithmic, WIDTHS_K),
@@ -258,12 +291,31 @@ fn parameters(output_unit: &str, ambient_degc: f64, shortest_tau_s: f64) -> Vec<
             "1",
             Scale::Linear,
             Bounds {
-                lower: 0.05,
+                lower: SMALLEST_ZETA,
                 upper: 1.0,
             },
         ),
         linear("gain", Scope::Shared, Enters::Gain),
         linear("offset", Scope::PerRecording, Enters::Offset),
+        // At rest unless [model] frees them: cold, and cooled along the limiting curve.
+        start(
+            "start_rise_k",
+            "K",
+            Bounds {
+                lower: 0.0,
+                upper: 100.0,
+            },
+            0.0,
+        ),
+        start(
+            "start_share",
+            "1",
+            Bounds {
+                lower: 0.0,
+                upper: 1.0,
+            },
+            1.0,
+        ),
     ]
 }
 
@@ -289,6 +341,10 @@ fn rise(drive: Drive, unit_power_w_per_m: f64, training: &[Recording]) -> Parame
             lower: 1e-3 * value,
             upper: 1e3 * value,
         },
+        admissible: Bounds {
+            lower: 1e-12,
+            upper: 1e12,
+        },
         scale: Scale::Logarithmic,
         scope: Scope::Shared,
         enters: Enters::Nonlinear,
@@ -296,9 +352,13 @@ fn rise(drive: Drive, unit_power_w_per_m: f64, training: &[Recording]) -> Parame
     }
 }
 
-/// Shortest time constant worth looking for, s: that of the finest sampling.
-fn shortest_tau_s(training: &[Recording]) -> Result<f64, IdentifyError> {
-    let mut shortest = f64::INFINITY;
+/// Time constants worth looking for, s: from that of the finest sampling to the longest recording,
+/// below and beyond which nothing of an exponential shows.
+fn tau_bounds_s(training: &[Recording]) -> Result<Bounds, IdentifyError> {
+    let mut bounds = Bounds {
+        lower: f64::INFINITY,
+        upper: 0.0,
+    };
     for recording in training {
         let dt_s = match recording.sampling() {
             Sampling::Uniform { dt_s } => dt_s,
@@ -309,7 +369,8 @@ fn shortest_tau_s(training: &[Recording]) -> Result<f64, IdentifyError> {
                 });
             }
         };
-        shortest = shortest.min(dt_s);
+        bounds.lower = bounds.lower.min(dt_s);
+        bounds.upper = bounds.upper.max(dt_s * recording.len() as f64);
     }
-    Ok(shortest)
+    Ok(bounds)
 }

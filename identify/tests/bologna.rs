@@ -7,6 +7,7 @@
 
 use identify::{FitConfig, Rod, WienerModel, fit, validate};
 use recording::read_csv;
+use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 
 const ROD: &str = "\
@@ -40,7 +41,10 @@ fn three_recordings_are_met_together() {
         return;
     };
     let model = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
-    let fit = fit(&model, &training, &FitConfig::default(), &mut |_, _| ()).unwrap();
+    let fit = fit(&model, &training, &FitConfig::default(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
     assert!(fit.train_rmse <= 0.37, "{}", fit.train_rmse);
     assert!(fit.termination.is_minimum());
     // The plain model leaves physics out, and it shows on the unseen run.

@@ -8,9 +8,11 @@
 mod common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles};
-use identify::{Fit, FitConfig, IdentifyError, OffsetSource, WienerModel, fit, validate};
-use recording::{Recording, RecordingParts};
+use identify::{Fit, FitConfig, IdentifyError, Loss, OffsetSource, WienerModel, fit, validate};
+use recording::{Quantity, Recording, RecordingParts};
+use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
+use wiener::{Drive, Plant, Profile, Wiener, run};
 
 fn fitted(rod_text: &str, training: &[Recording], seed: u64) -> (WienerModel, Fit) {
     let model = WienerModel::new(&rod(rod_text), Rule::LastReversal, training).unwrap();
@@ -18,7 +20,13 @@ fn fitted(rod_text: &str, training: &[Recording], seed: u64) -> (WienerModel, Fi
         seed,
         ..FitConfig::default()
     };
-    let fit = fit(&model, training, &config, &mut |_, _| ()).unwrap();
+    let fit = fit(
+        &model,
+        training,
+        &config,
+        &mut |_| ControlFlow::Continue(()),
+    )
+    .unwrap();
     (model, fit)
 }
 
@@ -68,7 +76,10 @@ fn a_recording_that_starts_driven_takes_its_offset_from_the_whole() {
     let (model, fit) = fitted(ROD, &training, 1);
     let unseen = recording("unseen.csv", triangles(700, 3.9)[25..].to_vec(), 2.0);
     let validated = validate(&model, &fit, &unseen).unwrap();
-    assert_eq!(validated.offset_source, OffsetSource::WholeRecording);
+    assert_eq!(
+        validated.offset_source,
+        OffsetSource::WholeRecording { at_rest: 0 }
+    );
     assert!(validated.rmse < 1e-5, "{}", validated.rmse);
 }
 
@@ -139,40 +150,252 @@ fn everything_fixed_is_nothing_to_identify() {
         &training,
     )
     .unwrap();
-    let error = fit(&model, &training, &FitConfig::default(), &mut |_, _| ()).unwrap_err();
+    let error = fit(&model, &training, &FitConfig::default(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap_err();
     assert_eq!(
         error.to_string(),
         "every parameter is fixed: nothing to identify"
     );
 }
 
+/// A recording like `like` with another output.
+fn with_output(like: &Recording, unit: &str, output: Vec<f64>) -> Recording {
+    Recording::new(RecordingParts {
+        name: "b.csv".to_owned(),
+        time_s: Some(like.time_s().to_vec()),
+        drive: like.drive().to_vec(),
+        output_unit: unit.to_owned(),
+        output,
+        ..RecordingParts::default()
+    })
+    .unwrap()
+}
+
 #[test]
-fn recordings_must_share_a_unit_and_move() {
-    let refused = |training: &[Recording]| {
-        WienerModel::new(&rod(ROD), Rule::LastReversal, training)
-            .unwrap_err()
-            .to_string()
-    };
+fn recordings_must_share_unit_and_drive_and_move() {
     let first = recording("a.csv", steps(300), 0.0);
-    let parts = |unit: &str, output: Vec<f64>| {
-        Recording::new(RecordingParts {
-            name: "b.csv".to_owned(),
-            time_s: Some(first.time_s().to_vec()),
-            drive: first.drive().to_vec(),
-            output_unit: unit.to_owned(),
-            output,
-            ..RecordingParts::default()
+    let model =
+        WienerModel::new(&rod(ROD), Rule::LastReversal, std::slice::from_ref(&first)).unwrap();
+    let fitted = |training: &[Recording]| {
+        fit(&model, training, &FitConfig::default(), &mut |_| {
+            ControlFlow::Continue(())
         })
-        .unwrap()
     };
-    let in_degrees = parts("deg", first.output().to_vec());
-    assert_eq!(
-        refused(&[first.clone(), in_degrees]),
-        "b.csv: output in deg, but a.csv is in mm: one unit is needed"
-    );
-    let still = refused(&[first.clone(), parts("mm", vec![1.0; 300])]);
+    let refused = |training: &[Recording]| fitted(training).unwrap_err().to_string();
+    let in_degrees = with_output(&first, "deg", first.output().to_vec());
+    let units = "b.csv: output in deg, but a.csv is in mm: one unit is needed";
+    assert_eq!(refused(&[first.clone(), in_degrees.clone()]), units);
+    let by_power = Recording::new(RecordingParts {
+        name: "b.csv".to_owned(),
+        time_s: Some(first.time_s().to_vec()),
+        drive_quantity: Quantity::Power,
+        drive: first.drive().to_vec(),
+        output_unit: "mm".to_owned(),
+        output: first.output().to_vec(),
+        ..RecordingParts::default()
+    })
+    .unwrap();
+    let drives = "b.csv: driven by power, but a.csv by current: one kind of drive is needed";
+    assert_eq!(refused(&[first.clone(), by_power.clone()]), drives);
+    let still = refused(&[first.clone(), with_output(&first, "mm", vec![1.0; 300])]);
     assert!(still.starts_with("b.csv: output is 1 mm"), "{still}");
     assert_eq!(refused(&[]), "no training recording; at least 1 is needed");
+    // The same holds for what is validated.
+    let fit = fitted(std::slice::from_ref(&first)).unwrap();
+    assert_eq!(
+        validate(&model, &fit, &in_degrees).unwrap_err().to_string(),
+        units
+    );
+    assert_eq!(
+        validate(&model, &fit, &by_power).unwrap_err().to_string(),
+        drives
+    );
+}
+
+#[test]
+fn a_recording_that_is_never_driven_tests_nothing() {
+    let first = recording("a.csv", triangles(600, 4.2), 0.5);
+    let (model, fit) = fitted(ROD, &[first], 1);
+    let validated = validate(&model, &fit, &recording("cold.csv", vec![0.0; 100], 0.7)).unwrap();
+    assert_eq!(validated.offset_source, OffsetSource::NeverDriven);
+    assert_eq!(validated.fit_fraction, None);
+}
+
+#[test]
+fn an_idle_current_is_rest() {
+    // A supply that cannot go below 20 mA, which the rod does not feel.
+    let idle = |drive: Vec<f64>| drive.into_iter().map(|drive| drive.max(0.02)).collect();
+    let (model, fit) = fitted(
+        ROD,
+        &[recording("a.csv", idle(triangles(900, 4.2)), 0.5)],
+        1,
+    );
+    let unseen = recording("unseen.csv", idle(triangles(700, 3.9)), 2.0);
+    let validated = validate(&model, &fit, &unseen).unwrap();
+    assert!(matches!(
+        validated.offset_source,
+        OffsetSource::BeforeDrive { n_samples: 20..=24 }
+    ));
+    assert!(validated.rmse < 1e-4, "{}", validated.rmse);
+}
+
+#[test]
+fn a_fixed_offset_stays_fixed() {
+    let text = format!("{ROD}[model]\noffset = {{ fixed = 0.5 }}\n");
+    let (model, fit) = fitted(&text, &[recording("a.csv", triangles(900, 4.2), 0.5)], 1);
+    assert!(fit.train_rmse < 1e-6, "{}", fit.train_rmse);
+    let validated = validate(&model, &fit, &recording("b.csv", triangles(500, 4.0), 0.8)).unwrap();
+    assert!((validated.offset - 0.5).abs() < 1e-12 && (validated.rmse - 0.3).abs() < 1e-5);
+}
+
+#[test]
+fn a_start_between_the_curves_is_found() {
+    // The second recording is cut off in mid-course, so that it starts warm and half transformed.
+    let whole = recording("a.csv", triangles(900, 4.2), 0.5);
+    let cut = Recording::new(RecordingParts {
+        name: "cut.csv".to_owned(),
+        time_s: Some(whole.time_s()[100..].to_vec()),
+        drive: whole.drive()[100..].to_vec(),
+        output_unit: "mm".to_owned(),
+        output: whole.output()[100..].to_vec(),
+        ..RecordingParts::default()
+    })
+    .unwrap();
+    let fixed = fitted(ROD, &[whole.clone(), cut.clone()], 1).1;
+    let text = format!(
+        "{ROD}[model]\nstart_rise_k = {{ bounds = [0, 100] }}\nstart_share = {{ bounds = [0, 1] }}\n"
+    );
+    let (model, free) = fitted(&text, &[whole, cut.clone()], 1);
+    assert!(fixed.train_rmse > 0.01, "{}", fixed.train_rmse);
+    assert!(
+        free.train_rmse < 0.1 * fixed.train_rmse,
+        "{}",
+        free.train_rmse
+    );
+    assert_eq!(free.parameter("start_rise_k").unwrap().values.len(), 2);
+    // Its start is found again where it is validated.
+    let validated = validate(&model, &free, &cut).unwrap();
+    assert!(
+        validated.rmse < 0.2 * fixed.train_rmse,
+        "{}",
+        validated.rmse
+    );
+}
+
+#[test]
+fn a_recorded_temperature_fixes_the_scale() {
+    // Heat capacity unknown, but the temperature is recorded: kelvins are kelvins again.
+    let plain = recording("a.csv", triangles(900, 4.2), 0.5);
+    let truth = Wiener::new(Drive::Current, Rule::LastReversal, &[common::truth()]).unwrap();
+    let profile = Profile::uniform(plain.drive(), 0.25, 21.0).unwrap();
+    let mut temperature_degc = Vec::new();
+    run(&truth, &mut truth.rest(21.0), &profile, |_, shown| {
+        temperature_degc.push(shown.temperature_degc[0]);
+    });
+    let training = [Recording::new(RecordingParts {
+        name: "warm.csv".to_owned(),
+        time_s: Some(plain.time_s().to_vec()),
+        drive: plain.drive().to_vec(),
+        output_unit: "mm".to_owned(),
+        output: plain.output().to_vec(),
+        temperature_degc: Some(temperature_degc),
+        ..RecordingParts::default()
+    })
+    .unwrap()];
+    let (model, fit) = fitted("surroundings.ambient_degc = 21.0", &training, 1);
+    assert!(model.knows_temperature());
+    assert!((value(&fit, "loop_center_degc") - 70.0).abs() < 0.01);
+    assert!((value(&fit, "loop_half_width_k") - 8.0).abs() < 0.01);
+    assert!(fit.temperature_rmse_k.unwrap() < 1e-3);
+}
+
+#[test]
+fn outliers_hardly_move_hubers_loss() {
+    let clean = recording("a.csv", triangles(900, 4.8), 0.5);
+    // One sample in fifty jumps by 2 mm to either side; the others carry a small ripple.
+    let output = clean.output().iter().enumerate().map(|(k, y)| {
+        if k % 50 == 7 {
+            y + if k % 100 == 7 { 2.0 } else { -2.0 }
+        } else {
+            y + 0.01 * (k as f64 * 1.7).sin()
+        }
+    });
+    let training = [with_output(&clean, "mm", output.collect())];
+    let with = |loss| {
+        let model = WienerModel::new(&rod(ROD), Rule::LastReversal, &training).unwrap();
+        let config = FitConfig {
+            loss,
+            ..FitConfig::default()
+        };
+        let fit = fit(&model, &training, &config, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        (value(&fit, "gain") + 3.0).abs() + (value(&fit, "loop_center_degc") - 70.0).abs()
+    };
+    let (squares, huber) = (with(Loss::Squares), with(Loss::Huber));
+    assert!(huber < 0.2 * squares, "{huber} {squares}");
+}
+
+#[test]
+fn a_direction_that_the_data_leave_open_is_named() {
+    let text =
+        "surroundings.ambient_degc = 21.0\n[model]\nlambda_k_per_a2 = { bounds = [0.5, 50.0] }";
+    let (_, fit) = fitted(text, &[recording("a.csv", triangles(900, 4.2), 0.5)], 1);
+    let said: Vec<String> = fit.unfixed.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        said,
+        [
+            "lambda_k_per_a2, loop center above ambient, half width and spread scale together: give R and \
+          m·Cp, or record the temperature"
+        ]
+    );
+    // And no interval is claimed for them.
+    assert_eq!(
+        fit.parameter("loop_half_width_k").unwrap().intervals,
+        [None]
+    );
+    assert!(fit.parameter("tau_s").unwrap().intervals[0].is_some());
+}
+
+#[test]
+fn the_search_can_be_ended_with_what_it_has() {
+    let training = [recording("a.csv", triangles(600, 4.2), 0.5)];
+    let model = WienerModel::new(&rod(ROD), Rule::LastReversal, &training).unwrap();
+    let fit = fit(&model, &training, &FitConfig::default(), &mut |_| {
+        ControlFlow::Break(())
+    })
+    .unwrap();
+    assert_eq!(fit.starts, 1);
+}
+
+#[test]
+fn absurd_numbers_are_not_a_perfect_fit() {
+    // A glitch so large that its square is infinite.
+    let mut drive = triangles(600, 4.2);
+    drive[300] = 1e200;
+    let clean = recording("a.csv", triangles(600, 4.2), 0.5);
+    let glitch = Recording::new(RecordingParts {
+        name: "glitch.csv".to_owned(),
+        time_s: Some(clean.time_s().to_vec()),
+        drive,
+        output_unit: "mm".to_owned(),
+        output: clean.output().to_vec(),
+        ..RecordingParts::default()
+    })
+    .unwrap();
+    let training = [glitch];
+    let model = WienerModel::new(&rod(ROD), Rule::LastReversal, &training).unwrap();
+    let error = fit(&model, &training, &FitConfig::default(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "no point within the bounds gives a finite cost; check the recordings for absurd values"
+    );
 }
 
 #[test]

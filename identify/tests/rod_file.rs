@@ -9,7 +9,8 @@
 mod common;
 
 use common::{ROD, recording, rod, steps};
-use identify::{DriveKind, Rod, WienerModel};
+use identify::{Rod, WienerModel};
+use recording::Quantity;
 use wiener::hysteresis::Rule;
 
 fn refused(text: &str) -> String {
@@ -47,7 +48,7 @@ output = { name = \"position_mm\", unit = \"mm\" }
 zeta = { fixed = 0.8 }
 tau_s = { bounds = [1.0, 30.0] }
 ");
-    assert_eq!(rod.drive_kind, DriveKind::Duty);
+    assert_eq!(rod.drive_kind, Quantity::Duty);
     assert!((rod.length_m.unwrap() - 0.11).abs() < 1e-15);
     assert!((rod.diameter_m.unwrap() - 1.2e-3).abs() < 1e-15);
     assert_eq!(rod.specific_heat_j_per_kg_k, Some(480.0));
@@ -64,7 +65,7 @@ tau_s = { bounds = [1.0, 30.0] }
 #[test]
 fn an_empty_file_knows_nothing() {
     let rod = rod("");
-    assert_eq!(rod.drive_kind, DriveKind::Current);
+    assert_eq!(rod.drive_kind, Quantity::Current);
     assert!(rod.material().is_none());
 }
 
@@ -122,6 +123,10 @@ fn ranges_must_rise() {
         "rod.toml:2:28: rod.specific_heat_j_per_kg_k.range = 450: must be > 840, the lower end"
     );
     assert_eq!(
+        refused("[rod]\nspecific_heat_j_per_kg_k = { value = 480.0, range = [600.0, 700.0] }\n"),
+        "rod.toml:2:28: rod.specific_heat_j_per_kg_k.value = 480: must lie in its range, 600 to 700"
+    );
+    assert_eq!(
         refused("[model]\nzeta = { bounds = [0.9, 0.2] }\n"),
         "rod.toml:2:25: model.zeta.bounds = 0.2: must be > 0.9, the lower end"
     );
@@ -175,8 +180,66 @@ fn parameters_that_do_not_exist_are_named_with_those_that_do() {
     assert_eq!(
         error.to_string(),
         "rod.toml:11:1: [model] teta: no such parameter; this rig has tau_s, loop_center_degc, \
-         loop_half_width_k, loop_spread_k, zeta, gain, offset"
+         loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share"
     );
+}
+
+#[test]
+fn entries_of_the_model_must_say_one_thing_that_can_be() {
+    let training = [recording("a.csv", steps(300), 0.0)];
+    let refused = |entry: &str| {
+        let text = format!("{ROD}[model]\n{entry}\n");
+        let parsed = Rod::parse("rod.toml", &text);
+        let made = parsed.and_then(|rod| WienerModel::new(&rod, Rule::LastReversal, &training));
+        made.map(|_| ()).unwrap_err().to_string()
+    };
+    let one_thing = "must be { fixed = value } or { bounds = [low, high] }";
+    assert_eq!(
+        refused("zeta = {}"),
+        format!("rod.toml:11:1: [model] zeta: {one_thing}")
+    );
+    assert_eq!(
+        refused("zeta = { fixed = 0.5, bounds = [0.1, 0.9] }"),
+        format!("rod.toml:11:1: [model] zeta: {one_thing}")
+    );
+    assert_eq!(
+        refused("zeta = { fixed = 1.5 }"),
+        "rod.toml:11:1: [model] zeta: must lie from 1e-6 to 1e0 1"
+    );
+    assert_eq!(
+        refused("tau_s = { bounds = [0.0, 5.0] }"),
+        "rod.toml:11:1: [model] tau_s: must lie from 1e-12 to 1e12 s"
+    );
+    assert_eq!(
+        refused("gain = { bounds = [0.0, 5.0] }"),
+        "rod.toml:11:1: [model] gain: is solved for, not searched: fix it or leave it out"
+    );
+}
+
+#[test]
+fn static_data_have_no_heat_balance() {
+    assert_eq!(
+        rod("drive.kind = \"temperature\"")
+            .drive()
+            .unwrap_err()
+            .to_string(),
+        "rod.toml: drive.kind = \"temperature\": such data have no heat balance to identify; give \
+         current, duty, voltage or power"
+    );
+}
+
+#[test]
+fn what_is_missing_for_temperatures_depends_on_the_drive() {
+    let missing = |text: &str| rod(text).missing_for_temperature();
+    assert!(missing(ROD).is_empty());
+    assert_eq!(
+        missing(&ROD.replace("resistance_ohm_per_m = 1.2\n", "")),
+        ["resistance_ohm_per_m"]
+    );
+    let power = ROD.replace("resistance_ohm_per_m = 1.2\n", "") + "[drive]\nkind = \"power\"\n";
+    assert!(missing(&power).is_empty());
+    let voltage = ROD.replace("length_mm = 200.0\n", "") + "[drive]\nkind = \"voltage\"\n";
+    assert_eq!(missing(&voltage), ["length_mm"]);
 }
 
 #[test]

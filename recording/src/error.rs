@@ -326,4 +326,71 @@ pub enum RecordingError {
         /// Samples.
         n_samples: usize,
     },
+
+    /// A range of samples is not in the recording, or holds fewer than two.
+    #[error(
+        "{file}: samples {start}..{end}; expected a range of at least 2 samples within \
+         0..{n_samples}"
+    )]
+    RangeOutside {
+        /// The recording.
+        file: String,
+        /// First sample wanted.
+        start: usize,
+        /// Sample after the last wanted.
+        end: usize,
+        /// Samples of the recording.
+        n_samples: usize,
+    },
+
+    /// A recording cannot be split into so many parts of whole cycles.
+    #[error("{file}: parts: {n_parts}; expected 1 to {most}, each of at least one whole cycle")]
+    PartsOutOfRange {
+        /// The recording.
+        file: String,
+        /// Parts wanted.
+        n_parts: usize,
+        /// Whole cycles of the drive, or 1.
+        most: usize,
+    },
+
+    /// Static data cannot be resampled in time.
+    #[error("{file}: no time; expected a recording with a time column")]
+    NoTime {
+        /// The recording.
+        file: String,
+    },
+
+    /// A recording with missing samples cannot be resampled.
+    #[error(
+        "{file}: gap of {dt_s} s after time_s = {start_s}; expected no gap, slice the recording at \
+         samples 0..{end} and {end}..{n_samples}"
+    )]
+    GapInside {
+        /// The recording.
+        file: String,
+        /// Time before the gap, s.
+        start_s: f64,
+        /// Length of the gap, s.
+        dt_s: f64,
+        /// First sample after the gap.
+        end: usize,
+        /// Samples of the recording.
+        n_samples: usize,
+    },
+
+    /// A recording cannot be resampled to this step.
+    #[error(
+        "{file}: dt_s = {dt_s} s; expected {min_dt_s} s, its own step, to {max_dt_s} s, its duration"
+    )]
+    StepOutOfRange {
+        /// The recording.
+        file: String,
+        /// Step wanted, s.
+        dt_s: f64,
+        /// Step of the recording, s.
+        min_dt_s: f64,
+        /// Duration of the recording, s.
+        max_dt_s: f64,
+    },
 }

@@ -30,6 +30,20 @@
 //! Row k holds the drive from t_k to t_(k+1); the output of row k is measured at t_k, before that
 //! drive acts.
 //!
+//! # What is in a recording
+//!
+//! | question | answer |
+//! | --- | --- |
+//! | everything below at once, and what to do about it | [`inspect`], [`Inspection::warnings`] |
+//! | is time uniform, are samples missing? | [`Recording::sampling`], [`Recording::gaps`] |
+//! | in what steps does the converter count? | [`quantization_step`] |
+//! | is a signal flat at its extreme? | [`clipping`] |
+//! | where is the drive constant? | [`holds`] |
+//! | which are its whole cycles, which repeat? | [`cycles`], [`repeats`] |
+//! | how large is the noise, at least and at most? | [`noise_floor`] |
+//! | parts of whole cycles | [`split_by_cycles`], [`Recording::slice`] |
+//! | a longer, equal step | [`resample`] |
+//!
 //! # Examples
 //!
 //! ```
@@ -48,23 +62,40 @@
 //! ```
 
 mod check;
+mod clipping;
 mod columns;
+mod cycles;
+mod digits;
 mod error;
+mod holds;
+mod inspect;
 mod layout;
 mod lines;
+mod noise;
 mod quantity;
+mod quantization;
 mod read;
 mod recording;
+mod resample;
 mod sampling;
 mod unit;
+mod warning;
 mod write;
 
+pub use clipping::{Clipping, Side, clipping};
 pub use columns::{ColumnKey, ColumnSpec, Columns};
+pub use cycles::{Cycle, Repeats, cycles, repeats, split_by_cycles};
 pub use error::{Position, RecordingError};
+pub use holds::{HOLD_TOLERANCE, Hold, holds};
+pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect};
+pub use noise::{DifferenceNoise, HoldNoise, NoiseConfig, NoiseFloor, RepeatNoise, noise_floor};
 pub use quantity::Quantity;
+pub use quantization::quantization_step;
 pub use read::{ReadOptions, parse_csv, read_csv};
 pub use recording::{Recording, RecordingParts};
+pub use resample::resample;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
+pub use warning::Warning;
 pub use write::write_csv;
 
 #[cfg(doctest)]

@@ -59,4 +59,13 @@ impl Quantity {
             Self::Temperature => "temperature_degc",
         }
     }
+
+    /// How strongly a drive of this quantity heats, rising with it: the magnitude of a current or a
+    /// voltage, which heat by their square; any other drive as it is.
+    pub(crate) fn level(self, drive: f64) -> f64 {
+        match self {
+            Self::Current | Self::Voltage => drive.abs(),
+            Self::Duty | Self::Power | Self::Temperature => drive,
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! The checked value.
 
+use std::ops::Range;
+
 use crate::check::{Place, check_duty, check_rising};
 use crate::error::{Position, RecordingError};
 use crate::layout::shown;
@@ -213,6 +215,36 @@ impl Recording {
     #[must_use]
     pub fn gaps(&self) -> Vec<Gap> {
         gaps(self.time_s(), self.sampling)
+    }
+
+    /// The samples in `range` as a recording of their own: same name, time as recorded, sampling
+    /// judged anew.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::RangeOutside`] unless `range` lies in 0..[`Self::len`] and holds at least
+    /// two samples.
+    pub fn slice(&self, range: Range<usize>) -> Result<Self, RecordingError> {
+        let (start, end, n_samples) = (range.start, range.end, self.len());
+        if end > n_samples || start > end || end - start < 2 {
+            return Err(RecordingError::RangeOutside {
+                file: self.parts.name.clone(),
+                start,
+                end,
+                n_samples,
+            });
+        }
+        let part = |values: &Vec<f64>| values[start..end].to_vec();
+        Self::from_checked(RecordingParts {
+            name: self.parts.name.clone(),
+            time_s: self.parts.time_s.as_ref().map(part),
+            drive_quantity: self.parts.drive_quantity,
+            drive: part(&self.parts.drive),
+            output_unit: self.parts.output_unit.clone(),
+            output: part(&self.parts.output),
+            temperature_degc: self.parts.temperature_degc.as_ref().map(part),
+            ambient_degc: self.parts.ambient_degc.as_ref().map(part),
+        })
     }
 
     /// Whether there is anything to identify: both drive and output change.

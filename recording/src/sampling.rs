@@ -1,5 +1,7 @@
 //! How time advances in a recording.
 
+use crate::digits::Digits;
+
 /// How time advances in a recording.
 ///
 /// # Uniform
@@ -114,80 +116,4 @@ pub(crate) fn gaps(time_s: &[f64], sampling: Sampling) -> Vec<Gap> {
     steps
         .filter(|gap| gap.dt_s > GAP_FACTOR * median_dt_s)
         .collect()
-}
-
-/// How many digits time stamps are printed with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Digits {
-    /// So many that rounding is that of binary numbers.
-    Full,
-    /// This many behind the point, this many in all, at most.
-    Decimal { decimals: i32, significant: i32 },
-}
-
-/// Digits of C's `%g`: a stamp of fewer may have lost zeros, not resolution.
-const LEAST_SIGNIFICANT: i32 = 6;
-
-/// Decimal numbers of up to 15 digits survive conversion to binary and back.
-const MOST_SIGNIFICANT: i32 = 15;
-
-impl Digits {
-    fn of(stamps: &[f64]) -> Self {
-        let mut decimals = 0;
-        let mut significant = LEAST_SIGNIFICANT;
-        for &stamp in stamps {
-            while !has_decimals(stamp, decimals) {
-                decimals += 1;
-                if decimals > MOST_SIGNIFICANT {
-                    return Self::Full;
-                }
-            }
-            let magnitude = (stamp.abs() * 10_f64.powi(decimals)).round();
-            if magnitude >= 10_f64.powi(significant) {
-                significant = significant.max(count_digits(magnitude));
-            }
-            if significant > MOST_SIGNIFICANT {
-                return Self::Full;
-            }
-        }
-        Self::Decimal {
-            decimals,
-            significant,
-        }
-    }
-
-    /// Resolution of one stamp, s.
-    fn resolution(self, stamp: f64) -> f64 {
-        let Self::Decimal {
-            decimals,
-            significant,
-        } = self
-        else {
-            return 0.0;
-        };
-        let by_decimals = 10_f64.powi(-decimals);
-        if stamp.abs() < 10_f64.powi(significant - decimals) {
-            return by_decimals;
-        }
-        let leading = stamp.abs().log10().floor() as i32;
-        by_decimals.max(10_f64.powi(leading + 1 - significant))
-    }
-}
-
-/// Whether `stamp` is the binary number nearest to one with so many decimals.
-fn has_decimals(stamp: f64, decimals: i32) -> bool {
-    // Exact up to 15 digits: the product is within half a unit of the whole number it stands for,
-    // and the quotient of that number and a power of ten is rounded once, as parsing rounds it.
-    let scale = 10_f64.powi(decimals);
-    ((stamp * scale).round() / scale).to_bits() == stamp.to_bits()
-}
-
-/// Digits of a whole number without the zeros at its end.
-fn count_digits(magnitude: f64) -> i32 {
-    // Beyond 2^64 the cast saturates, to 20 digits, which counts as full.
-    let mut whole = magnitude as u64;
-    while whole > 0 && whole.is_multiple_of(10) {
-        whole /= 10;
-    }
-    whole.checked_ilog10().map_or(0, |log| log as i32 + 1)
 }

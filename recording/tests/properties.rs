@@ -6,8 +6,9 @@
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 use recording::{
-    ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingParts, Sampling, parse_csv,
-    write_csv,
+    ColumnSpec, Columns, NoiseConfig, Quantity, ReadOptions, Recording, RecordingParts, Sampling,
+    clipping, cycles, holds, inspect, noise_floor, parse_csv, quantization_step, repeats, resample,
+    split_by_cycles, write_csv,
 };
 
 /// Finite numbers of every magnitude.
@@ -96,6 +97,51 @@ fn config() -> ProptestConfig {
     ProptestConfig::with_failure_persistence(file)
 }
 
+/// Recordings as a lab makes them: levels held, an output on a comb or not, steps equal or not.
+fn driven() -> impl Strategy<Value = RecordingParts> {
+    let levels = prop::collection::vec((0_u8..3, 1_usize..30), 2..30);
+    let shape = (0.05_f64..20.0, 0.0_f64..0.4, 0.0_f64..0.3, any::<bool>());
+    (levels, shape, any::<u32>(), quantity()).prop_map(
+        |(levels, (dt_s, jitter, step, with_time), seed, drive_quantity)| {
+            let drive: Vec<f64> = levels
+                .iter()
+                .flat_map(|(level, n)| vec![f64::from(*level) / 2.0; *n])
+                .chain([0.0, 0.0])
+                .collect();
+            let mut state = u64::from(seed);
+            let mut uniform = || {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            let times = (0..drive.len())
+                .map(|k| (k as f64 + jitter * uniform()) * dt_s)
+                .collect();
+            let mut y = 0.0_f64;
+            let output = drive
+                .iter()
+                .map(|d| {
+                    y += 0.1 * (d - y);
+                    let noisy = y + 0.02 * uniform();
+                    if step > 0.02 {
+                        (noisy / step).round() * step
+                    } else {
+                        noisy
+                    }
+                })
+                .collect();
+            RecordingParts {
+                time_s: with_time.then_some(times),
+                drive_quantity,
+                drive,
+                output,
+                ..RecordingParts::default()
+            }
+        },
+    )
+}
+
 proptest! {
     #![proptest_config(config())]
 
@@ -112,6 +158,85 @@ proptest! {
         prop_assert_eq!(bits(read.output()), bits(written.output()));
         // Names, units, sampling and the rest; -0 equals 0 here, hence the bits above.
         prop_assert_eq!(read, written);
+    }
+
+    #[test]
+    fn anything_can_be_inspected(parts in prop_oneof![parts(), driven()], hold_s in number()) {
+        let recording = Recording::new(parts).unwrap();
+        for warning in inspect(&recording).warnings() {
+            prop_assert!(!warning.to_string().contains("NaN"), "{warning}");
+        }
+        if let Some(step) = quantization_step(recording.output()) {
+            prop_assert!(step > 0.0 && step.is_finite());
+        }
+        prop_assert!(clipping(recording.output()).iter().all(|flat| flat.samples >= flat.longest));
+        let config = NoiseConfig { hold_s, settle_s: hold_s / 2.0 };
+        if let Some(floor) = noise_floor(&recording, config) {
+            let (lower, upper) = (floor.lower(), floor.upper().unwrap_or(f64::MAX));
+            prop_assert!(lower >= 0.0 && upper.is_finite() && lower <= upper, "{floor:?}");
+            let correlation = floor.holds.map_or(0.0, |holds| holds.lag1_autocorrelation);
+            prop_assert!((-1.0..=1.0).contains(&correlation));
+        }
+        for hold in holds(&recording, hold_s) {
+            prop_assert!(hold.duration_s > hold_s && hold.samples.end <= recording.len());
+        }
+    }
+
+    #[test]
+    fn splits_cover_without_overlap(parts in prop_oneof![parts(), driven()], n_parts in 1_usize..9) {
+        let recording = Recording::new(parts).unwrap();
+        let cycles = cycles(&recording);
+        prop_assert!(cycles.windows(2).all(|pair| pair[0].samples.end == pair[1].samples.start));
+        prop_assert!(cycles.iter().all(|cycle| cycle.samples.start < cycle.samples.end));
+        if let Some(repeats) = repeats(&recording) {
+            let ordered = |pair: &[recording::Cycle]| pair[0].samples.end <= pair[1].samples.start;
+            prop_assert!(repeats.cycles.len() >= 2 && repeats.cycles.windows(2).all(ordered));
+            prop_assert!(repeats.cycles.iter().all(|cycle| cycle.samples.end <= recording.len()));
+        }
+        match split_by_cycles(&recording, n_parts) {
+            Ok(ranges) => {
+                prop_assert_eq!(ranges.len(), n_parts);
+                let covered: Vec<usize> = ranges.iter().cloned().flatten().collect();
+                let all: Vec<usize> = (0..recording.len()).collect();
+                prop_assert_eq!(covered, all);
+                for range in ranges {
+                    let holds_cycle = cycles.iter().any(|cycle| {
+                        range.start <= cycle.samples.start && cycle.samples.end <= range.end
+                    });
+                    prop_assert!(holds_cycle || n_parts == 1);
+                    if range.len() >= 2 {
+                        let part = recording.slice(range.clone()).unwrap();
+                        prop_assert_eq!(bits(part.output()), bits(&recording.output()[range]));
+                    }
+                }
+            }
+            Err(_) => prop_assert!(n_parts > cycles.len().max(1)),
+        }
+    }
+
+    #[test]
+    fn resampling_never_panics_nor_invents(parts in prop_oneof![parts(), driven()], dt_s in number()) {
+        let recording = Recording::new(parts).unwrap();
+        let steps = match recording.sampling() {
+            Sampling::Uniform { dt_s: own } => vec![dt_s, own, 2.0 * own, 3.7 * own],
+            Sampling::Jittered { median_dt_s: own, .. } => vec![dt_s, own, 2.0 * own],
+            _ => vec![dt_s],
+        };
+        for dt_s in steps {
+            if let Ok(slow) = resample(&recording, dt_s) {
+                prop_assert_eq!(slow.time_s()[0].to_bits(), recording.time_s()[0].to_bits());
+                let largest = |run: &Recording| run.drive().iter().fold(0.0, |a: f64, d| a.max(d.abs()));
+                prop_assert!(largest(&slow) <= largest(&recording));
+            }
+        }
+    }
+
+    #[test]
+    fn a_slice_of_an_equal_grid_is_one(start in 0_usize..90, n in 2_usize..10, dt in 0.01_f64..3.0) {
+        let stamp = |k: usize| ((k as f64 * dt) * 1000.0).round() / 1000.0;
+        let part = timed((0..100).map(stamp).collect()).slice(start..start + n).unwrap();
+        let uniform = matches!(part.sampling(), Sampling::Uniform { .. });
+        prop_assert!(uniform);
     }
 
     #[test]

@@ -7,7 +7,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, Sampling, read_csv};
+use recording::{
+    ColumnSpec, Columns, NoiseConfig, Quantity, ReadOptions, Recording, Sampling, Side, Warning,
+    clipping, inspect, noise_floor, quantization_step, read_csv, resample,
+};
 
 /// The file, or a loud skip: on stderr itself, since the test harness hides what is printed.
 fn real(name: &str) -> Option<PathBuf> {
@@ -251,5 +254,178 @@ fn text_of_a_test_machine_is_refused_at_its_first_line() {
     assert!(
         fault.contains(":1: drive = \"temperature_degc\": no such column"),
         "{fault}"
+    );
+}
+
+#[test]
+fn bologna_potentiometer_has_its_step_and_a_floor_of_its_order() {
+    for file in ["ramp01", "ramp02", "step01", "step02"] {
+        let options = ReadOptions::new(Quantity::Duty);
+        let Some(recording) = read(&format!("bologna/{file}.csv"), &options) else {
+            return;
+        };
+        let found = inspect(&recording);
+        let step_mm = found.output.quantization_step.unwrap();
+        assert!(
+            (step_mm / 0.0206 - 1.0).abs() < 0.01,
+            "{file}: {step_mm} mm"
+        );
+        let floor = found.noise_floor.unwrap();
+        let lower_mm = floor.lower();
+        assert!(
+            (0.25..1.0).contains(&(lower_mm / step_mm)),
+            "{file}: {floor:?}"
+        );
+        // 50 to 100 s, no hold of 60 s: nothing more can be said.
+        assert!(floor.is_lower_bound_only());
+        let warnings = found.warnings();
+        let lower_only = |warning: &Warning| matches!(warning, Warning::LowerBoundOnly { .. });
+        assert!(warnings.iter().any(lower_only), "{warnings:?}");
+        let coarse = |warning: &Warning| matches!(warning, Warning::CoarseSteps { .. });
+        assert!(warnings.iter().any(coarse), "{warnings:?}");
+        assert_eq!(
+            (found.gaps.len(), found.output.flat.len()),
+            (0, 0),
+            "{file}"
+        );
+        assert!(found.rest_samples > 100, "{file}: {}", found.rest_samples);
+
+        // At a tenth of the rate white noise keeps √0.08 to √0.1 of itself; q/√12 of the old step
+        // is no part of it any more.
+        let slow = resample(&recording, 0.1).unwrap();
+        let config = NoiseConfig::default();
+        let slow_mm = noise_floor(&slow, config)
+            .unwrap()
+            .differences
+            .robust_standard_deviation;
+        let fast_mm = floor.differences.robust_standard_deviation;
+        assert!(slow_mm < fast_mm, "{file}: {slow_mm} mm after {fast_mm} mm");
+    }
+}
+
+#[test]
+fn bologna_closed_loop_has_the_same_step() {
+    let columns = Columns {
+        drive: Some(ColumnSpec::name("reference_mm").in_unit("w")),
+        ..Columns::default()
+    };
+    // No drive was saved; the reference stands in for it, in a unit that passes.
+    let options = ReadOptions {
+        columns,
+        ..ReadOptions::new(Quantity::Power)
+    };
+    for file in ["sine", "square80", "stairs"] {
+        let Some(recording) = read(&format!("bologna/closed-loop-{file}.csv"), &options) else {
+            return;
+        };
+        let step_mm = quantization_step(recording.output()).unwrap();
+        assert!(
+            (step_mm / 0.0206 - 1.0).abs() < 0.01,
+            "{file}: {step_mm} mm"
+        );
+    }
+}
+
+#[test]
+fn mk_zuk_thermometer_ends_at_150_8() {
+    for (drive, output, temperature, side) in [
+        ("Izmg [A]", "dLzmg0 [mm]", "tempg [stC]", Side::Highest),
+        ("Izmd [A]", "dLzmd0 [mm]", "tempd [stC]", Side::Highest),
+    ] {
+        let columns = Columns {
+            drive: name(drive),
+            output: name(output),
+            temperature: Some(ColumnSpec::name(temperature).in_unit("degc")),
+            ..Columns::default()
+        };
+        let options = ReadOptions {
+            columns,
+            allow_untimed: true,
+            ..ReadOptions::new(Quantity::Current)
+        };
+        let Some(recording) = read("mk-zuk/static.csv", &options) else {
+            return;
+        };
+        let flat = clipping(recording.temperature_degc().unwrap());
+        assert_eq!(flat.len(), 1, "{flat:?}");
+        assert_close(flat[0].at, 150.792);
+        assert_eq!(
+            (flat[0].side, flat[0].samples, flat[0].occasions),
+            (side, 5, 1)
+        );
+        assert_eq!(clipping(recording.output()), []);
+        let warnings = inspect(&recording).warnings();
+        assert!(warnings.contains(&Warning::Untimed), "{warnings:?}");
+        let flat = |warning: &&Warning| matches!(warning, Warning::Flat { .. });
+        let text: Vec<_> = warnings
+            .iter()
+            .filter(flat)
+            .map(Warning::to_string)
+            .collect();
+        assert!(text[0].starts_with("temperature is flat at its highest, 150.8 degC: 5 samples"));
+    }
+}
+
+#[test]
+fn boston_thermocouple_has_a_step_of_a_sixteenth_of_a_degree() {
+    let columns = Columns {
+        time: name("t_s"),
+        drive: name("pwm_duty_limb0_rev"),
+        output: name("limb0_angle_deg"),
+        temperature: Some(ColumnSpec::name("MCPtemp_0").in_unit("degc")),
+        ..Columns::default()
+    };
+    let options = ReadOptions {
+        columns,
+        ..ReadOptions::new(Quantity::Duty)
+    };
+    let Some(recording) = read("boston/c1.csv", &options) else {
+        return;
+    };
+    let found = inspect(&recording);
+    assert_eq!(found.output.quantization_step, None);
+    let step_k = found
+        .temperature
+        .as_ref()
+        .unwrap()
+        .quantization_step
+        .unwrap();
+    assert!((step_k / 0.0625 - 1.0).abs() < 0.001, "{step_k} K");
+    let jitter = |warning: &Warning| matches!(warning, Warning::Jitter { .. });
+    assert!(found.warnings().iter().any(jitter));
+}
+
+/// The recording of the speed comparison, beside the other ones: no converter, white noise.
+#[test]
+fn unquantized_numbers_of_six_decimals_have_no_step() {
+    let Some(recording) = read("../performance/recording.csv", &ReadOptions::default()) else {
+        return;
+    };
+    let found = inspect(&recording);
+    assert_eq!(found.output.quantization_step, None);
+    // Generated with 0.010708 mm.
+    let floor = found.noise_floor.unwrap();
+    assert!((floor.lower() / 0.010_708 - 1.0).abs() < 0.1, "{floor:?}");
+}
+
+/// Generated, part of this project: noise of 5 µm, a converter of 5 mm / 4096.
+#[test]
+fn bundled_recording_has_its_step_and_noise() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../sma-cli/bundled/train.csv");
+    let Ok(recording) = read_csv(path, &ReadOptions::default()) else {
+        let note = "\nSKIPPED: sma-cli/bundled/train.csv is missing; nothing was tested\n";
+        std::io::stderr().write_all(note.as_bytes()).ok();
+        return;
+    };
+    let found = inspect(&recording);
+    let step_mm = found.output.quantization_step.unwrap();
+    assert!(
+        (step_mm / (5.0 / 4096.0) - 1.0).abs() < 1e-4,
+        "{step_mm} mm"
+    );
+    let floor = found.noise_floor.unwrap();
+    assert!(
+        floor.lower() <= 0.0052 && floor.upper().unwrap() >= 0.0048,
+        "{floor:?}"
     );
 }

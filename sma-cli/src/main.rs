@@ -3,6 +3,7 @@
 mod commands;
 mod outcome;
 mod report;
+mod sink;
 
 use std::process::ExitCode;
 

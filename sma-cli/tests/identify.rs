@@ -102,11 +102,79 @@ fn the_bundled_rod_is_found_again() {
 
 #[test]
 fn the_text_says_the_verdict_first() {
-    let text = stdout(&mut identify_bundled());
-    // How many simulations it took may differ with the vectors of the machine's linear algebra.
-    let (text, effort) = text.split_at(text.find(" independent starts").unwrap() - "4 of 4".len());
-    assert!(effort.ends_with("seed 1.\n"), "{effort}");
-    insta::assert_snapshot!(text);
+    insta::assert_snapshot!(stdout(&mut identify_bundled()));
+}
+
+#[test]
+fn notes_go_to_stderr_unless_quiet() {
+    let notes = |command: &mut Command| {
+        String::from_utf8(command.assert().success().get_output().stderr.clone()).unwrap()
+    };
+    let said = notes(&mut identify_bundled());
+    assert!(
+        said.contains("of 4 independent starts ended here"),
+        "{said}"
+    );
+    assert!(
+        said.lines().all(|line| line.starts_with("note: ")),
+        "{said}"
+    );
+    assert_eq!(notes(identify_bundled().arg("--quiet")), "");
+    // A training recording is not unseen.
+    let same = notes(sma().args([
+        "identify",
+        "rod.toml",
+        "--train",
+        "train.csv",
+        "--validate",
+        "train.csv",
+    ]));
+    assert!(
+        same.contains("note: train.csv is also a training recording: it is not unseen\n"),
+        "{same}"
+    );
+}
+
+#[test]
+fn gaps_are_reported() {
+    let text = std::fs::read_to_string(bundled("train.csv")).unwrap();
+    // Four seconds of the slow ramp are lost.
+    let kept = text
+        .lines()
+        .enumerate()
+        .filter(|(k, _)| !(300..320).contains(k));
+    let kept: String = kept.map(|(_, line)| format!("{line}\n")).collect();
+    let folder = folder(&kept);
+    let assert = Command::cargo_bin("sma")
+        .unwrap()
+        .current_dir(folder.path())
+        .args(["identify", "rod.toml", "--train", "run.csv"])
+        .assert();
+    let notes = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    assert!(
+        notes.contains("note: run.csv: nothing recorded from 59.4 s for 4.200 s; the drive is taken to have stayed\n"),
+        "{notes}"
+    );
+}
+
+#[test]
+fn an_input_is_not_overwritten() {
+    for input in ["rod.toml", "./train.csv", "../bundled/validate.csv"] {
+        let (code, error) = refusal(identify_bundled().args(["--json", input]));
+        assert_eq!(code, 1);
+        assert_eq!(
+            error,
+            format!(
+                "sma: {input}: is an input of this command; give another file for the result\n"
+            )
+        );
+    }
+}
+
+#[test]
+fn a_device_stays_a_device() {
+    stdout(identify_bundled().args(["--json", "/dev/null"]));
+    assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, CellAlignment, Table, TableComponent, presets};
-use identify::{Fit, OffsetSource, ParameterState, Scope, Validated};
+use identify::{Bounds, Fit, FittedParameter, OffsetSource, ParameterState, Scope, Validated};
 use serde_json::{Value, json};
 
 use super::number::{count, percent, significant};
@@ -17,9 +17,10 @@ const SUSPICIOUS_RATIO: f64 = 2.0;
 pub(crate) struct Identified<'a> {
     pub(crate) fit: &'a Fit,
     pub(crate) validated: &'a [Validated],
-    pub(crate) output_unit: &'a str,
-    pub(crate) knows_temperature: bool,
-    pub(crate) seed: u64,
+    /// Keys without which temperatures are arbitrary; empty if they are not.
+    pub(crate) missing_for_temperature: Vec<&'static str>,
+    /// Rule of the hysteresis' memory, as the flag names it.
+    pub(crate) memory: &'static str,
 }
 
 impl Identified<'_> {
@@ -36,12 +37,12 @@ impl Identified<'_> {
 
     /// For people: the verdict first, then the tables.
     pub(crate) fn text(&self) -> String {
-        let mut text = self.verdict();
-        let _ = write!(text, "\n{}\n\n{}\n", self.parameters(), self.recordings());
-        for note in self.notes() {
-            let _ = write!(text, "\n{note}");
-        }
-        text.push('\n');
+        let text = format!(
+            "{}\n{}\n\n{}\n",
+            self.verdict(),
+            self.parameters(),
+            self.recordings()
+        );
         // Tables pad their last column.
         text.lines()
             .map(|line| line.trim_end().to_owned() + "\n")
@@ -49,11 +50,11 @@ impl Identified<'_> {
     }
 
     fn verdict(&self) -> String {
-        let unit = self.output_unit;
+        let (fit, unit) = (self.fit, &self.fit.output_unit);
         let mut text = format!(
-            "The model meets the training recordings to {} {unit} RMS ({} of the motion)",
-            significant(self.fit.train_rmse),
-            percent(self.fit.fit_fraction),
+            "The model meets the training recordings to {} {unit} RMS (fit {})",
+            significant(fit.train_rmse),
+            percent(fit.fit_fraction),
         );
         match self.validate_rmse() {
             None => text.push_str(
@@ -65,7 +66,7 @@ impl Identified<'_> {
                     "\nand what it has not seen to {} {unit} RMS.",
                     significant(rmse)
                 );
-                let ratio = rmse / self.fit.train_rmse;
+                let ratio = rmse / fit.train_rmse;
                 if ratio >= SUSPICIOUS_RATIO {
                     let _ = writeln!(
                         text,
@@ -74,12 +75,40 @@ impl Identified<'_> {
                 }
             }
         }
+        let at_bound: Vec<&str> = fit
+            .parameters
+            .iter()
+            .filter(|parameter| parameter.at_bound)
+            .map(|parameter| parameter.info.name)
+            .collect();
+        if !at_bound.is_empty() {
+            let _ = writeln!(
+                text,
+                "On a bound of its range: {}. The data pull it further, or say nothing of it.",
+                at_bound.join(", ")
+            );
+        }
+        if !fit.converged() {
+            text.push_str("NOT CONVERGED: do not trust these values. ");
+            let _ = if fit.termination.is_minimum() {
+                writeln!(
+                    text,
+                    "No two starts ended in the same place; try --starts {}.",
+                    4 * fit.starts
+                )
+            } else {
+                writeln!(
+                    text,
+                    "The search ended before it found a minimum; try another --seed."
+                )
+            };
+        }
         text
     }
 
     fn parameters(&self) -> Table {
-        let mut table = table(["parameter", "value", "unit", ""]);
-        for parameter in &self.fit.parameters {
+        let mut table = table(["parameter", "value", "95 % interval", "unit", ""]);
+        for parameter in self.fit.parameters.iter().filter(|one| !is_rest(one)) {
             for (r, value) in parameter.values.iter().enumerate() {
                 let name = match parameter.info.scope {
                     Scope::Shared => parameter.info.name.to_owned(),
@@ -87,7 +116,7 @@ impl Identified<'_> {
                         format!(
                             "{} ({})",
                             parameter.info.name,
-                            short(&self.fit.recordings[r].name)
+                            self.label(&self.fit.recordings[r].name)
                         )
                     }
                 };
@@ -99,6 +128,7 @@ impl Identified<'_> {
                 table.add_row([
                     Cell::new(name),
                     right(significant(*value)),
+                    Cell::new(parameter.intervals[r].map_or(String::new(), interval)),
                     Cell::new(&parameter.info.unit),
                     Cell::new(note),
                 ]);
@@ -107,12 +137,21 @@ impl Identified<'_> {
         table
     }
 
+    /// The last part of a recording's path, or all of it where two would look alike.
+    fn label<'b>(&self, name: &'b str) -> &'b str {
+        let last = |name: &'b str| name.rsplit(['/', '\\']).next().unwrap_or(name);
+        let trained = self.fit.recordings.iter().map(|one| one.name.as_str());
+        let names = trained.chain(self.validated.iter().map(|one| one.name.as_str()));
+        let alike = names.filter(|other| other.ends_with(last(name))).count();
+        if alike > 1 { name } else { last(name) }
+    }
+
     fn recordings(&self) -> Table {
-        let rmse = format!("RMSE ({})", self.output_unit);
+        let rmse = format!("RMSE ({})", self.fit.output_unit);
         let mut table = table(["recording", "role", "samples", &rmse, ""]);
         for one in &self.fit.recordings {
             table.add_row([
-                Cell::new(short(&one.name)),
+                Cell::new(self.label(&one.name)),
                 Cell::new("training"),
                 right(count(one.n_samples)),
                 right(significant(one.rmse)),
@@ -121,7 +160,7 @@ impl Identified<'_> {
         }
         for one in self.validated {
             table.add_row([
-                Cell::new(short(&one.name)),
+                Cell::new(self.label(&one.name)),
                 Cell::new("unseen"),
                 right(count(one.n_samples)),
                 right(significant(one.rmse)),
@@ -131,24 +170,48 @@ impl Identified<'_> {
         table
     }
 
-    fn notes(&self) -> Vec<String> {
+    /// What else is worth knowing, a line each.
+    pub(crate) fn notes(&self) -> Vec<String> {
         let fit = self.fit;
-        let mut notes = vec![format!(
-            "{} of {} independent starts ended here; {} simulations, seed {}.",
-            fit.agreeing_starts,
-            fit.starts,
-            count(fit.simulations as usize),
-            self.seed,
-        )];
-        if !self.knows_temperature {
-            notes.push(
-                "Temperatures are in arbitrary units: heat capacity or resistance of the rod is not given, so \
-                 only ratios of temperature differences mean anything."
-                    .to_owned(),
-            );
+        let mut notes = vec![
+            "fit is 1 - RMSE / standard deviation of the recording".to_owned(),
+            format!(
+                "{} of {} independent starts ended here; {} simulations, seed {}",
+                fit.agreeing_starts,
+                fit.starts,
+                count(fit.simulations as usize),
+                fit.seed,
+            ),
+            format!(
+                "neighboring residuals correlate by {:.2}: {} samples count as {}, and the intervals allow for that",
+                fit.noise.lag_1,
+                count(fit.noise.n_samples),
+                count(fit.noise.n_effective as usize),
+            ),
+        ];
+        if let Some(rmse_k) = fit.temperature_rmse_k {
+            notes.push(format!(
+                "the recorded temperature is met to {} K RMS",
+                significant(rmse_k)
+            ));
         }
-        if !fit.termination.is_minimum() {
-            notes.push("The search did not converge: do not trust these values.".to_owned());
+        notes.extend(
+            fit.unfixed
+                .iter()
+                .map(|direction| format!("not fixed by these data: {direction}")),
+        );
+        if self.missing_for_temperature.is_empty() {
+            let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
+            notes.push(format!(
+                "the model's rod reaches {:.0} °C; if that is absurd, look at what rod.toml says of it",
+                peak.fold(f64::NEG_INFINITY, f64::max)
+            ));
+        } else {
+            notes.push(format!(
+                "temperatures are arbitrary, only ratios of their differences mean anything: rod.toml does not \
+                 give {}",
+                self.missing_for_temperature.join(", ")
+            ));
         }
         notes
     }
@@ -164,6 +227,7 @@ impl Identified<'_> {
                     "name": parameter.info.name,
                     "unit": parameter.info.unit,
                     "values": parameter.values,
+                    "ci95": parameter.intervals.iter().map(|one| one.map(|one| [one.lower, one.upper])).collect::<Vec<_>>(),
                     "per_recording": parameter.info.scope == Scope::PerRecording,
                     "fixed": matches!(parameter.info.state, ParameterState::Fixed(_)),
                     "at_bound": parameter.at_bound,
@@ -179,11 +243,12 @@ impl Identified<'_> {
                 "role": "validate",
                 "n_samples": one.n_samples,
                 "rmse": one.rmse,
-                "fit_percent": 100.0 * one.fit_fraction,
+                "fit_percent": one.fit_fraction.map(|fraction| 100.0 * fraction),
                 "offset": one.offset,
                 "offset_from": match one.offset_source {
                     OffsetSource::BeforeDrive { .. } => "before_drive",
-                    OffsetSource::WholeRecording => "whole_recording",
+                    OffsetSource::WholeRecording { .. } => "whole_recording",
+                    OffsetSource::NeverDriven => "never_driven",
                 },
             })
         });
@@ -191,21 +256,51 @@ impl Identified<'_> {
             "schema_version": 1,
             "command": "identify",
             "version": env!("CARGO_PKG_VERSION"),
-            "seed": self.seed,
-            "output_unit": self.output_unit,
+            "seed": self.fit.seed,
+            "output_unit": self.fit.output_unit,
             "fit": {
                 "train_rmse": self.fit.train_rmse,
                 "validate_rmse": self.validate_rmse(),
                 "fit_percent": 100.0 * self.fit.fit_fraction,
-                "converged": self.fit.termination.is_minimum(),
+                "converged": self.fit.converged(),
                 "agreeing_starts": self.fit.agreeing_starts,
                 "starts": self.fit.starts,
                 "simulations": self.fit.simulations,
+                "aic": self.fit.aic,
+                "bic": self.fit.bic,
+                "temperature_rmse_k": self.fit.temperature_rmse_k,
+                "termination": format!("{:?}", self.fit.termination),
             },
+            "residuals": {
+                "lag_1": self.fit.noise.lag_1,
+                "ar_coefficients": self.fit.noise.coefficients,
+                "n_effective": self.fit.noise.n_effective,
+            },
+            "correlation": {
+                "names": self.fit.correlation.names,
+                "matrix": self.fit.correlation.matrix,
+            },
+            "not_fixed": self.fit.unfixed.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "temperature_scale": if self.missing_for_temperature.is_empty() { "known" } else { "assumed" },
+            "memory": self.memory,
             "parameters": parameters,
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
     }
+}
+
+/// Whether a parameter only says that the recordings start at rest.
+fn is_rest(parameter: &FittedParameter) -> bool {
+    parameter.info.scope == Scope::PerRecording
+        && matches!(parameter.info.state, ParameterState::Fixed(_))
+}
+
+fn interval(interval: Bounds) -> String {
+    format!(
+        "{} … {}",
+        significant(interval.lower),
+        significant(interval.upper)
+    )
 }
 
 fn offset_note(source: OffsetSource) -> String {
@@ -216,9 +311,12 @@ fn offset_note(source: OffsetSource) -> String {
                 count(n_samples)
             )
         }
-        OffsetSource::WholeRecording => {
-            "offset from the whole recording: the drive rises at once".to_owned()
+        OffsetSource::WholeRecording { at_rest } => {
+            format!(
+                "offset from the whole recording: only {at_rest} samples before the drive rises"
+            )
         }
+        OffsetSource::NeverDriven => "never driven: tests nothing".to_owned(),
     }
 }
 
@@ -233,9 +331,4 @@ fn table<const N: usize>(header: [&str; N]) -> Table {
 
 fn right(text: String) -> Cell {
     Cell::new(text).set_alignment(CellAlignment::Right)
-}
-
-/// The last part of a path.
-fn short(name: &str) -> &str {
-    name.rsplit(['/', '\\']).next().unwrap_or(name)
 }

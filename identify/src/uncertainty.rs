@@ -1,0 +1,239 @@
+//! How far a fit can be trusted: covariance of its parameters, corrected for residuals that are not
+//! independent.
+
+use faer::Mat;
+
+use crate::factor::Triangle;
+use crate::moments::Solved;
+use crate::problem::{Channel, Problem};
+use crate::residual_noise::ResidualNoise;
+use crate::{ForwardModel, IdentifyError};
+
+/// Singular value of the scaled Jacobian, relative to the largest, below which a direction is not
+/// fixed at all.
+const SMALLEST_SINGULAR: f64 = 1e-10;
+
+/// Covariance of the free parameters at a fit.
+#[derive(Debug, Clone)]
+pub(crate) struct Covariance {
+    /// Which columns of the Jacobian it covers: linear ones first, coordinates on a bound left out.
+    pub(crate) columns: Vec<usize>,
+    /// In the columns' units; infinite where the data say nothing.
+    pub(crate) matrix: Mat<f64>,
+    /// What the output's residuals are like.
+    pub(crate) noise: ResidualNoise,
+    /// Factor on a standard error for a 95 % interval.
+    pub(crate) quantile: f64,
+}
+
+impl Covariance {
+    /// Standard error of a column; `None` if it is not covered or not fixed.
+    pub(crate) fn standard_error(&self, column: usize) -> Option<f64> {
+        let k = self.columns.iter().position(|&covered| covered == column)?;
+        let variance = self.matrix[(k, k)];
+        (variance.is_finite() && variance >= 0.0).then(|| variance.sqrt())
+    }
+}
+
+/// Covariance of a least-squares fit whose residuals are stationary but correlated.
+///
+/// ```text
+/// cov = B (JᵀW Γ W J) B,   B = (JᵀW J)⁻¹
+/// ```
+///
+/// Γ, the covariance of the residuals, is that of their autoregressive model: it is never formed, the
+/// columns of W J pass through that model instead. The fit itself has taken tr(B JᵀWΓWJ) off the sum
+/// of squares, which is given back.
+pub(crate) fn covariance<M: ForwardModel>(
+    problem: &Problem<'_, M>,
+    point: &[f64],
+    solved: &Solved,
+) -> Result<Covariance, IdentifyError> {
+    let columns = covered_columns(problem, point);
+    let residuals = channel_residuals(problem, point, solved)?;
+    let noises = residuals.map(|segments| {
+        let segments: Vec<&[f64]> = segments.iter().map(Vec::as_slice).collect();
+        ResidualNoise::of(&segments)
+    });
+    let mut bread = Triangle::new(columns.len());
+    let mut meat = [Triangle::new(columns.len()), Triangle::new(columns.len())];
+    for r in 0..problem.n_recordings() {
+        let mut filters =
+            [0, 1].map(|c: usize| Filter::new(&noises[c].coefficients, columns.len()));
+        problem.rows(r, point, solved, &mut |row| {
+            let weight = problem.weight(r, row);
+            let root = weight.sqrt();
+            bread.push(|k| root * row.derivative(columns[k]));
+            let c = channel(row.channel);
+            filters[c].push(|k| weight * row.derivative(columns[k]));
+            meat[c].push(|k| filters[c].latest(k));
+        })?;
+    }
+    let inverse = pseudo_inverse(&bread.r());
+    let mut matrix = Mat::zeros(columns.len(), columns.len());
+    for (noise, meat) in noises.iter().zip(meat) {
+        // B S with SᵀS the meat: BᵀB keeps the sum positive.
+        let half = meat.r() * &inverse.matrix * faer::Scale(noise.innovation_variance.sqrt());
+        matrix += half.transpose() * &half;
+    }
+    let [noise, _] = noises;
+    let taken = taken_by_fit(&matrix, &inverse, &noise);
+    matrix *= faer::Scale(1.0 + taken);
+    for k in inverse.unfixed {
+        matrix[(k, k)] = f64::INFINITY;
+    }
+    let freedom = (noise.n_effective - columns.len() as f64).max(1.0);
+    Ok(Covariance {
+        columns,
+        matrix,
+        quantile: student_95(freedom),
+        noise,
+    })
+}
+
+/// Linear columns, and the coordinates that no bound holds.
+fn covered_columns<M: ForwardModel>(problem: &Problem<'_, M>, point: &[f64]) -> Vec<usize> {
+    let linear = problem.n_linear();
+    let free = (0..point.len()).filter(|&j| {
+        let bound = &problem.bounds()[j];
+        let margin = 1e-9 * (bound.upper - bound.lower);
+        point[j] > bound.lower + margin && point[j] < bound.upper - margin
+    });
+    (0..linear).chain(free.map(|j| linear + j)).collect()
+}
+
+fn channel(channel: Channel) -> usize {
+    match channel {
+        Channel::Output => 0,
+        Channel::Temperature => 1,
+    }
+}
+
+/// Residuals of the output and of the temperature, a segment a recording.
+fn channel_residuals<M: ForwardModel>(
+    problem: &Problem<'_, M>,
+    point: &[f64],
+    solved: &Solved,
+) -> Result<[Vec<Vec<f64>>; 2], IdentifyError> {
+    let mut residuals = [Vec::new(), Vec::new()];
+    for r in 0..problem.n_recordings() {
+        for channel in &mut residuals {
+            channel.push(Vec::new());
+        }
+        problem.rows(r, point, solved, &mut |row| {
+            if let Some(segment) = residuals[channel(row.channel)].last_mut() {
+                segment.push(row.residual);
+            }
+        })?;
+    }
+    Ok(residuals)
+}
+
+/// Recursive filter 1/(1 - Σ a_i z⁻ⁱ) over several columns at once.
+struct Filter {
+    coefficients: Vec<f64>,
+    /// The last outputs, newest first; one more than the order.
+    history: Vec<Vec<f64>>,
+}
+
+impl Filter {
+    fn new(coefficients: &[f64], columns: usize) -> Self {
+        Self {
+            coefficients: coefficients.to_vec(),
+            history: vec![vec![0.0; columns]; coefficients.len() + 1],
+        }
+    }
+
+    fn push(&mut self, input: impl Fn(usize) -> f64) {
+        self.history.rotate_right(1);
+        for k in 0..self.history[0].len() {
+            let recalled: f64 = self
+                .coefficients
+                .iter()
+                .zip(&self.history[1..])
+                .map(|(coefficient, past)| coefficient * past[k])
+                .sum();
+            self.history[0][k] = input(k) + recalled;
+        }
+    }
+
+    fn latest(&self, column: usize) -> f64 {
+        self.history[0][column]
+    }
+}
+
+/// (RᵀR)⁻¹ over the directions that the data fix.
+struct Inverse {
+    matrix: Mat<f64>,
+    /// RᵀR.
+    information: Mat<f64>,
+    /// Columns with a part in a direction that the data do not fix.
+    unfixed: Vec<usize>,
+}
+
+fn pseudo_inverse(r: &Mat<f64>) -> Inverse {
+    let n = r.ncols();
+    let information = r.transpose() * r;
+    let scales: Vec<f64> = (0..n)
+        .map(|k| {
+            Some(r.col(k).norm_l2())
+                .filter(|&norm| norm > 0.0)
+                .unwrap_or(1.0)
+        })
+        .collect();
+    let scaled = Mat::from_fn(n, n, |row, k| r[(row, k)] / scales[k]);
+    let nothing = Inverse {
+        matrix: Mat::zeros(n, n),
+        information: information.clone(),
+        unfixed: (0..n).collect(),
+    };
+    let Ok(svd) = scaled.svd() else {
+        return nothing;
+    };
+    let singular = svd.S().column_vector();
+    let largest = (0..n).map(|i| singular[i]).fold(0.0, f64::max);
+    let fixed = |i: usize| singular[i] > SMALLEST_SINGULAR * largest;
+    let matrix = Mat::from_fn(n, n, |row, column| {
+        let sum: f64 = (0..n)
+            .filter(|&i| fixed(i))
+            .map(|i| svd.V()[(row, i)] * svd.V()[(column, i)] / (singular[i] * singular[i]))
+            .sum();
+        sum / (scales[row] * scales[column])
+    });
+    let unfixed = (0..n)
+        .filter(|&k| (0..n).any(|i| !fixed(i) && svd.V()[(k, i)].abs() > 1e-3))
+        .collect();
+    Inverse {
+        matrix,
+        information,
+        unfixed,
+    }
+}
+
+/// Share of the residuals' variance that the fit has taken: tr(P Γ)/(N γ_0).
+fn taken_by_fit(covariance: &Mat<f64>, inverse: &Inverse, noise: &ResidualNoise) -> f64 {
+    let n = covariance.ncols();
+    let trace: f64 = (0..n)
+        .map(|i| {
+            (0..n)
+                .map(|j| inverse.information[(i, j)] * covariance[(j, i)])
+                .sum::<f64>()
+        })
+        .sum();
+    let total = noise.variance * noise.n_samples as f64;
+    // A fit of few samples takes nearly all; beyond that the correction means nothing.
+    if total > 0.0 {
+        (trace / total).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// 97.5 % quantile of Student's distribution: two terms of its expansion in 1/ν around that of the
+/// normal distribution, 1.96; ν ≥ 1. Within 1 % for ν ≥ 5.
+fn student_95(freedom: f64) -> f64 {
+    const Z: f64 = 1.959_963_984_540_054;
+    let (cube, fifth) = (Z.powi(3), Z.powi(5));
+    Z + (cube + Z) / (4.0 * freedom)
+        + (5.0 * fifth + 16.0 * cube + 3.0 * Z) / (96.0 * freedom * freedom)
+}

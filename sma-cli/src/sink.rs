@@ -1,0 +1,93 @@
+//! Where a result goes: a file that appears whole or not at all, or stdout.
+
+use std::fs::{OpenOptions, Permissions};
+use std::io::Write;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use tempfile::{Builder, NamedTempFile};
+
+/// Permissions that the user's mask is taken from, as any new file has.
+const ANY_FILE: u32 = 0o666;
+
+/// A place for a result, opened before the work that makes it.
+#[derive(Debug)]
+pub(crate) enum Sink {
+    /// "-".
+    Stdout,
+    /// A file: written beside its place, then renamed into it.
+    File {
+        temporary: NamedTempFile,
+        place: PathBuf,
+    },
+    /// What is no regular file (a device, a pipe): written to as it is.
+    Special(PathBuf),
+}
+
+impl Sink {
+    /// Opens a place; it must not be one of the `inputs`.
+    pub(crate) fn open(path: &Path, inputs: &[&Path]) -> anyhow::Result<Self> {
+        if path == Path::new("-") {
+            return Ok(Self::Stdout);
+        }
+        let cannot = || format!("{}: cannot be written", path.display());
+        // Through symbolic links, to what is really written.
+        let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        if inputs
+            .iter()
+            .any(|input| input.canonicalize().is_ok_and(|input| input == place))
+        {
+            bail!(
+                "{}: is an input of this command; give another file for the result",
+                path.display()
+            );
+        }
+        if place.exists() && !place.is_file() {
+            // Opened once now, so that a folder is refused before the work.
+            OpenOptions::new()
+                .append(true)
+                .open(&place)
+                .with_context(cannot)?;
+            return Ok(Self::Special(place));
+        }
+        let folder = match place.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let temporary = Builder::new()
+            .permissions(Permissions::from_mode(ANY_FILE))
+            .tempfile_in(folder)
+            .map_err(|error| error.kind())
+            .map_err(std::io::Error::from)
+            .with_context(cannot)?;
+        Ok(Self::File { temporary, place })
+    }
+
+    /// Writes the result.
+    pub(crate) fn write(self, text: &str) -> anyhow::Result<()> {
+        match self {
+            Self::Stdout => std::io::stdout().write_all(text.as_bytes())?,
+            Self::File {
+                mut temporary,
+                place,
+            } => {
+                let cannot = || format!("{}: cannot be written", place.display());
+                temporary.write_all(text.as_bytes()).with_context(cannot)?;
+                temporary
+                    .persist(&place)
+                    .map_err(|error| error.error)
+                    .with_context(cannot)?;
+            }
+            Self::Special(place) => {
+                let cannot = || format!("{}: cannot be written", place.display());
+                let mut file = OpenOptions::new()
+                    .append(true)
+                    .open(&place)
+                    .with_context(cannot)?;
+                file.write_all(text.as_bytes()).with_context(cannot)?;
+            }
+        }
+        Ok(())
+    }
+}
