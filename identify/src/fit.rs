@@ -332,7 +332,7 @@ fn reweigh<M: ForwardModel>(
 }
 
 /// Weights of Huber's loss: 1 up to 1.345 robust standard deviations (95 % efficiency on normal noise,
-/// Huber 1981), and falling as 1/|residual| beyond.
+/// Huber1981 in REFERENCES.md), and falling as 1/|residual| beyond.
 fn huber_weights(residuals: &[Residuals]) -> Vec<Vec<f64>> {
     const KNEE: f64 = 1.345;
     /// Standard deviation over median absolute deviation of a normal distribution.

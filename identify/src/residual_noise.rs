@@ -8,7 +8,7 @@ const HIGHEST_ORDER: usize = 8;
 /// Autoregressive model of residuals.
 ///
 /// ```text
-/// e_k = Σ a_i e_(k-i) + w_k,   order by BIC (Schwarz 1978), a by Levinson's recursion
+/// e_k = Σ a_i e_(k-i) + w_k,   order by BIC [Schwarz1978], a by Levinson's recursion
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualNoise {

@@ -10,6 +10,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use commands::identify::IdentifyArgs;
+use commands::inspect::InspectArgs;
 
 /// Identify the model of a shape-memory-alloy actuator from recordings of drive and displacement.
 #[derive(Debug, Parser)]
@@ -21,12 +22,14 @@ struct Cli {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    Inspect(InspectArgs),
     Identify(IdentifyArgs),
 }
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
+        Command::Inspect(args) => commands::inspect::run(args),
         Command::Identify(args) => commands::identify::run(args),
     };
     outcome::report(&result)

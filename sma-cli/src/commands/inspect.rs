@@ -1,0 +1,62 @@
+//! `sma inspect`: what is in a recording, before anybody fits anything to it.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use identify::Rod;
+use recording::{Inspection, inspect, read_csv};
+use serde_json::json;
+
+use crate::outcome::Outcome;
+use crate::report::inspected;
+
+/// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
+/// the way of identification.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  sma inspect run1.csv run2.csv --rod rod.toml")]
+pub(crate) struct InspectArgs {
+    /// Recordings, CSV.
+    #[arg(required = true, value_name = "CSV")]
+    recordings: Vec<PathBuf>,
+    /// What is known of the rig: names the columns and the kind of drive.
+    #[arg(long, value_name = "TOML")]
+    rod: Option<PathBuf>,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
+    let rod = match &args.rod {
+        Some(path) => Rod::read(path)?,
+        None => Rod::parse("(no rod file)", "")?,
+    };
+    let mut options = rod.read_options();
+    options.allow_untimed = true;
+    let inspections = args
+        .recordings
+        .iter()
+        .map(|path| Ok(inspect(&read_csv(path, &options)?)))
+        .collect::<anyhow::Result<Vec<Inspection>>>()?;
+    let text = if args.json {
+        let document = json!({
+            "schema_version": 1,
+            "command": "inspect",
+            "version": env!("CARGO_PKG_VERSION"),
+            "seed": null,
+            "recordings": inspections.iter().map(inspected::json).collect::<Vec<_>>(),
+        });
+        serde_json::to_string_pretty(&document)? + "\n"
+    } else {
+        inspections
+            .iter()
+            .map(inspected::text)
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    io::stdout().write_all(text.as_bytes())?;
+    io::stdout().flush()?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,52 @@
+//! `sma inspect` as a user calls it.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "tests fail by panicking, in their helpers too"
+)]
+
+use assert_cmd::Command;
+
+fn inspect(arguments: &[&str]) -> String {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/bundled");
+    let mut command = Command::cargo_bin("sma").unwrap();
+    let assert = command
+        .current_dir(folder)
+        .arg("inspect")
+        .args(arguments)
+        .assert()
+        .success();
+    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
+}
+
+#[test]
+fn the_bundled_recordings_are_described() {
+    insta::assert_snapshot!(inspect(&["train.csv", "validate.csv"]));
+}
+
+#[test]
+fn json_says_the_same() {
+    let json: serde_json::Value = serde_json::from_str(&inspect(&["train.csv", "--json"])).unwrap();
+    assert_eq!(json["command"], "inspect");
+    let recording = &json["recordings"][0];
+    assert_eq!(recording["n_samples"], 2000);
+    assert_eq!(recording["sampling"]["kind"], "uniform");
+    // A 12-bit converter over 5 mm.
+    let step = recording["channels"][1]["quantization_step"]
+        .as_f64()
+        .unwrap();
+    assert!((step - 5.0 / 4096.0).abs() < 1e-6, "{step}");
+}
+
+#[test]
+fn a_missing_column_is_bad_input() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/bundled");
+    let mut command = Command::cargo_bin("sma").unwrap();
+    let assert = command
+        .current_dir(folder)
+        .args(["inspect", "rod.toml"])
+        .assert()
+        .code(3);
+    let error = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    assert!(error.starts_with("sma: rod.toml:"), "{error}");
+}
