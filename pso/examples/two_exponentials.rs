@@ -151,6 +151,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             },
         ),
         (
+            "  everybody informed",
+            SwarmConfig {
+                topology: Topology::Global,
+                ..reliable.clone()
+            },
+        ),
+        (
             "  ring of one neighbor",
             SwarmConfig {
                 topology: Topology::Ring { neighbors: 1 },

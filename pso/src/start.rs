@@ -5,11 +5,11 @@ use rand::Rng;
 
 /// Where the particles start.
 ///
-/// Start velocities are those of the standard swarms of 2006 and 2007 [`Clerc2012`](crate#references),
-/// then cut to the velocity limit:
+/// Start velocities are those of the standard swarm of 2011 [`Clerc2012`](crate#references), then cut to
+/// the velocity limit:
 ///
 /// ```text
-/// v = (u − x)/2,   u uniform in the range
+/// v = u − x,   u uniform in the range
 /// ```
 ///
 /// All positions are drawn before all velocities; `Uniform` and the velocities particle by particle,
@@ -109,7 +109,7 @@ fn latin_hypercube<R: Rng>(particles: usize, bounds: &[Bound], generator: &mut R
     positions
 }
 
-/// Draws the start velocities, half the way to a uniform point.
+/// Draws the start velocities, each the way to a uniform point.
 pub(crate) fn velocities<R: Rng>(
     positions: &[Vec<f64>],
     bounds: &[Bound],
@@ -121,7 +121,7 @@ pub(crate) fn velocities<R: Rng>(
             bounds
                 .iter()
                 .zip(position)
-                .map(|(bound, x)| 0.5 * (bound.at(unit(generator)) - x))
+                .map(|(bound, x)| bound.at(unit(generator)) - x)
                 .collect()
         })
         .collect()

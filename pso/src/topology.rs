@@ -6,12 +6,13 @@ use crate::SwarmError;
 /// particle with the lower index counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Topology {
-    /// Everybody informs everybody ("gbest"): fast.
+    /// Everybody informs everybody ("gbest"): fast, and all of it settles where one particle is lowest.
     Global,
     /// Particles sit in a ring in index order ("lbest"): good news takes many moves around it. Slower,
     /// wider search.
     Ring {
-        /// Informers on each side; >= 1. From (particles − 1)/2 on this is `Global`.
+        /// Informers on each side; >= 1. From (particles − 1)/2 on, where the ring reaches around, this
+        /// is `Global`.
         neighbors: usize,
     },
 }
@@ -80,6 +81,21 @@ mod tests {
     fn ring_tie_goes_to_the_lower_index_across_the_seam() {
         let ring = Topology::Ring { neighbors: 1 };
         assert_eq!(ring.informers(&[1.0; 5]), [0, 0, 1, 2, 0]);
+    }
+
+    #[test]
+    fn ring_of_ten_leaves_out_one_of_22() {
+        // The lowest cost is known to all but the particle across.
+        let ring = Topology::Ring { neighbors: 10 };
+        for n_particles in [1, 2, 20, 21, 22] {
+            let mut costs = vec![1.0; n_particles];
+            costs[0] = 0.0;
+            let mut expected = vec![0; n_particles];
+            if n_particles == 22 {
+                expected[11] = 1;
+            }
+            assert_eq!(ring.informers(&costs), expected, "{n_particles}");
+        }
     }
 
     #[test]

@@ -17,17 +17,25 @@ fn draw(generator: &mut ChaCha8Rng) -> f64 {
     (generator.next_u64() / 2_u64.pow(11)) as f64 / 2.0_f64.powi(53)
 }
 
-/// First index of the lowest cost.
-fn lowest(costs: &[f64]) -> usize {
+/// First index of the lowest cost among those who inform a particle.
+fn leader(topology: Topology, particle: usize, costs: &[f64]) -> usize {
+    let informs = |other: &usize| {
+        let apart = other.abs_diff(particle);
+        match topology {
+            Topology::Global => true,
+            Topology::Ring { neighbors } => apart.min(costs.len() - apart) <= neighbors,
+        }
+    };
     // Of equal elements `min_by` takes the first.
     (0..costs.len())
+        .filter(informs)
         .min_by(|&a, &b| costs[a].total_cmp(&costs[b]))
         .unwrap()
 }
 
 #[test]
 fn constant_inertia_moves_as_documented() {
-    assert_moves(Inertia::Constant(0.8), |_| 0.8);
+    assert_moves(Inertia::Constant(0.8), Topology::Global, |_| 0.8);
 }
 
 #[test]
@@ -38,7 +46,7 @@ fn linearly_decreasing_inertia_moves_as_documented() {
         last,
         iterations: 20,
     };
-    assert_moves(inertia, |k| {
+    assert_moves(inertia, Topology::Global, |k| {
         if k < 20 {
             first + (last - first) * (f64::from(k) / 20.0)
         } else {
@@ -51,12 +59,19 @@ fn linearly_decreasing_inertia_moves_as_documented() {
 fn damped_inertia_moves_as_documented() {
     let (first, factor) = (0.95, 0.98);
     let product = |k| (0..k).fold(1.0, |product, _| product * factor);
-    assert_moves(Inertia::Damped { first, factor }, |k| first * product(k));
+    let inertia = Inertia::Damped { first, factor };
+    assert_moves(inertia, Topology::Global, |k| first * product(k));
+}
+
+#[test]
+fn ring_moves_as_documented() {
+    let ring = Topology::Ring { neighbors: 2 };
+    assert_moves(Inertia::Constant(0.8), ring, |_| 0.8);
 }
 
 /// Compares 50 moves with the equations, given the inertia of move k.
 #[track_caller]
-fn assert_moves(inertia: Inertia, weight: impl Fn(u32) -> f64) {
+fn assert_moves(inertia: Inertia, topology: Topology, weight: impl Fn(u32) -> f64) {
     let (c1, c2, limit) = (1.7, 0.9, 0.3);
     let weights = Weights {
         inertia,
@@ -68,16 +83,16 @@ fn assert_moves(inertia: Inertia, weight: impl Fn(u32) -> f64) {
         weights,
         velocity_limit: Some(limit),
         boundary: Boundary::Absorb,
-        topology: Topology::Global,
+        topology,
         start: Start::Uniform,
     };
     let bounds = [Bound {
         lower: LOWER,
         upper: LOWER + RANGE,
     }; COORDINATES];
-    let mut swarm = Swarm::new(config, &bounds, ChaCha8Rng::seed_from_u64(9)).unwrap();
+    let mut swarm = Swarm::new(config, &bounds, ChaCha8Rng::seed_from_u64(1)).unwrap();
 
-    let mut generator = ChaCha8Rng::seed_from_u64(9);
+    let mut generator = ChaCha8Rng::seed_from_u64(1);
     let uniform = |generator: &mut ChaCha8Rng| LOWER + draw(generator) * RANGE;
     let cut = |v: f64| v.clamp(-limit * RANGE, limit * RANGE);
     let mut x = vec![vec![0.0; COORDINATES]; PARTICLES];
@@ -87,7 +102,7 @@ fn assert_moves(inertia: Inertia, weight: impl Fn(u32) -> f64) {
     let mut v = x.clone();
     v.iter_mut()
         .flatten()
-        .for_each(|v| *v = cut((uniform(&mut generator) - *v) / 2.0));
+        .for_each(|v| *v = cut(uniform(&mut generator) - *v));
     let (mut best, mut best_costs) = (x.clone(), vec![f64::INFINITY; PARTICLES]);
 
     let mut n_absorbed = 0;
@@ -102,8 +117,8 @@ fn assert_moves(inertia: Inertia, weight: impl Fn(u32) -> f64) {
                 best[particle] = x[particle].clone();
             }
         }
-        let leader = best[lowest(&best_costs)].clone();
         for particle in 0..PARTICLES {
+            let leader = &best[leader(topology, particle, &best_costs)];
             for j in 0..COORDINATES {
                 let (r1, r2) = (draw(&mut generator), draw(&mut generator));
                 let here = x[particle][j];

@@ -3,6 +3,7 @@
 //! The stretch is one call of the widest vectors, as in an ensemble: a single step costs less than the
 //! dispatch. Items are steps of a lane.
 
+use benches::sound;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use wiener::hysteresis::{Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
@@ -56,7 +57,7 @@ fn steps(n_lanes: usize) -> ItemsCount {
 #[divan::bench(consts = [1, 8, 32])]
 fn heat_balance<const L: usize>(bencher: Bencher) {
     let lanes = std::array::from_fn(|lane| params(lane).heat);
-    let heat = HeatBalance::<L>::new(lanes).unwrap_or_else(|fault| unreachable!("{fault}"));
+    let heat = sound(HeatBalance::<L>::new(lanes));
     let sample = heat.over(DT_S);
     let currents_a = currents_a();
     bencher.counter(steps(L)).bench(|| {
@@ -80,7 +81,7 @@ fn heat_balance<const L: usize>(bencher: Bencher) {
 }
 
 fn commit<const L: usize>(bencher: Bencher, rule: Rule) {
-    let hysteresis = hysteresis::<L>(rule).unwrap_or_else(|fault| unreachable!("{fault}"));
+    let hysteresis = sound(hysteresis::<L>(rule));
     let memory = hysteresis.between_limiting_curves([AMBIENT_DEGC; L], [1.0; L]);
     let temperatures_degc: Vec<[f64; L]> = (0..N_STEPS)
         .map(|step| {
@@ -128,8 +129,7 @@ fn commit_nested<const L: usize>(bencher: Bencher) {
 #[divan::bench(consts = [1, 8, 32])]
 fn cascade<const L: usize>(bencher: Bencher) {
     let lanes = std::array::from_fn(params);
-    let model = Wiener::<L>::new(Drive::Current, Rule::LastReversal, &lanes)
-        .unwrap_or_else(|fault| unreachable!("{fault}"));
+    let model = sound(Wiener::<L>::new(Drive::Current, Rule::LastReversal, &lanes));
     let rest = model.rest(AMBIENT_DEGC);
     let currents_a = currents_a();
     bencher

@@ -1,5 +1,8 @@
 //! Whole runs: one model through 10⁴ samples, one move of a swarm, one fit.
 
+use std::ops::ControlFlow;
+
+use benches::sound;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use identify::{FitConfig, IdentifyError, Rod, WienerModel, fit};
@@ -82,10 +85,9 @@ fn generated(n_samples: usize) -> Result<Recording, IdentifyError> {
 
 #[divan::bench(args = [10_000])]
 fn wiener(bencher: Bencher, n_samples: usize) {
-    let model = truth().unwrap_or_else(|fault| unreachable!("{fault}"));
+    let model = sound(truth());
     let currents_a = currents_a(n_samples);
-    let profile = Profile::uniform(&currents_a, DT_S, AMBIENT_DEGC)
-        .unwrap_or_else(|fault| unreachable!("{fault}"));
+    let profile = sound(Profile::uniform(&currents_a, DT_S, AMBIENT_DEGC));
     let rest = model.rest(AMBIENT_DEGC);
     bencher
         .counter(ItemsCount::new(n_samples))
@@ -122,7 +124,7 @@ fn sphere(points: &[Vec<f64>]) -> Vec<f64> {
 
 #[divan::bench(args = [50])]
 fn ask_tell(bencher: Bencher, particles: usize) {
-    let swarm = swarm(particles).unwrap_or_else(|fault| unreachable!("{fault}"));
+    let swarm = sound(swarm(particles));
     let costs = sphere(swarm.ask());
     bencher
         .with_inputs(|| swarm.clone())
@@ -132,18 +134,21 @@ fn ask_tell(bencher: Bencher, particles: usize) {
         });
 }
 
-#[divan::bench(args = [400], sample_count = 20)]
+#[divan::bench(name = "fit", args = [400], sample_count = 20)]
 fn fit_generated(bencher: Bencher, n_samples: usize) {
-    let training = [generated(n_samples).unwrap_or_else(|fault| unreachable!("{fault}"))];
-    let model = Rod::parse("rod.toml", ROD_TOML)
-        .and_then(|rod| WienerModel::new(&rod, Rule::LastReversal, &training))
-        .unwrap_or_else(|fault| unreachable!("{fault}"));
+    let training = [sound(generated(n_samples))];
+    let rod = sound(Rod::parse("rod.toml", ROD_TOML));
+    let model = sound(WienerModel::new(&rod, Rule::LastReversal, &training));
     let config = FitConfig {
         starts: 1,
         seed: SEED,
         ..FitConfig::default()
     };
-    bencher.bench_local(|| fit(&model, black_box(&training), &config, &mut |_, _| {}));
+    bencher.bench_local(|| {
+        fit(&model, black_box(&training), &config, &mut |_| {
+            ControlFlow::Continue(())
+        })
+    });
 }
 
 fn main() {

@@ -279,3 +279,32 @@ fn add_squares(sums: &mut [f64], block: &Block<'_>, output: &[f64]) {
     }
     sums.copy_from_slice(&lanes[..sums.len()]);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_name_the_file() {
+        let file = PathBuf::from("truth.json");
+        let absent = JobError::Absent { file: "truth.json" };
+        assert_eq!(
+            absent.to_string(),
+            "../shared/truth.json is not beside the workspace: this program needs it"
+        );
+        let unreadable = JobError::Unreadable {
+            file: file.clone(),
+            source: std::io::Error::other("broken"),
+        };
+        assert_eq!(unreadable.to_string(), "truth.json: cannot be read");
+        let source = serde_json::from_str::<Truth>("{}").unwrap_err();
+        let truth = JobError::Truth {
+            file: file.clone(),
+            source,
+        };
+        assert_eq!(truth.to_string(), "truth.json: not a truth");
+        let parameters = JobError::Parameters { file, list: "ub" };
+        let text = parameters.to_string();
+        assert!(text.starts_with("truth.json: ub must belong to [\"tau_s\", "));
+    }
+}

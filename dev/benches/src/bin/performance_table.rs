@@ -1,12 +1,13 @@
 //! How often swarms and fits end at the floor of one job: a recording simulated from a known truth.
 //!
-//! `cargo run --release -p benches --bin performance_table` prints three Markdown tables. All swarms have the
+//! `cargo run --release -p benches --bin performance_table` prints two Markdown tables. All swarms have the
 //! same bounds, particles and evaluations; argmin's keeps its default weights. The recording stands
 //! beside the workspace.
 
 #![allow(clippy::print_stdout, reason = "the tables are the result")]
 
 use std::error::Error;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use argmin::core::{CostFunction, Executor, SyncAlias};
@@ -129,6 +130,13 @@ fn configs() -> Vec<(&'static str, SwarmConfig)> {
             SwarmConfig::sadeghi_identification(),
         ),
         (
+            "`reliable`, everybody informed",
+            SwarmConfig {
+                topology: Topology::Global,
+                ..reliable()
+            },
+        ),
+        (
             "`reliable`, no velocity limit",
             SwarmConfig {
                 velocity_limit: None,
@@ -164,7 +172,9 @@ fn main() -> Result<(), Failure> {
             seed,
             ..FitConfig::default()
         };
-        Ok(fit(&model, &training, &config, &mut |_, _| {})?)
+        Ok(fit(&model, &training, &config, &mut |_| {
+            ControlFlow::Continue(())
+        })?)
     };
     let (fits, fits_s) = all_seeds(fit_of)?;
     let fit_costs: Vec<f64> = fits.iter().map(|fit| fit.train_rmse.powi(2)).collect();

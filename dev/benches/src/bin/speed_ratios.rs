@@ -8,6 +8,7 @@
 
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use benches::{Job, ROD_TOML};
@@ -165,7 +166,11 @@ fn main() -> Result<(), Failure> {
                 .concat())
         })?;
         let fit = again(&mut fitted, || {
-            let fitting = || fit(&model, &training, &FitConfig::default(), &mut |_, _| {});
+            let fitting = || {
+                fit(&model, &training, &FitConfig::default(), &mut |_| {
+                    ControlFlow::Continue(())
+                })
+            };
             Ok(one_thread.install(fitting)?)
         })?;
         fitted.simulations = fit.simulations;
