@@ -34,15 +34,22 @@ const ATAN: [f64; 10] = [
 /// tan(π/8), the middle of the octant that [`atan`] reduces to.
 const TAN_FRAC_PI_8: f64 = 0.41421356237309503;
 
+/// Even and odd powers by Horner's rule apart: two chains of half the length, which the processor runs
+/// side by side.
 #[inline(always)]
-fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    let mut sum = coefficients[N - 1];
-    let mut k = N - 1;
+fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
+    let square = x * x;
+    let mut sums = [0.0, 0.0];
+    let mut k = N;
     while k > 0 {
         k -= 1;
-        sum = sum * x + coefficients[k];
+        sums[k % 2] = if k + 2 < N {
+            sums[k % 2] * square + coefficients[k]
+        } else {
+            coefficients[k]
+        };
     }
-    sum
+    sums[0] + x * sums[1]
 }
 
 /// sin x for x in \[0, π/2\], absolute error ≤ 2e-15.
@@ -52,7 +59,7 @@ fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
 #[must_use]
 pub fn sin_quarter(x: f64) -> f64 {
     let square = x * x;
-    x + x * square * horner(&SIN, square)
+    x + x * square * polynomial(&SIN, square)
 }
 
 /// atan x for every x, infinities included, absolute error ≤ 2e-15; `NaN` gives `NaN`.
@@ -79,6 +86,6 @@ pub(crate) fn atan_quotient(a: f64, b: f64) -> f64 {
     let q = if size < b { b } else { size };
     let z = (p - TAN_FRAC_PI_8 * q) / (q + TAN_FRAC_PI_8 * p);
     let square = z * z;
-    let octant = FRAC_PI_8 + (z + z * square * horner(&ATAN, square));
+    let octant = FRAC_PI_8 + (z + z * square * polynomial(&ATAN, square));
     (if size > b { FRAC_PI_2 - octant } else { octant }).copysign(a)
 }

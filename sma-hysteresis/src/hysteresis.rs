@@ -21,7 +21,8 @@ pub struct Sensed<const L: usize> {
 ///
 /// The model is immutable; [`Memory`] holds the reversals and is passed in. The operator is rate
 /// independent: only the temperatures visited count, not the time between them. A temperature of
-/// `NaN` gives a fraction of `NaN` and leaves the memory as it was.
+/// `NaN` gives a fraction of `NaN` and leaves the memory as it was; ±∞ is a saturating excursion like any
+/// other that goes far enough, with the fraction of an asymptote.
 ///
 /// Left out: anything that moves the loop itself (stress, fatigue, R-phase).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,8 +64,15 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     /// point on the heating curve, 1 that on the cooling curve. Shares outside \[0, 1\] count as the
     /// nearer end, so that a fit may move freely.
     ///
-    /// A point between the curves counts as a reversal in whichever direction it is left; one on a
-    /// curve does not.
+    /// The material counts as having come there by cooling: left by heating, the start is a
+    /// reversal; left by cooling, it is none, and a nested loop does not return to it. With `share` = 0
+    /// it came along the heating curve, and the other way round.
+    ///
+    /// So later fractions follow `share` without a step up to and including the cooling curve, and a
+    /// first movement that is small moves them little, whatever its direction. One step remains under
+    /// [`Rule::Nested`], at `share` = 0: that start is not a return point where those above it are,
+    /// when heated first, and is one where they are none, when cooled first. The first branch and
+    /// [`Rule::LastReversal`] have no step there.
     #[must_use]
     pub fn between_limiting_curves(
         &self,
@@ -153,11 +161,14 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         if memory.leaves_branch(&temperature_k) {
             memory.change_branch(&self.rules(), &temperature_k);
         }
+        let mut level_k = [0.0; L];
+        for l in 0..L {
+            level_k[l] = memory.path(l).level_k(&self.proximity, l, temperature_k[l]);
+            memory.advance(l, temperature_k[l]);
+        }
         let mut fraction = [0.0; L];
         for l in 0..L {
-            let level_k = memory.path(l).level_k(&self.proximity, l, temperature_k[l]);
-            memory.advance(l, temperature_k[l], level_k);
-            fraction[l] = self.limits.fraction_at(l, level_k);
+            fraction[l] = self.limits.fraction_at(l, level_k[l]);
         }
         fraction
     }

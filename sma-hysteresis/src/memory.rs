@@ -9,6 +9,10 @@ use crate::proximity::Proximity;
 /// [`Memory::forgotten`] counts such pairs.
 pub const NESTING_CAPACITY: usize = 32;
 
+/// Where what is remembered ends, K from the middle of the loop: beyond every loop, and so near that
+/// differences from there keep ten digits after the point. With ∞ they would be `NaN`.
+const FARTHEST_K: f64 = 1e6;
+
 /// Which reversals the operator remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rule {
@@ -24,7 +28,9 @@ pub enum Rule {
 /// What the operator remembers, in each of `L` lanes: the branch it is on, the extreme reached, and
 /// under [`Rule::Nested`] the reversals that enclose it.
 ///
-/// Made by [`Hysteresis`](crate::Hysteresis), which alone can read and move it.
+/// Made by [`Hysteresis`](crate::Hysteresis), which alone can read and move it. It holds the
+/// coefficients of the current branch besides: a memory belongs to the model that made it, and another
+/// one would follow the old branch until its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Memory<const L: usize> {
     /// δ of the current branch, +1 or -1.
@@ -35,11 +41,11 @@ pub struct Memory<const L: usize> {
     rise: [f64; L],
     proximity_k: [f64; L],
     inverse_proximity_per_k: [f64; L],
-    /// T̂ of the point that the current branch returns to, infinitely far if there is none.
+    /// δ T̂ of the point that the current branch returns to, infinite if there is none.
     return_k: [f64; L],
-    /// Where a reversal would start: the furthest point in the current direction.
-    extreme_temperature_k: [f64; L],
-    extreme_level_k: [f64; L],
+    /// δ T̂ of the furthest point in the current direction, where a reversal would start. Its level
+    /// is not kept: reversals are rare, and the branch knows it.
+    furthest_k: [f64; L],
     /// Start of the branch of depth 0: where the record begins.
     base: [Turn; L],
     turns: [[Turn; NESTING_CAPACITY]; L],
@@ -67,17 +73,20 @@ struct Recollection {
 impl<const L: usize> Memory<L> {
     /// A memory that begins at `share` of the way from the heating to the cooling curve.
     ///
-    /// On a limiting curve the beginning is no reversal: the material came along that curve. Between
-    /// them it is one, in whichever direction it is left.
+    /// The material came there by cooling, or with `share` = 0 along the heating curve: the beginning
+    /// is a reversal only if left in the other direction.
     pub(crate) fn starting<P: Proximity>(
         rules: &Rules<'_, L, P>,
         temperature_k: [f64; L],
         share: [f64; L],
     ) -> Self {
-        let base: [Turn; L] = core::array::from_fn(|lane| Turn {
-            temperature_k: temperature_k[lane],
-            level_k: temperature_k[lane]
-                + (2.0 * share[lane] - 1.0) * rules.limits.half_width_k(lane),
+        let base: [Turn; L] = core::array::from_fn(|lane| {
+            let temperature_k = temperature_k[lane].clamp(-FARTHEST_K, FARTHEST_K);
+            Turn {
+                temperature_k,
+                level_k: temperature_k
+                    + (2.0 * share[lane] - 1.0) * rules.limits.half_width_k(lane),
+            }
         });
         let mut memory = Self {
             sign: share.map(|share| if share <= 0.0 { 1.0 } else { -1.0 }),
@@ -87,18 +96,17 @@ impl<const L: usize> Memory<L> {
             proximity_k: [0.0; L],
             inverse_proximity_per_k: [0.0; L],
             return_k: [0.0; L],
-            extreme_temperature_k: base.map(|turn| turn.temperature_k),
-            extreme_level_k: base.map(|turn| turn.level_k),
+            furthest_k: [0.0; L],
             base,
             turns: [[Turn::default(); NESTING_CAPACITY]; L],
-            depth: share.map(|share| usize::from(!(share <= 0.0 || share >= 1.0))),
+            depth: [0; L],
             forgotten: [0; L],
         };
         for lane in 0..L {
-            memory.turns[lane][0] = base[lane];
-            let (sign, depth) = (memory.sign[lane], memory.depth[lane]);
-            let path = memory.path_of(rules, lane, sign, depth, None);
+            let sign = memory.sign[lane];
+            let path = memory.path_of(rules, lane, sign, 0, None);
             memory.follow(lane, sign, path);
+            memory.furthest_k[lane] = sign * base[lane].temperature_k;
         }
         memory
     }
@@ -154,20 +162,24 @@ impl<const L: usize> Memory<L> {
     pub(crate) fn leaves_branch(&self, temperature_k: &[f64; L]) -> bool {
         let mut leaves = false;
         for lane in 0..L {
-            leaves |= self.turns_back(lane, temperature_k[lane])
-                | self.passes_return(lane, temperature_k[lane]);
+            leaves |= self.leaves(lane, temperature_k[lane]);
         }
         leaves
     }
 
     #[inline(always)]
+    fn leaves(&self, lane: usize, temperature_k: f64) -> bool {
+        self.turns_back(lane, temperature_k) | self.passes_return(lane, temperature_k)
+    }
+
+    #[inline(always)]
     fn turns_back(&self, lane: usize, temperature_k: f64) -> bool {
-        self.sign[lane] * (temperature_k - self.extreme_temperature_k[lane]) < -REVERSAL_DEAD_BAND_K
+        self.sign[lane] * temperature_k - self.furthest_k[lane] < -REVERSAL_DEAD_BAND_K
     }
 
     #[inline(always)]
     fn passes_return(&self, lane: usize, temperature_k: f64) -> bool {
-        self.sign[lane] * (temperature_k - self.return_k[lane]) > 0.0
+        self.sign[lane] * temperature_k > self.return_k[lane]
     }
 
     /// The current branch of a lane.
@@ -192,7 +204,7 @@ impl<const L: usize> Memory<L> {
         lane: usize,
         temperature_k: f64,
     ) -> Path {
-        match self.recollection(rules.rule, lane, temperature_k) {
+        match self.recollection(rules.proximity, rules.rule, lane, temperature_k) {
             None => self.path(lane),
             Some(next) => self.path_of(rules, lane, next.sign, next.kept, next.added),
         }
@@ -206,7 +218,12 @@ impl<const L: usize> Memory<L> {
         temperature_k: &[f64; L],
     ) {
         for lane in 0..L {
-            let Some(next) = self.recollection(rules.rule, lane, temperature_k[lane]) else {
+            if !self.leaves(lane, temperature_k[lane]) {
+                continue;
+            }
+            let Some(next) =
+                self.recollection(rules.proximity, rules.rule, lane, temperature_k[lane])
+            else {
                 continue;
             };
             let path = self.path_of(rules, lane, next.sign, next.kept, next.added);
@@ -218,41 +235,42 @@ impl<const L: usize> Memory<L> {
             }
             self.follow(lane, next.sign, path);
             // The extreme of the direction left behind must not hold back the new one.
-            self.extreme_temperature_k[lane] = temperature_k[lane];
-            self.extreme_level_k[lane] = path.level_k(rules.proximity, lane, temperature_k[lane]);
+            self.furthest_k[lane] = next.sign * temperature_k[lane];
         }
     }
 
     /// Moves the extreme of a lane on, if T̂ lies beyond it.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, lane: usize, temperature_k: f64, level_k: f64) {
-        let beyond = self.sign[lane] * (temperature_k - self.extreme_temperature_k[lane]) > 0.0;
-        let extreme = (self.extreme_temperature_k[lane], self.extreme_level_k[lane]);
-        let (temperature_k, level_k) = if beyond {
-            (temperature_k, level_k)
+    pub(crate) fn advance(&mut self, lane: usize, temperature_k: f64) {
+        let progress_k = self.sign[lane] * temperature_k;
+        let furthest_k = self.furthest_k[lane];
+        self.furthest_k[lane] = if progress_k > furthest_k {
+            progress_k
         } else {
-            extreme
+            furthest_k
         };
-        self.extreme_temperature_k[lane] = temperature_k;
-        self.extreme_level_k[lane] = level_k;
     }
 
     /// Which reversals a lane remembers once it has come to T̂; `None` if it stays on its branch.
-    fn recollection(&self, rule: Rule, lane: usize, temperature_k: f64) -> Option<Recollection> {
+    fn recollection<P: Proximity>(
+        &self,
+        proximity: &P,
+        rule: Rule,
+        lane: usize,
+        temperature_k: f64,
+    ) -> Option<Recollection> {
         let (depth, sign) = (self.depth[lane], self.sign[lane]);
         let mut next = if self.turns_back(lane, temperature_k) {
+            let turned_k = (sign * self.furthest_k[lane]).clamp(-FARTHEST_K, FARTHEST_K);
             let turn = Turn {
-                temperature_k: self.extreme_temperature_k[lane],
-                level_k: self.extreme_level_k[lane],
+                temperature_k: turned_k,
+                level_k: self.path(lane).level_k(proximity, lane, turned_k),
             };
             let full = depth == NESTING_CAPACITY;
-            // A start between the curves that is left against its assumed direction.
-            let unmoved = depth == 1 && turn == self.turns[lane][0];
             Recollection {
                 sign: -sign,
                 kept: match rule {
                     Rule::LastReversal => 0,
-                    Rule::Nested if unmoved => 0,
                     Rule::Nested if full => depth - 2,
                     Rule::Nested => depth,
                 },
@@ -324,8 +342,8 @@ impl<const L: usize> Memory<L> {
         self.proximity_k[lane] = path.proximity_k;
         self.inverse_proximity_per_k[lane] = path.inverse_proximity_per_k;
         self.return_k[lane] = match self.return_point(lane, self.depth[lane], None) {
-            Some(end) => end.temperature_k,
-            None => sign * f64::INFINITY,
+            Some(end) => sign * end.temperature_k,
+            None => f64::INFINITY,
         };
     }
 }

@@ -47,8 +47,9 @@ pub(crate) struct Turn {
 /// - it would fall short: the distance to the limiting curve fades more slowly, g = 1 and
 ///   s = (d_p - T_pr)/(d(T̂_p) - T_pr) with d = u - T̂ + δ T_c.
 ///
-/// Both factors lie in \[0, 1\], so the slope stays within 0 and that of the limiting curve: the
-/// branch is monotone and never leaves the loop, whatever ζ.
+/// Both factors lie in \[0, 1\], also where rounding leaves nothing of their quotients, so the slope
+/// stays within 0 and that of the limiting curve: the branch is monotone and never leaves the loop,
+/// whatever ζ.
 ///
 /// # Differs from the source
 ///
@@ -61,7 +62,8 @@ pub(crate) struct Path {
     pub(crate) rise: f64,
     /// s T_pr, K.
     pub(crate) proximity_k: f64,
-    /// 1/T_pr, 1/K; 0 on the limiting curve.
+    /// 1/T_pr, 1/K. On the limiting curve, where nothing is left to fade, any value of the right sign:
+    /// 0 would make ∞ to `NaN`.
     pub(crate) inverse_proximity_per_k: f64,
 }
 
@@ -84,7 +86,7 @@ impl Path {
                 start,
                 rise: 1.0,
                 proximity_k: 0.0,
-                inverse_proximity_per_k: 0.0,
+                inverse_proximity_per_k: sign,
             };
         }
         let natural = Self {
@@ -97,7 +99,7 @@ impl Path {
         let reached_k = natural.level_k(proximity, lane, end.temperature_k);
         let excess_k = sign * (reached_k - end.level_k);
         if excess_k > 0.0 {
-            let scale = (end.level_k - start.level_k) / (reached_k - start.level_k);
+            let scale = factor((end.level_k - start.level_k) / (reached_k - start.level_k));
             Self {
                 rise: scale,
                 proximity_k: scale * distance_k,
@@ -105,7 +107,8 @@ impl Path {
             }
         } else if excess_k < 0.0 {
             let limit_k = end.temperature_k - shift_k;
-            let scale = (end.level_k - limit_k - distance_k) / (reached_k - limit_k - distance_k);
+            let scale =
+                factor((end.level_k - limit_k - distance_k) / (reached_k - limit_k - distance_k));
             Self {
                 proximity_k: scale * distance_k,
                 ..natural
@@ -128,7 +131,7 @@ impl Path {
         self.start.level_k + self.rise * travel_k - self.proximity_k * proximity.decay(lane, x)
     }
 
-    /// du/dT̂, from 0 to 1.
+    /// du/dT̂, from 0 to 1; `NaN` gives `NaN`.
     #[inline(always)]
     pub(crate) fn level_slope<P: Proximity>(
         &self,
@@ -137,6 +140,21 @@ impl Path {
         temperature_k: f64,
     ) -> f64 {
         let x = (temperature_k - self.start.temperature_k) * self.inverse_proximity_per_k;
-        self.rise - self.proximity_k * self.inverse_proximity_per_k * proximity.decay_slope(lane, x)
+        let slope = self.rise
+            - self.proximity_k * self.inverse_proximity_per_k * proximity.decay_slope(lane, x);
+        // T_pr times 1/T_pr may exceed 1 by rounding.
+        if slope < 0.0 { 0.0 } else { slope }
+    }
+}
+
+/// A rescaling factor: over the shortest way to a return point its quotient may be off by rounding
+/// or 0/0, and the natural branch, factor 1, then misses the point by no more than rounding.
+fn factor(quotient: f64) -> f64 {
+    if (0.0..=1.0).contains(&quotient) {
+        quotient
+    } else if quotient < 0.0 {
+        0.0
+    } else {
+        1.0
     }
 }

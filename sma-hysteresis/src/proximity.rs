@@ -16,9 +16,9 @@ use crate::error::monotone_rate;
 ///
 /// Implement it with `#[inline(always)]` and without branches on `x`, or lanes lose their speed.
 pub trait Proximity {
-    /// 1 - P(x) in lane `lane`; x ≥ 0, `NaN` gives `NaN`.
+    /// 1 - P(x) in lane `lane`; x ≥ 0, ∞ included; `NaN` gives `NaN`.
     fn decay(&self, lane: usize, x: f64) -> f64;
-    /// d(1 - P)/dx in lane `lane`; x ≥ 0.
+    /// d(1 - P)/dx in lane `lane`; x ≥ 0, ∞ included.
     fn decay_slope(&self, lane: usize, x: f64) -> f64;
 }
 

@@ -171,6 +171,68 @@ proptest! {
     }
 
     #[test]
+    fn the_smallest_nested_loops_are_defined(
+        (width, spread, _) in any_shape(), center in prop::sample::select(vec![0.0, 20.0, 45.0, 70.0]),
+        // Decimal logarithms of the sizes, K: of some, no digit of the height is left.
+        turn in -1.0..1.0, sizes in prop::collection::vec(-9.0..-6.0, 1..20),
+    ) {
+        let limits = LimitingLoop::new([LoopParams {
+            loop_center_degc: center,
+            loop_half_width_k: width,
+            loop_spread_k: spread,
+            ..LoopParams::default()
+        }])
+        .unwrap();
+        let material = Hysteresis::new(limits, SineProximity::new([1.0]).unwrap(), Rule::Nested);
+        let mut memory = material.on_limiting_curve(Branch::Cooling, [center - 60.0]);
+        let first = center + turn * width;
+        walk(&material, &mut memory, &[first]);
+        for size in sizes {
+            let size = 10_f64.powf(size);
+            for share in [-1.0, -0.1, -0.9, -0.5, 0.0, 0.1] {
+                let temperature = first + share * size;
+                let sensed = material.peek(&memory, [temperature]);
+                let fraction = walk(&material, &mut memory, &[temperature]);
+                let [lower] = material.limits().fraction(Branch::Heating, [temperature]);
+                let [upper] = material.limits().fraction(Branch::Cooling, [temperature]);
+                prop_assert!(fraction >= lower - ROUNDING && fraction <= upper + ROUNDING, "{}", fraction);
+                prop_assert!(sensed.slope_per_k[0] >= 0.0, "{:e}", sensed.slope_per_k[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn fractions_follow_the_share_onto_the_cooling_curve(
+        (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(),
+    ) {
+        let material = material(width, spread, zeta, rule);
+        let mut on = material.between_limiting_curves([path[0]], [1.0]);
+        let mut beside = material.between_limiting_curves([path[0]], [1.0 - 1e-12]);
+        for &temperature in &path {
+            let expected = walk(&material, &mut on, &[temperature]);
+            let fraction = walk(&material, &mut beside, &[temperature]);
+            prop_assert!((fraction - expected).abs() <= 1e-7, "{} {}", fraction, expected);
+        }
+    }
+
+    #[test]
+    fn a_small_first_movement_moves_little(
+        (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(),
+        share in prop_oneof![Just(0.0), 0.0..1.0, Just(1.0)],
+        wobble in prop_oneof![Just(-1e-10), Just(1e-10), Just(-1e-8), Just(1e-8)],
+    ) {
+        let material = material(width, spread, zeta, rule);
+        let mut straight = material.between_limiting_curves([path[0]], [share]);
+        let mut moved = straight.clone();
+        walk(&material, &mut moved, &[path[0] + wobble]);
+        for &temperature in &path[1..] {
+            let expected = walk(&material, &mut straight, &[temperature]);
+            let fraction = walk(&material, &mut moved, &[temperature]);
+            prop_assert!((fraction - expected).abs() <= 1e-5, "{} {}", fraction, expected);
+        }
+    }
+
+    #[test]
     fn both_memories_agree_up_to_the_second_reversal(
         (width, spread, zeta) in any_shape(), start in -50.0..0.0, high in 0.0..60.0, low in 0.0..60.0,
     ) {
@@ -331,23 +393,57 @@ fn a_temperature_that_is_no_number_leaves_no_trace() {
 }
 
 #[test]
-fn a_start_between_the_curves_is_a_reversal_in_either_direction() {
+fn an_infinite_temperature_is_a_saturating_excursion() {
+    let path = [20.0, 3.0, 9.0, 5.0];
+    for rule in [Rule::LastReversal, Rule::Nested] {
+        let material = material(10.0, 6.0, 0.9, rule);
+        for visited in 0..=path.len() {
+            for far in [1.0, -1.0] {
+                let mut memory = material.on_limiting_curve(Branch::Cooling, [-40.0]);
+                walk(&material, &mut memory, &path[..visited]);
+                let mut finite = memory.clone();
+                let sensed = material.peek(&memory, [far * f64::INFINITY]);
+                assert!(sensed.slope_per_k[0].abs() < ROUNDING);
+                for factor in [1.0, -1.0, 1.0] {
+                    let at_infinity = walk(&material, &mut memory, &[factor * far * f64::INFINITY]);
+                    assert!((at_infinity - 0.5 - 0.5 * factor * far).abs() < ROUNDING);
+                    walk(&material, &mut finite, &[factor * far * 1000.0]);
+                    for temperature in [7.0, -7.0, 2.0, 30.0, -12.0] {
+                        let after = walk(&material, &mut memory, &[temperature]);
+                        let expected = walk(&material, &mut finite, &[temperature]);
+                        assert!((after - expected).abs() < 1e-9, "{after} {expected}");
+                    }
+                }
+            }
+        }
+        let mut started = material.between_limiting_curves([f64::INFINITY], [0.5]);
+        assert!(walk(&material, &mut started, &[12.0, 11.0, 13.0]).is_finite());
+    }
+}
+
+#[test]
+fn a_start_between_the_curves_is_a_reversal_if_left_by_heating() {
     let material = material(10.0, 6.0, 0.9, Rule::Nested);
     let started = material.between_limiting_curves([0.0], [0.4]);
     let mut still = started.clone();
     let here = walk(&material, &mut still, &[0.0]);
-    for towards in [-30.0, 30.0] {
+    for (towards, depth) in [(-30.0, 0), (30.0, 1)] {
         let mut memory = started.clone();
         let nearby = walk(&material, &mut memory, &[towards * 1e-7]);
         assert!((nearby - here).abs() < 1e-5);
         walk(&material, &mut memory, &[towards]);
-        assert_eq!(memory.depth()[0], 1);
-        let back = walk(&material, &mut memory, &[0.0, 0.0]);
-        assert!((back - here).abs() < ROUNDING, "{towards}: {back} {here}");
-        // And on to the other side without a step.
-        let past = walk(&material, &mut memory, &[-towards * 1e-7]);
-        assert!((past - here).abs() < 1e-5);
+        assert_eq!(memory.depth()[0], depth);
     }
+    // The loop that began at the start closes there, and the curve goes on without a step.
+    let mut memory = started.clone();
+    let back = walk(&material, &mut memory, &[30.0, 0.0]);
+    assert!((back - here).abs() < ROUNDING, "{back} {here}");
+    let past = walk(&material, &mut memory, &[-30.0 * 1e-7]);
+    assert!((past - here).abs() < 1e-5);
     let same = material.at([0.0], [here]).unwrap();
     assert!((material.peek(&same, [0.0]).fraction[0] - here).abs() < ROUNDING);
+    // On the heating curve, as if come along it.
+    let mut memory = material.between_limiting_curves([0.0], [0.0]);
+    walk(&material, &mut memory, &[30.0]);
+    assert_eq!(memory.depth()[0], 0);
 }

@@ -63,6 +63,8 @@ pub struct HeatBalance<const L: usize = 1> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample<const L: usize = 1> {
     dt_s: f64,
+    /// Time constants that it was made for.
+    tau_s: [f64; L],
     /// e^(-dt/τ), the share of a difference that is left.
     retained: [f64; L],
 }
@@ -73,6 +75,19 @@ impl<const L: usize> Sample<L> {
     #[must_use]
     pub fn dt_s(&self) -> f64 {
         self.dt_s
+    }
+
+    /// Whether it is what [`HeatBalance::over`] makes of this heat balance and time: so that it can
+    /// be kept while neither changes.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_of(&self, heat: &HeatBalance<L>, dt_s: f64) -> bool {
+        // Bits, because NaN is unequal to itself; all lanes, because a branch in each costs more.
+        let mut difference = self.dt_s.to_bits() ^ dt_s.to_bits();
+        for l in 0..L {
+            difference |= self.tau_s[l].to_bits() ^ heat.tau_s[l].to_bits();
+        }
+        difference == 0
     }
 }
 
@@ -137,6 +152,7 @@ impl<const L: usize> HeatBalance<L> {
     pub fn over(&self, dt_s: f64) -> Sample<L> {
         Sample {
             dt_s,
+            tau_s: self.tau_s,
             retained: self.tau_s.map(|tau_s| libm::exp(-dt_s / tau_s)),
         }
     }
@@ -168,5 +184,23 @@ impl<const L: usize> HeatBalance<L> {
             next_degc[l] = balance_degc + (temperature_degc[l] - balance_degc) * sample.retained[l];
         }
         next_degc
+    }
+
+    /// How much warmer one more watt per meter makes the rod within one sample, K m/W: for the Newton
+    /// step of a heating power that depends on the temperature at the end of the sample.
+    ///
+    /// ```text
+    /// dT/dP = (1 - e^(-t/τ))/(h A)     (derivative of HeatBalance::step)
+    /// ```
+    ///
+    /// From 0 for no time to 1/(h A) for a long one; the start does not count.
+    #[inline(always)]
+    #[must_use]
+    pub fn sensitivity_k_m_per_w(&self, sample: &Sample<L>) -> [f64; L] {
+        let mut sensitivity = [0.0; L];
+        for l in 0..L {
+            sensitivity[l] = self.rise_k_m_per_w[l] * (1.0 - sample.retained[l]);
+        }
+        sensitivity
     }
 }

@@ -19,9 +19,11 @@ impl HeatBalance<1> {
     ///
     /// ```text
     /// i = sqrt(((T - T_a) - (T_i - T_a) e^(-t/τ)) / (λ (1 - e^(-t/τ))))     [Sadeghi, eq. 3]
+    ///   = sqrt(((T - T_i) + (T_i - T_a) a) / (λ a)),   a = 1 - e^(-t/τ)
     /// ```
     ///
-    /// The inverse of eq. 2.
+    /// The inverse of eq. 2. The second form keeps its digits for t far below τ, where the first
+    /// subtracts nearly equal temperatures.
     ///
     /// # Errors
     ///
@@ -35,8 +37,11 @@ impl HeatBalance<1> {
         let within_s = positive("within_s", reach.within_s, "s")?;
         let [tau_s] = self.tau_s();
         let retained = libm::exp(-within_s / tau_s);
+        let approached = -libm::expm1(-within_s / tau_s);
+        let heated_k = (to_degc - from_degc) + (from_degc - ambient_degc) * approached;
         let coolest_degc = ambient_degc + (from_degc - ambient_degc) * retained;
-        if to_degc < coolest_degc {
+        // The same but for rounding, which may refuse nothing that is just reached.
+        if heated_k < 0.0 && to_degc < coolest_degc {
             return Err(if to_degc < ambient_degc && to_degc <= from_degc {
                 ThermalError::BelowAmbient {
                     to_degc,
@@ -51,10 +56,8 @@ impl HeatBalance<1> {
             });
         }
         let [lambda_k_per_a2] = self.lambda_k_per_a2();
-        // 1 - e^(-t/τ) without cancellation for t far below τ.
-        let approached = -libm::expm1(-within_s / tau_s);
         Ok(libm::sqrt(
-            (to_degc - coolest_degc) / (lambda_k_per_a2 * approached),
+            heated_k.max(0.0) / (lambda_k_per_a2 * approached),
         ))
     }
 }

@@ -124,6 +124,45 @@ proptest! {
     }
 
     #[test]
+    fn the_current_that_holds_does_not_depend_on_the_time(
+        rod in any_rod(), ambient_degc in -20.0..60.0, rise_k in 1.0..200.0,
+        digits in prop_oneof![Just(-12.0), -15.0..2.0],
+    ) {
+        let heat = HeatBalance::new([rod]).unwrap();
+        let [tau_s] = heat.tau_s();
+        let [lambda_k_per_a2] = heat.lambda_k_per_a2();
+        let degc = ambient_degc + rise_k;
+        let reach = Reach {
+            from_degc: degc,
+            to_degc: degc,
+            ambient_degc,
+            within_s: tau_s * 10_f64.powf(digits),
+        };
+        let current_a = heat.current_to_reach_a(&reach).unwrap();
+        let steady_a = ((degc - ambient_degc) / lambda_k_per_a2).sqrt();
+        prop_assert!((current_a / steady_a - 1.0).abs() <= ROUNDING_K, "{} {}", current_a, steady_a);
+    }
+
+    #[test]
+    fn the_sensitivity_is_the_derivative_by_the_power(
+        rod in any_rod(), acting in any_heating(), from in -20.0..200.0, dt_s in 1e-2..100.0,
+    ) {
+        let heat = HeatBalance::new([rod]).unwrap();
+        let sample = heat.over(dt_s);
+        let (ambient_degc, _) = acting;
+        let [power] = heating(&rod, acting).power_w_per_m;
+        // A rise of 10 K to either side: the step is linear in the power.
+        let aside = 10.0 * rod.conductance_w_per_m_k;
+        let [below, above] = [power - aside, power + aside].map(|power| {
+            let heating = Heating { power_w_per_m: [power], ambient_degc };
+            heat.step([from], &heating, &sample)[0]
+        });
+        let difference = (above - below) / (2.0 * aside);
+        let [sensitivity] = heat.sensitivity_k_m_per_w(&sample);
+        prop_assert!((sensitivity - difference).abs() * rod.conductance_w_per_m_k <= ROUNDING_K);
+    }
+
+    #[test]
     fn lanes_give_equal_bits(
         rods in prop::collection::vec(any_rod(), 32),
         powers in prop::collection::vec(0.0..100.0, 32),
@@ -150,6 +189,26 @@ proptest! {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn a_sample_knows_what_it_is_of() {
+    let heat = |tau_s: [f64; 3]| {
+        HeatBalance::new(tau_s.map(|tau_s| HeatBalanceParams {
+            heat_capacity_j_per_m_k: tau_s,
+            conductance_w_per_m_k: 1.0,
+            resistance_ohm_per_m: 1.0,
+        }))
+        .unwrap()
+    };
+    let model = heat([1.0, 2.0, 3.0]);
+    for dt_s in [0.0, 0.5, f64::NAN] {
+        let sample = model.over(dt_s);
+        assert!(sample.is_of(&model, dt_s));
+        assert!(!sample.is_of(&model, 0.25));
+        assert!(!sample.is_of(&heat([1.0, 2.0, 3.5]), dt_s));
+        assert!(!sample.is_of(&heat([1.5, 2.0, 3.0]), dt_s));
     }
 }
 

@@ -39,6 +39,9 @@ pub struct Wiener<const L: usize = 1, P = SineProximity<L>> {
 }
 
 /// State of a [`Wiener`] model: temperature, and which reversals the material remembers.
+///
+/// It belongs to the model that made it, as its [`Memory`] does; the heat balance alone would also go on
+/// with another model's parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const L: usize = 1> {
     temperature_degc: [f64; L],
@@ -183,7 +186,7 @@ impl<const L: usize, P: Proximity> Plant<L> for Wiener<L, P> {
 
     #[inline(always)]
     fn step(&self, state: &mut State<L>, input: &Input<L>, dt_s: f64) {
-        if dt_s.to_bits() != state.sample.dt_s().to_bits() {
+        if !state.sample.is_of(&self.heat, dt_s) {
             state.sample = self.heat.over(dt_s);
         }
         let heating = Heating {

@@ -6,14 +6,18 @@ mod drive;
 #[cfg(feature = "std")]
 mod ensemble;
 mod error;
+#[cfg(feature = "std")]
+mod fleet;
 mod plant;
 mod run;
 
 pub use cascade::{State, Wiener, WienerParams};
 pub use drive::Drive;
 #[cfg(feature = "std")]
-pub use ensemble::{Block, Ensemble, Member, Start, widest_vectors};
+pub use ensemble::{Ensemble, Member, Start};
 pub use error::WienerError;
+#[cfg(feature = "std")]
+pub use fleet::{Block, Fleet, Started, lockstep, widest_vectors};
 pub use plant::{Input, Output, Plant};
 pub use run::{Profile, run};
 

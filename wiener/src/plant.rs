@@ -21,12 +21,17 @@ pub struct Output<const L: usize = 1> {
 /// Sample convention: the drive of sample k acts from t_k to t_(k+1); the output of sample k is that
 /// of the state at t_k, before it.
 pub trait Plant<const L: usize = 1> {
-    /// All that the plant remembers.
+    /// All that the plant remembers. It belongs to the plant that made it: coefficients of that
+    /// plant may be kept in it.
     type State: Clone;
     /// Cold and still: cooled to ambient along the limiting curve.
     fn rest(&self, ambient_degc: f64) -> Self::State;
     /// What the plant shows in a state.
     fn output(&self, state: &Self::State) -> Output<L>;
     /// Moves the state on by one sample of `dt_s` ≥ 0 seconds.
+    ///
+    /// Drive, ambient temperature and time must be finite, as [`Profile`](crate::Profile) checks: one
+    /// `NaN` or ±∞ in them spoils the temperature, and with it all later outputs. A controller that
+    /// decides the drive checks it itself.
     fn step(&self, state: &mut Self::State, input: &Input<L>, dt_s: f64);
 }

@@ -226,3 +226,28 @@ fn a_start_of_known_fraction_shows_it() {
     let expected = common::params().offset + 0.5 * common::params().gain;
     assert!((model.output(&state).displacement[0] - expected).abs() < 1e-12);
 }
+
+#[test]
+fn another_time_constant_acts_at_once_on_a_kept_state() {
+    let input = Input {
+        drive: [1.5],
+        ambient_degc: AMBIENT_DEGC,
+    };
+    let (slow, fast) = (common::params(), {
+        let mut params = common::params();
+        params.heat.heat_capacity_j_per_m_k /= 4.0;
+        params
+    });
+    let (slow, fast) = (
+        single(slow, Rule::LastReversal),
+        single(fast, Rule::LastReversal),
+    );
+    let mut kept = slow.rest(AMBIENT_DEGC);
+    slow.step(&mut kept, &input, 0.287);
+    // The same sample time: only the model tells that its exponential is another.
+    let mut fresh = fast.rest(kept.temperature_degc()[0]);
+    fast.step(&mut kept, &input, 0.287);
+    fast.step(&mut fresh, &input, 0.287);
+    let bits = |state: &wiener::State| state.temperature_degc().map(f64::to_bits);
+    assert_eq!(bits(&kept), bits(&fresh));
+}
