@@ -91,7 +91,6 @@ fn coverage(phi: f64) -> Vec<f64> {
 fn check(phi: f64) {
     let shares = coverage(phi);
     let pooled = shares.iter().sum::<f64>() / shares.len() as f64;
-    println!("phi {phi}: pooled {pooled:.4}, each {shares:?}");
     assert!((0.93..=0.97).contains(&pooled), "pooled {pooled}");
     for ((name, _), share) in TRUTH.iter().zip(&shares) {
         assert!((0.915..=0.98).contains(share), "{name}: {share}");
