@@ -210,15 +210,18 @@ pub fn fit<M: ForwardModel>(
     if search.lowest().is_infinite() {
         return Err(IdentifyError::NothingFinite);
     }
-    let ends = search.ends.clone();
+    let starts = search.ends.len() as u64;
     let agreed = 1.01 * search.lowest() + problem.rounding();
+    let agreeing_starts = search.ends.iter().filter(|&&end| end <= agreed).count() as u64;
+    // Before weights change it: the outputs' own spread.
+    let spread = problem.spread();
     reweigh(&mut problem, &mut search, config)?;
     let Some(minimum) = search.best else {
         unreachable!("at least one start is made");
     };
     let solved = problem.solve_one(&minimum.point)?;
     let residuals = problem.residuals(&minimum.point, &solved)?;
-    let covariance = covariance(&problem, &minimum.point, &solved)?;
+    let covariance = covariance(&problem, &minimum.point, &solved, &residuals)?;
     let sum: f64 = residuals
         .iter()
         .flat_map(|one| &one.values)
@@ -233,7 +236,7 @@ pub fn fit<M: ForwardModel>(
         train_rmse: (sum / n).sqrt(),
         temperature_rmse_k: (n_temperatures > 0)
             .then(|| (solved.temperature / n_temperatures as f64).sqrt()),
-        fit_fraction: 1.0 - (sum / squares_about_mean(training)).sqrt(),
+        fit_fraction: 1.0 - (sum / spread).sqrt(),
         recordings: training
             .iter()
             .zip(&residuals)
@@ -250,8 +253,8 @@ pub fn fit<M: ForwardModel>(
         unfixed: unfixed_directions(&problem, &minimum.point, &covariance.noise)?,
         noise: covariance.noise,
         termination: minimum.termination,
-        agreeing_starts: ends.iter().filter(|&&end| end <= agreed).count() as u64,
-        starts: ends.len() as u64,
+        agreeing_starts,
+        starts,
         simulations: problem.simulations(),
         rejected_costs: search.rejected_costs,
         seed: config.seed,
@@ -381,13 +384,6 @@ pub(crate) fn squares_about_own_mean(values: &[f64]) -> f64 {
     values.iter().map(|value| (value - mean).powi(2)).sum()
 }
 
-fn squares_about_mean(recordings: &[Recording]) -> f64 {
-    recordings
-        .iter()
-        .map(|recording| squares_about_own_mean(recording.output()))
-        .sum()
-}
-
 pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
@@ -414,11 +410,7 @@ fn swarm_start<M: ForwardModel>(
     Ok(match swarm.best_point() {
         Some(point) => point.to_vec(),
         // No cost was finite: the middle is as good as any.
-        None => problem
-            .bounds()
-            .iter()
-            .map(|bound| f64::midpoint(bound.lower, bound.upper))
-            .collect(),
+        None => problem.middle(),
     })
 }
 

@@ -35,8 +35,10 @@ pub(crate) struct Problem<'a, M> {
 /// What is left of one recording.
 #[derive(Debug)]
 pub(crate) struct Residuals {
-    /// Recording - model.
+    /// Recording - model, of the output.
     pub(crate) values: Vec<f64>,
+    /// Recording - model, of the temperature, K; empty where none is recorded.
+    pub(crate) temperatures_k: Vec<f64>,
     /// Highest temperature of the model, °C.
     pub(crate) peak_temperature_degc: f64,
 }
@@ -117,6 +119,14 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
         &self.bounds
     }
 
+    /// The middle of the bounds: where to start when nothing is known.
+    pub(crate) fn middle(&self) -> Vec<f64> {
+        self.bounds
+            .iter()
+            .map(|bound| f64::midpoint(bound.lower, bound.upper))
+            .collect()
+    }
+
     pub(crate) fn n_recordings(&self) -> usize {
         self.recordings.len()
     }
@@ -187,6 +197,8 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
             .map(|r| {
                 let recording = self.recordings[r].recording;
                 let mut values = Vec::with_capacity(recording.len());
+                let recorded = recording.temperature_degc().unwrap_or(&[]);
+                let mut temperatures_k = Vec::with_capacity(recorded.len());
                 let mut peak_temperature_degc = f64::NEG_INFINITY;
                 let points = [self.vector.values(point, r)];
                 self.simulate(r, &points, &mut |block| {
@@ -195,10 +207,18 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
                         values.push(y - solved.gain * f - solved.offsets[r]);
                     }
                     let shown = block.temperature_degc.iter().step_by(block.stride);
-                    peak_temperature_degc = shown.copied().fold(peak_temperature_degc, f64::max);
+                    peak_temperature_degc =
+                        shown.clone().copied().fold(peak_temperature_degc, f64::max);
+                    let recorded = recorded.iter().skip(block.first_sample);
+                    temperatures_k.extend(
+                        shown
+                            .zip(recorded)
+                            .map(|(shown, recorded)| recorded - shown),
+                    );
                 })?;
                 Ok(Residuals {
                     values,
+                    temperatures_k,
                     peak_temperature_degc,
                 })
             })

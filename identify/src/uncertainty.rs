@@ -5,7 +5,7 @@ use faer::Mat;
 
 use crate::factor::Triangle;
 use crate::moments::Solved;
-use crate::problem::{Channel, Problem};
+use crate::problem::{Channel, Problem, Residuals};
 use crate::residual_noise::ResidualNoise;
 use crate::{ForwardModel, IdentifyError};
 
@@ -48,13 +48,14 @@ pub(crate) fn covariance<M: ForwardModel>(
     problem: &Problem<'_, M>,
     point: &[f64],
     solved: &Solved,
+    residuals: &[Residuals],
 ) -> Result<Covariance, IdentifyError> {
     let columns = covered_columns(problem, point);
-    let residuals = channel_residuals(problem, point, solved)?;
-    let noises = residuals.map(|segments| {
-        let segments: Vec<&[f64]> = segments.iter().map(Vec::as_slice).collect();
-        ResidualNoise::of(&segments)
-    });
+    let segments = |of: fn(&Residuals) -> &[f64]| residuals.iter().map(of).collect::<Vec<_>>();
+    let noises = [
+        ResidualNoise::of(&segments(|one| &one.values)),
+        ResidualNoise::of(&segments(|one| &one.temperatures_k)),
+    ];
     let mut bread = Triangle::new(columns.len());
     let mut meat = [Triangle::new(columns.len()), Triangle::new(columns.len())];
     for r in 0..problem.n_recordings() {
@@ -107,26 +108,6 @@ fn channel(channel: Channel) -> usize {
         Channel::Output => 0,
         Channel::Temperature => 1,
     }
-}
-
-/// Residuals of the output and of the temperature, a segment a recording.
-fn channel_residuals<M: ForwardModel>(
-    problem: &Problem<'_, M>,
-    point: &[f64],
-    solved: &Solved,
-) -> Result<[Vec<Vec<f64>>; 2], IdentifyError> {
-    let mut residuals = [Vec::new(), Vec::new()];
-    for r in 0..problem.n_recordings() {
-        for channel in &mut residuals {
-            channel.push(Vec::new());
-        }
-        problem.rows(r, point, solved, &mut |row| {
-            if let Some(segment) = residuals[channel(row.channel)].last_mut() {
-                segment.push(row.residual);
-            }
-        })?;
-    }
-    Ok(residuals)
 }
 
 /// Recursive filter 1/(1 - Σ a_i z⁻ⁱ) over several columns at once.

@@ -99,11 +99,7 @@ pub fn validate<M: ForwardModel>(
     } else {
         OffsetSource::WholeRecording { at_rest }
     };
-    let middle: Vec<f64> = problem
-        .bounds()
-        .iter()
-        .map(|bound| f64::midpoint(bound.lower, bound.upper))
-        .collect();
+    let middle = problem.middle();
     let point = if middle.is_empty() {
         middle
     } else {

@@ -69,8 +69,8 @@ impl WienerModel {
     ///
     /// # Errors
     ///
-    /// [`IdentifyError`] for recordings without time or in different units, a missing ambient
-    /// temperature or supply, and what `[model]` says of parameters that do not exist.
+    /// [`IdentifyError`] for recordings without time, a missing ambient temperature or supply, and what
+    /// `[model]` says of parameters that do not exist or of values that cannot be.
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
         let recorded = training

@@ -8,13 +8,13 @@
 #[allow(dead_code, reason = "the other tests use the rest")]
 mod common;
 
-use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles};
+use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles, with_output};
 use identify::{FitConfig, WienerModel, fit};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use recording::{Recording, RecordingParts};
+use recording::Recording;
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 
@@ -43,15 +43,7 @@ fn noisy(clean: &Recording, phi: f64, seed: u64) -> Recording {
         state = phi * state + (1.0 - phi * phi).sqrt() * NOISE_MM * normal();
         noisy
     });
-    Recording::new(RecordingParts {
-        name: clean.name().to_owned(),
-        time_s: Some(clean.time_s().to_vec()),
-        drive: clean.drive().to_vec(),
-        output_unit: "mm".to_owned(),
-        output: output.collect(),
-        ..RecordingParts::default()
-    })
-    .unwrap()
+    with_output(clean, "mm", output.collect())
 }
 
 /// Share of repeats in which the interval of each parameter holds the truth.

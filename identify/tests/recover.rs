@@ -7,7 +7,7 @@
 
 mod common;
 
-use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles};
+use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles, with_output};
 use identify::{Fit, FitConfig, IdentifyError, Loss, OffsetSource, WienerModel, fit, validate};
 use recording::{Quantity, Recording, RecordingParts};
 use std::ops::ControlFlow;
@@ -158,19 +158,6 @@ fn everything_fixed_is_nothing_to_identify() {
         error.to_string(),
         "every parameter is fixed: nothing to identify"
     );
-}
-
-/// A recording like `like` with another output.
-fn with_output(like: &Recording, unit: &str, output: Vec<f64>) -> Recording {
-    Recording::new(RecordingParts {
-        name: "b.csv".to_owned(),
-        time_s: Some(like.time_s().to_vec()),
-        drive: like.drive().to_vec(),
-        output_unit: unit.to_owned(),
-        output,
-        ..RecordingParts::default()
-    })
-    .unwrap()
 }
 
 #[test]

@@ -68,6 +68,19 @@ pub(crate) fn recording(name: &str, drive: Vec<f64>, offset: f64) -> Recording {
     .unwrap()
 }
 
+/// A recording like `like` with another output.
+pub(crate) fn with_output(like: &Recording, unit: &str, output: Vec<f64>) -> Recording {
+    Recording::new(RecordingParts {
+        name: "b.csv".to_owned(),
+        time_s: Some(like.time_s().to_vec()),
+        drive: like.drive().to_vec(),
+        output_unit: unit.to_owned(),
+        output,
+        ..RecordingParts::default()
+    })
+    .unwrap()
+}
+
 /// Rest, then triangles of falling height: full strokes and minor loops.
 pub(crate) fn triangles(samples: usize, height: f64) -> Vec<f64> {
     (0..samples)
