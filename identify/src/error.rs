@@ -98,11 +98,11 @@ pub enum IdentifyError {
         /// Recording.
         recording: String,
         /// Its drive.
-        found: &'static str,
+        found: String,
         /// First recording.
         first: String,
         /// Drive of the first recording.
-        expected: &'static str,
+        expected: String,
     },
     /// A forward model did not show what it was asked for.
     #[error(
@@ -150,6 +150,53 @@ pub enum IdentifyError {
         name: String,
         /// What would be accepted.
         accepted: String,
+    },
+    /// An entry of a model file says what cannot be.
+    #[error("{file}:{line}:{column}: {what}: {accepted}")]
+    Saved {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// The entry.
+        what: String,
+        /// What would be accepted.
+        accepted: String,
+    },
+    /// A model has no form in TOML.
+    #[error("model of {file}: cannot be written")]
+    Unwritable {
+        /// The rod file.
+        file: String,
+        /// Why.
+        #[source]
+        source: toml::ser::Error,
+    },
+    /// A saved model does not have the parameters that are to be fitted.
+    #[error("{file}: a model of {found}; this rig has {expected}")]
+    OtherParameters {
+        /// The model file.
+        file: String,
+        /// Its parameters.
+        found: String,
+        /// Those that would be accepted.
+        expected: String,
+    },
+    /// The optimizer of the cross-check gave up.
+    #[error("cross-check: argmin failed: {said}")]
+    CrossCheck {
+        /// What it said.
+        said: String,
+    },
+    /// A start that is no point of the problem.
+    #[error("a start of {found} coordinates; this problem has {expected}")]
+    StartLength {
+        /// Coordinates given.
+        found: usize,
+        /// Coordinates of the problem.
+        expected: usize,
     },
     /// A model without a free nonlinear parameter.
     #[error("every parameter is fixed: nothing to identify")]

@@ -6,14 +6,16 @@ use pso::{Stop, Swarm, SwarmConfig};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use recording::{Quantity, Recording};
+use serde::{Deserialize, Serialize};
 
 use crate::identifiability::{UnfixedDirection, unfixed_directions};
 use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
-use crate::moments::Solved;
+use crate::moments::{BATCH, Solved};
 use crate::problem::{Problem, Residuals};
 use crate::uncertainty::{Covariance, covariance};
 use crate::{
-    Bounds, Enters, ForwardModel, IdentifyError, ParameterInfo, ResidualNoise, Scope, Termination,
+    Bounds, Enters, ForwardModel, IdentifyError, ParameterInfo, ResidualNoise, Scale, Scope,
+    Termination,
 };
 
 /// What is made small.
@@ -43,17 +45,43 @@ pub struct FitConfig {
     pub loss: Loss,
     /// Seed; start k takes stream k of it.
     pub seed: u64,
+    /// Coordinates of an earlier result, from [`SavedModel::coordinates`](crate::SavedModel::coordinates):
+    /// a least-squares search from there is one more start.
+    pub from: Option<Vec<f64>>,
+}
+
+impl FitConfig {
+    /// The search of Sadeghi, section 4, for comparison with the paper: one swarm of 50 particles and 150
+    /// moves, and nothing after it. It proves no minimum, and the fit says so.
+    #[must_use]
+    pub fn sadeghi() -> Self {
+        Self {
+            swarm: SwarmConfig::sadeghi_identification(),
+            swarm_iterations: 150,
+            starts: 1,
+            least_squares: LeastSquaresConfig {
+                iterations: 0,
+                ..LeastSquaresConfig::default()
+            },
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for FitConfig {
     fn default() -> Self {
         Self {
-            swarm: SwarmConfig::reliable(),
-            swarm_iterations: 30,
+            // As many particles as run side by side; more of them or longer found no lower floor.
+            swarm: SwarmConfig {
+                particles: BATCH,
+                ..SwarmConfig::reliable()
+            },
+            swarm_iterations: 20,
             starts: 4,
             least_squares: LeastSquaresConfig::default(),
             loss: Loss::Squares,
             seed: 1,
+            from: None,
         }
     }
 }
@@ -85,13 +113,35 @@ pub struct TrainedRecording {
     pub peak_temperature_degc: f64,
 }
 
-/// Correlations between the estimates of the free parameters.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Correlation {
+/// Covariance of the estimates of the free parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterCovariance {
     /// Names, with the recording's number, from 0, for per-recording ones.
     pub names: Vec<String>,
-    /// Correlations, a row a name; `NaN` where the data do not fix a parameter.
+    /// Whether an entry is of the parameter or of its logarithm.
+    pub scales: Vec<Scale>,
+    /// Covariances, a row a name; infinite variances where the data do not fix a parameter.
     pub matrix: Vec<Vec<f64>>,
+}
+
+impl ParameterCovariance {
+    /// Correlations, a row a name; `NaN` where the data do not fix a parameter.
+    #[must_use]
+    pub fn correlation(&self) -> Vec<Vec<f64>> {
+        let entry = |i: usize, j: usize| {
+            let product = self.matrix[i][i] * self.matrix[j][j];
+            if product.is_finite() {
+                self.matrix[i][j] / product.sqrt()
+            } else {
+                f64::NAN
+            }
+        };
+        let n = self.names.len();
+        (0..n)
+            .map(|i| (0..n).map(|j| entry(i, j)).collect())
+            .collect()
+    }
 }
 
 /// How far a fit is.
@@ -125,8 +175,8 @@ pub struct Fit {
     pub aic: f64,
     /// See `aic`.
     pub bic: f64,
-    /// Correlations between estimates.
-    pub correlation: Correlation,
+    /// Covariance of the estimates.
+    pub covariance: ParameterCovariance,
     /// Directions in which parameters can change together without showing.
     pub unfixed: Vec<UnfixedDirection>,
     /// Why the least-squares search of the best start ended.
@@ -139,12 +189,16 @@ pub struct Fit {
     pub simulations: u64,
     /// Costs of the swarms that were no number; they counted as +∞.
     pub rejected_costs: u64,
+    /// What was made small.
+    pub loss: Loss,
     /// Seed of the fit.
     pub seed: u64,
     /// Unit of the output.
     pub output_unit: String,
     /// What drives the rod.
     pub drive_quantity: Quantity,
+    /// Its unit.
+    pub drive_unit: String,
 }
 
 impl Fit {
@@ -154,6 +208,17 @@ impl Fit {
         self.termination.is_minimum() && self.agreeing_starts >= self.starts.min(2)
     }
 
+    /// Values of all parameters in a training recording, in the model's order: what
+    /// [`ForwardModel::simulate`] takes to show the output itself.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such recording.
+    #[must_use]
+    pub fn point(&self, recording: usize) -> Vec<f64> {
+        point(&self.parameters, recording)
+    }
+
     /// The parameter of a name.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&FittedParameter> {
@@ -161,6 +226,15 @@ impl Fit {
             .iter()
             .find(|parameter| parameter.info.name == name)
     }
+}
+
+/// Values of all parameters in a recording.
+pub(crate) fn point(parameters: &[FittedParameter], recording: usize) -> Vec<f64> {
+    let value = |parameter: &FittedParameter| match parameter.info.scope {
+        Scope::Shared => parameter.values[0],
+        Scope::PerRecording => parameter.values[recording],
+    };
+    parameters.iter().map(value).collect()
 }
 
 /// Fits a model to several recordings together.
@@ -174,7 +248,7 @@ impl Fit {
 /// # Errors
 ///
 /// [`IdentifyError::NothingFree`], [`IdentifyError::TooManyParameters`],
-/// [`IdentifyError::NoRecordings`], [`IdentifyError::Swarm`] for settings that the swarm refuses, and
+/// [`IdentifyError::NoRecordings`], [`IdentifyError::StartLength`], [`IdentifyError::Swarm`] for settings that the swarm refuses, and
 /// what the model refuses.
 pub fn fit<M: ForwardModel>(
     model: &M,
@@ -195,12 +269,22 @@ pub fn fit<M: ForwardModel>(
     problem.weigh_temperature(equal_spreads(&problem, training));
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
+    if let Some(from) = &config.from {
+        if from.len() != problem.vector().len() {
+            return Err(IdentifyError::StartLength {
+                found: from.len(),
+                expected: problem.vector().len(),
+            });
+        }
+        search.descend(&problem, from, config)?;
+    }
+    let of = config.starts.max(1) + search.ends.len() as u64;
     for start in 0..config.starts.max(1) {
         let point = swarm_start(&problem, config, start, &mut search)?;
         search.descend(&problem, &point, config)?;
         let so_far = FitProgress {
-            starts: start + 1,
-            of: config.starts.max(1),
+            starts: search.ends.len() as u64,
+            of,
             lowest_rmse: (search.lowest() / n).sqrt(),
         };
         if progress(&so_far).is_break() {
@@ -249,7 +333,7 @@ pub fn fit<M: ForwardModel>(
             .collect(),
         aic: deviance + 2.0 * n_parameters,
         bic: deviance + n.ln() * n_parameters,
-        correlation: correlation(&problem, &covariance),
+        covariance: parameter_covariance(&problem, &covariance),
         unfixed: unfixed_directions(&problem, &minimum.point, &covariance.noise)?,
         noise: covariance.noise,
         termination: minimum.termination,
@@ -257,9 +341,11 @@ pub fn fit<M: ForwardModel>(
         starts,
         simulations: problem.simulations(),
         rejected_costs: search.rejected_costs,
+        loss: config.loss,
         seed: config.seed,
         output_unit: training[0].output_unit().to_owned(),
         drive_quantity: training[0].drive_quantity(),
+        drive_unit: training[0].drive_unit().to_owned(),
     })
 }
 
@@ -336,7 +422,7 @@ fn reweigh<M: ForwardModel>(
 
 /// Weights of Huber's loss: 1 up to 1.345 robust standard deviations (95 % efficiency on normal noise,
 /// Huber1981 in REFERENCES.md), and falling as 1/|residual| beyond.
-fn huber_weights(residuals: &[Residuals]) -> Vec<Vec<f64>> {
+pub(crate) fn huber_weights(residuals: &[Residuals]) -> Vec<Vec<f64>> {
     const KNEE: f64 = 1.345;
     /// Standard deviation over median absolute deviation of a normal distribution.
     const NORMAL: f64 = 1.4826;
@@ -461,33 +547,31 @@ fn fitted_parameters<M: ForwardModel>(
         .collect()
 }
 
-fn correlation<M: ForwardModel>(problem: &Problem<'_, M>, covariance: &Covariance) -> Correlation {
+fn parameter_covariance<M: ForwardModel>(
+    problem: &Problem<'_, M>,
+    covariance: &Covariance,
+) -> ParameterCovariance {
     let infos = problem.vector().infos();
-    let mut names = Vec::new();
+    let (mut names, mut scales) = (Vec::new(), Vec::new());
     for &column in &covariance.columns {
-        for (k, info) in infos.iter().enumerate() {
-            for r in 0..problem.n_recordings() {
-                if problem.column_of(k, r) == Some(column) {
-                    match info.scope {
-                        Scope::Shared if r == 0 => names.push(info.name.to_owned()),
-                        Scope::Shared => {}
-                        Scope::PerRecording => names.push(format!("{}[{r}]", info.name)),
-                    }
-                }
-            }
-        }
+        let found = infos.iter().enumerate().find_map(|(k, info)| {
+            let r = (0..problem.n_recordings()).find(|&r| problem.column_of(k, r) == Some(column));
+            r.map(|r| (info, r))
+        });
+        let Some((info, r)) = found else {
+            unreachable!("every column stands for a parameter");
+        };
+        names.push(match info.scope {
+            Scope::Shared => info.name.to_owned(),
+            Scope::PerRecording => format!("{}[{r}]", info.name),
+        });
+        scales.push(info.scale);
     }
     let n = covariance.columns.len();
-    let entry = |i: usize, j: usize| {
-        let product = covariance.matrix[(i, i)] * covariance.matrix[(j, j)];
-        if product.is_finite() {
-            covariance.matrix[(i, j)] / product.sqrt()
-        } else {
-            f64::NAN
-        }
-    };
-    let matrix = (0..n)
-        .map(|i| (0..n).map(|j| entry(i, j)).collect())
-        .collect();
-    Correlation { names, matrix }
+    let row = |i| (0..n).map(|j| covariance.matrix[(i, j)]).collect();
+    ParameterCovariance {
+        names,
+        scales,
+        matrix: (0..n).map(row).collect(),
+    }
 }

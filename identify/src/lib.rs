@@ -1,29 +1,47 @@
 #![doc = include_str!("../README.md")]
 
+mod cascade;
+mod cross_check;
 mod error;
 mod factor;
 mod fit;
 mod forward;
 mod identifiability;
 mod least_squares;
+mod loop_model;
+mod model_file;
 mod moments;
 mod parameter;
+mod predict;
 mod problem;
 mod residual_noise;
+mod rig_model;
 mod rod;
+mod sadeghi_model;
+mod saved_model;
+mod source;
+mod specific_heat;
 mod uncertainty;
 mod validate;
 mod wiener_model;
 
+pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use error::IdentifyError;
 pub use fit::{
-    Correlation, Fit, FitConfig, FitProgress, FittedParameter, Loss, TrainedRecording, fit,
+    Fit, FitConfig, FitProgress, FittedParameter, Loss, ParameterCovariance, TrainedRecording, fit,
 };
 pub use forward::ForwardModel;
 pub use identifiability::UnfixedDirection;
 pub use least_squares::{LeastSquaresConfig, Termination};
+pub use loop_model::LoopModel;
 pub use parameter::{Bounds, Enters, ParameterInfo, ParameterState, ParameterVector, Scale, Scope};
+pub use predict::{Prediction, predict};
 pub use residual_noise::ResidualNoise;
+pub use rig_model::RigModel;
 pub use rod::{Limits, Load, ModelEntry, Rod};
+pub use sadeghi_model::SadeghiModel;
+pub use saved_model::{
+    Identification, InputFile, Provenance, Role, SavedModel, SavedRecording, Scores,
+};
 pub use validate::{OffsetSource, Validated, validate};
 pub use wiener_model::WienerModel;

@@ -1,4 +1,5 @@
 use pso::Bound;
+use serde::{Deserialize, Serialize};
 
 /// Whether recordings share a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +22,8 @@ pub enum Enters {
 }
 
 /// On which scale a parameter is searched.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scale {
     /// As it is.
     Linear,
@@ -47,6 +49,14 @@ pub struct Bounds {
     pub upper: f64,
 }
 
+impl Bounds {
+    /// No bounds at all.
+    pub const NONE: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    };
+}
+
 /// What is known of a parameter before a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterInfo {
@@ -69,6 +79,49 @@ pub struct ParameterInfo {
 }
 
 impl ParameterInfo {
+    /// A shared parameter that is searched within bounds; on a logarithmic scale it is positive.
+    #[must_use]
+    pub fn searched(name: &'static str, unit: &str, scale: Scale, bounds: Bounds) -> Self {
+        Self {
+            name,
+            unit: unit.to_owned(),
+            bounds,
+            admissible: match scale {
+                Scale::Linear => Bounds {
+                    lower: -1e12,
+                    upper: 1e12,
+                },
+                Scale::Logarithmic => Bounds {
+                    lower: 1e-12,
+                    upper: 1e12,
+                },
+            },
+            scale,
+            scope: Scope::Shared,
+            enters: Enters::Nonlinear,
+            state: ParameterState::Free,
+        }
+    }
+
+    /// The factor of the output, in its unit.
+    #[must_use]
+    pub fn gain(output_unit: &str) -> Self {
+        Self {
+            enters: Enters::Gain,
+            ..Self::searched("gain", output_unit, Scale::Linear, Bounds::NONE)
+        }
+    }
+
+    /// The offset of each recording's output, in its unit.
+    #[must_use]
+    pub fn offset(output_unit: &str) -> Self {
+        Self {
+            scope: Scope::PerRecording,
+            enters: Enters::Offset,
+            ..Self::searched("offset", output_unit, Scale::Linear, Bounds::NONE)
+        }
+    }
+
     fn is_searched(&self) -> bool {
         self.enters == Enters::Nonlinear && self.state == ParameterState::Free
     }
@@ -181,6 +234,27 @@ impl ParameterVector {
     pub fn coordinate_of(&self, parameter: usize, recording: usize) -> Option<usize> {
         self.acting_on(recording)
             .find(|&coordinate| self.parameter(coordinate) == parameter)
+    }
+
+    /// The coordinates of known values, `value(parameter, recording)` in their units: as far as the bounds
+    /// go, and the middle of the bounds where nothing is known.
+    #[must_use]
+    pub fn coordinates(&self, value: impl Fn(usize, usize) -> Option<f64>) -> Vec<f64> {
+        self.bounds()
+            .iter()
+            .enumerate()
+            .map(|(coordinate, bound)| {
+                let own = coordinate.saturating_sub(self.shared.len());
+                let recording = own / self.per_recording.len().max(1);
+                let parameter = self.parameter(coordinate);
+                match value(parameter, recording) {
+                    Some(value) => self.infos[parameter]
+                        .on_search_scale(value)
+                        .clamp(bound.lower, bound.upper),
+                    None => f64::midpoint(bound.lower, bound.upper),
+                }
+            })
+            .collect()
     }
 
     /// Values of all parameters for one recording, in the model's order and in their units; gain and

@@ -474,37 +474,58 @@ fn one_unit(recordings: &[Recording]) -> Result<(), IdentifyError> {
         return Ok(());
     };
     for recording in recordings {
-        same_quantities(
-            recording,
-            first.name(),
-            first.output_unit(),
-            first.drive_quantity(),
-        )?;
+        let expected = Quantities {
+            output_unit: first.output_unit(),
+            drive: first.drive_quantity(),
+            drive_unit: first.drive_unit(),
+        };
+        same_quantities(recording, first.name(), &expected)?;
     }
     Ok(())
 }
 
-/// Refuses a recording whose output unit or drive differs from that of `first`.
+/// What a recording measures, and in which units.
+pub(crate) struct Quantities<'a> {
+    pub(crate) output_unit: &'a str,
+    pub(crate) drive: Quantity,
+    pub(crate) drive_unit: &'a str,
+}
+
+impl Quantities<'_> {
+    fn drive(&self) -> String {
+        if self.drive_unit == self.drive.unit() {
+            self.drive.name().to_owned()
+        } else {
+            format!("an input in {}", self.drive_unit)
+        }
+    }
+}
+
+/// Refuses a recording that does not measure what `first` does.
 pub(crate) fn same_quantities(
     recording: &Recording,
     first: &str,
-    output_unit: &str,
-    drive: Quantity,
+    expected: &Quantities<'_>,
 ) -> Result<(), IdentifyError> {
-    if recording.output_unit() != output_unit {
+    if recording.output_unit() != expected.output_unit {
         return Err(IdentifyError::Units {
             recording: recording.name().to_owned(),
             found: recording.output_unit().to_owned(),
             first: first.to_owned(),
-            expected: output_unit.to_owned(),
+            expected: expected.output_unit.to_owned(),
         });
     }
-    if recording.drive_quantity() != drive {
+    let found = Quantities {
+        output_unit: recording.output_unit(),
+        drive: recording.drive_quantity(),
+        drive_unit: recording.drive_unit(),
+    };
+    if (found.drive, found.drive_unit) != (expected.drive, expected.drive_unit) {
         return Err(IdentifyError::Drives {
             recording: recording.name().to_owned(),
-            found: recording.drive_quantity().name(),
+            found: found.drive(),
             first: first.to_owned(),
-            expected: drive.name(),
+            expected: expected.drive(),
         });
     }
     Ok(())

@@ -10,6 +10,7 @@ use toml::Spanned;
 use wiener::Drive;
 use wiener::thermal::RodParams;
 
+use crate::source::Source;
 use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState};
 
 /// What a rod file says, checked.
@@ -86,19 +87,19 @@ enum Wish {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
-struct RodFile {
-    rod: RodTable,
-    surroundings: Surroundings,
-    drive: DriveTable,
-    load: Option<LoadTable>,
-    limits: LimitsTable,
-    columns: Columns,
-    model: BTreeMap<Spanned<String>, ModelTable>,
+pub(crate) struct RodFile {
+    pub(crate) rod: RodTable,
+    pub(crate) surroundings: Surroundings,
+    pub(crate) drive: DriveTable,
+    pub(crate) load: Option<LoadTable>,
+    pub(crate) limits: LimitsTable,
+    pub(crate) columns: Columns,
+    pub(crate) model: BTreeMap<Spanned<String>, ModelTable>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
-struct RodTable {
+pub(crate) struct RodTable {
     diameter_mm: Option<Spanned<f64>>,
     length_mm: Option<Spanned<f64>>,
     density_kg_per_m3: Option<Spanned<f64>>,
@@ -127,20 +128,20 @@ struct UncertainTable {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
-struct Surroundings {
+pub(crate) struct Surroundings {
     ambient_degc: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
-struct DriveTable {
+pub(crate) struct DriveTable {
     kind: Quantity,
     supply_v: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct LoadTable {
+pub(crate) struct LoadTable {
     spring_n_per_mm: Option<Spanned<f64>>,
     preload_n: Option<Spanned<f64>>,
     lever: Option<Spanned<f64>>,
@@ -148,7 +149,7 @@ struct LoadTable {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
-struct LimitsTable {
+pub(crate) struct LimitsTable {
     drive_max: Option<Spanned<f64>>,
     temperature_max_degc: Option<Spanned<f64>>,
     duration_s: Option<Spanned<f64>>,
@@ -156,121 +157,38 @@ struct LimitsTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ModelTable {
+pub(crate) struct ModelTable {
     bounds: Option<[Spanned<f64>; 2]>,
     fixed: Option<Spanned<f64>>,
 }
 
-/// Text of a file, to turn places into lines and columns.
-struct Source<'a> {
-    file: &'a str,
-    text: &'a str,
-}
-
-impl Source<'_> {
-    /// Line and column, from 1, of a byte.
-    fn position(&self, byte: usize) -> (usize, usize) {
-        let before = &self.text[..byte.min(self.text.len())];
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        (
-            before.matches('\n').count() + 1,
-            before[line_start..].chars().count() + 1,
-        )
-    }
-
-    fn toml(&self, error: &toml::de::Error) -> IdentifyError {
-        let (line, column) = self.position(error.span().map_or(0, |span| span.start));
-        IdentifyError::Toml {
-            file: self.file.to_owned(),
-            line,
-            column,
-            message: error.message().replace('\n', " "),
-        }
-    }
-
-    fn value(&self, key: &str, value: &Spanned<f64>, accepted: impl Into<String>) -> IdentifyError {
-        let (line, column) = self.position(value.span().start);
-        IdentifyError::Value {
-            file: self.file.to_owned(),
-            line,
-            column,
-            key: key.to_owned(),
-            value: *value.get_ref(),
-            accepted: accepted.into(),
-        }
-    }
-
-    fn positive(
-        &self,
-        key: &str,
-        value: &Option<Spanned<f64>>,
-    ) -> Result<Option<f64>, IdentifyError> {
-        match value {
-            None => Ok(None),
-            Some(spanned) if *spanned.get_ref() > 0.0 && spanned.get_ref().is_finite() => {
-                Ok(Some(*spanned.get_ref()))
+fn uncertain(
+    source: &Source<'_>,
+    key: &str,
+    value: &Option<Spanned<Uncertain>>,
+) -> Result<(Option<f64>, Option<Bounds>), IdentifyError> {
+    let Some(spanned) = value else {
+        return Ok((None, None));
+    };
+    let here = |value| Some(Spanned::new(spanned.span(), value));
+    match spanned.get_ref() {
+        Uncertain::Value(value) => Ok((source.positive(key, &here(*value))?, None)),
+        Uncertain::Range(UncertainTable { value, range }) => {
+            source.positive(&format!("{key}.range"), &here(range[0]))?;
+            let range = range.map(|end| Spanned::new(spanned.span(), end));
+            let range = source.rising(&format!("{key}.range"), &range)?;
+            if !(range.lower..=range.upper).contains(value) {
+                let accepted = format!("must lie in its range, {} to {}", range.lower, range.upper);
+                return Err(source.value(
+                    &format!("{key}.value"),
+                    &Spanned::new(spanned.span(), *value),
+                    accepted,
+                ));
             }
-            Some(spanned) => Err(self.value(key, spanned, "must be finite and > 0")),
-        }
-    }
-
-    fn finite(
-        &self,
-        key: &str,
-        value: &Option<Spanned<f64>>,
-    ) -> Result<Option<f64>, IdentifyError> {
-        match value {
-            Some(spanned) if !spanned.get_ref().is_finite() => {
-                Err(self.value(key, spanned, "must be finite"))
-            }
-            other => Ok(other.as_ref().map(|spanned| *spanned.get_ref())),
-        }
-    }
-
-    fn uncertain(
-        &self,
-        key: &str,
-        value: &Option<Spanned<Uncertain>>,
-    ) -> Result<(Option<f64>, Option<Bounds>), IdentifyError> {
-        let Some(spanned) = value else {
-            return Ok((None, None));
-        };
-        let here = |value| Some(Spanned::new(spanned.span(), value));
-        match spanned.get_ref() {
-            Uncertain::Value(value) => Ok((self.positive(key, &here(*value))?, None)),
-            Uncertain::Range(UncertainTable { value, range }) => {
-                self.positive(&format!("{key}.range"), &here(range[0]))?;
-                let range = range.map(|end| Spanned::new(spanned.span(), end));
-                let range = self.rising(&format!("{key}.range"), &range)?;
-                if !(range.lower..=range.upper).contains(value) {
-                    let accepted =
-                        format!("must lie in its range, {} to {}", range.lower, range.upper);
-                    return Err(self.value(
-                        &format!("{key}.value"),
-                        &Spanned::new(spanned.span(), *value),
-                        accepted,
-                    ));
-                }
-                Ok((
-                    self.positive(&format!("{key}.value"), &here(*value))?,
-                    Some(range),
-                ))
-            }
-        }
-    }
-
-    fn rising(&self, key: &str, range: &[Spanned<f64>; 2]) -> Result<Bounds, IdentifyError> {
-        let [lower, upper] = [0, 1].map(|k| *range[k].get_ref());
-        for end in range {
-            if !end.get_ref().is_finite() {
-                return Err(self.value(key, end, "must be finite"));
-            }
-        }
-        if lower < upper {
-            Ok(Bounds { lower, upper })
-        } else {
-            let accepted = format!("must be > {lower}, the lower end");
-            Err(self.value(key, &range[1], accepted))
+            Ok((
+                source.positive(&format!("{key}.value"), &here(*value))?,
+                Some(range),
+            ))
         }
     }
 }
@@ -298,6 +216,11 @@ impl Rod {
     pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
         let source = Source { file, text };
         let parsed: RodFile = toml::from_str(text).map_err(|error| source.toml(&error))?;
+        Self::of(&source, parsed)
+    }
+
+    /// Checks what a file says, be it a rod file or a model that has its tables.
+    pub(crate) fn of(source: &Source<'_>, parsed: RodFile) -> Result<Self, IdentifyError> {
         let RodFile {
             rod,
             drive,
@@ -305,7 +228,8 @@ impl Rod {
             limits,
             ..
         } = &parsed;
-        let (specific_heat, specific_heat_range) = source.uncertain(
+        let (specific_heat, specific_heat_range) = uncertain(
+            source,
             "rod.specific_heat_j_per_kg_k",
             &rod.specific_heat_j_per_kg_k,
         )?;
@@ -345,11 +269,20 @@ impl Rod {
             model: parsed
                 .model
                 .iter()
-                .map(|(name, table)| model_entry(&source, name, table))
+                .map(|(name, table)| model_entry(source, name, table))
                 .collect::<Result<_, _>>()?,
-            file: file.to_owned(),
-            text: text.to_owned(),
+            file: source.file.to_owned(),
+            text: source.text.to_owned(),
         })
+    }
+
+    /// The tables of the file that say what the rig is, as they are written there; `[model]`, which says what
+    /// to do with it, is not among them.
+    pub(crate) fn tables(&self) -> toml::Table {
+        const TABLES: [&str; 6] = ["rod", "surroundings", "drive", "load", "limits", "columns"];
+        let mut tables: toml::Table = toml::from_str(&self.text).unwrap_or_default();
+        tables.retain(|key, _| TABLES.contains(&key));
+        tables
     }
 
     /// Name of the file, as errors name it.
@@ -388,6 +321,20 @@ impl Rod {
                 file: self.file.clone(),
             }),
         }
+    }
+
+    /// Heat capacity per meter, J/(m K), where diameter, density and specific heat are given.
+    #[must_use]
+    pub fn heat_capacity_j_per_m_k(&self) -> Option<f64> {
+        let material = RodParams {
+            diameter_m: self.diameter_m?,
+            density_kg_per_m3: self.density_kg_per_m3?,
+            specific_heat_j_per_kg_k: self.specific_heat_j_per_kg_k?,
+            // Neither has a part in it.
+            resistance_ohm_per_m: 1.0,
+            convective_coefficient_w_per_m2_k: 1.0,
+        };
+        Some(material.mass_kg_per_m() * material.specific_heat_j_per_kg_k)
     }
 
     /// Geometry and material with a convective coefficient of 1 W/(m² K), if all that decides the

@@ -3,8 +3,10 @@ use wiener::Block;
 
 use crate::fit::{root_mean_square, squares_about_own_mean};
 use crate::least_squares::{LeastSquaresConfig, minimize};
-use crate::problem::{Problem, same_quantities};
-use crate::{Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope};
+use crate::problem::{Problem, Quantities, same_quantities};
+use crate::{
+    Enters, Fit, FittedParameter, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope,
+};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
 const FEWEST_AT_REST: usize = 10;
@@ -41,6 +43,21 @@ pub struct Validated {
     pub offset: f64,
     /// Where the offset was read.
     pub offset_source: OffsetSource,
+    /// Values of all parameters, in the model's order: what [`predict`](crate::predict) takes.
+    pub point: Vec<f64>,
+}
+
+impl Validated {
+    /// Root mean square over all samples of several recordings, in the output unit; `None` if there are none.
+    #[must_use]
+    pub fn rmse_of_all(validated: &[Self]) -> Option<f64> {
+        let n: usize = validated.iter().map(|one| one.n_samples).sum();
+        let sum: f64 = validated
+            .iter()
+            .map(|one| one.rmse * one.rmse * one.n_samples as f64)
+            .sum();
+        (n > 0).then(|| (sum / n as f64).sqrt())
+    }
 }
 
 /// A model whose shared parameters are those of a fit; what is left is the recording's own.
@@ -79,10 +96,24 @@ pub fn validate<M: ForwardModel>(
     fit: &Fit,
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
-    let first = &fit.recordings[0].name;
-    same_quantities(recording, first, &fit.output_unit, fit.drive_quantity)?;
+    let expected = Quantities {
+        output_unit: &fit.output_unit,
+        drive: fit.drive_quantity,
+        drive_unit: &fit.drive_unit,
+    };
+    same_quantities(recording, &fit.recordings[0].name, &expected)?;
+    validate_frozen(model, &fit.parameters, recording)
+}
+
+/// The same for any fitted parameters, of a recording in the units that they are for.
+pub(crate) fn validate_frozen<M: ForwardModel>(
+    model: &M,
+    parameters: &[FittedParameter],
+    recording: &Recording,
+) -> Result<Validated, IdentifyError> {
+    let fitted = parameters;
     let mut parameters = model.parameters().to_vec();
-    for (info, fitted) in parameters.iter_mut().zip(&fit.parameters) {
+    for (info, fitted) in parameters.iter_mut().zip(fitted) {
         if info.scope == Scope::Shared {
             info.state = ParameterState::Fixed(fitted.values[0]);
         }
@@ -117,7 +148,16 @@ pub fn validate<M: ForwardModel>(
     let output = recording.output();
     let moves = output.iter().any(|y| y.to_bits() != output[0].to_bits());
     let spread = squares_about_own_mean(output) / output.len() as f64;
+    let mut values = problem.vector().values(&point, 0);
+    for (value, info) in values.iter_mut().zip(model.parameters()) {
+        match info.enters {
+            Enters::Nonlinear => {}
+            Enters::Gain => *value = solved.gain,
+            Enters::Offset => *value = solved.offsets[0],
+        }
+    }
     Ok(Validated {
+        point: values,
         name: recording.name().to_owned(),
         rmse,
         fit_fraction: moves.then(|| 1.0 - rmse / spread.sqrt()),

@@ -3,10 +3,12 @@
 use recording::{Recording, Sampling};
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::HeatBalanceParams;
-use wiener::{Block, Drive, Ensemble, Member, Profile, Start, WienerParams};
+use wiener::{Block, Drive, WienerParams};
 
+use crate::cascade::{Cascade, StartAbove, ambient_degc};
+use crate::specific_heat::SpecificHeat;
 use crate::{
-    Bounds, Enters, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale, Scope,
+    Bounds, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale, Scope,
 };
 
 /// Steady rise at the largest drive that is assumed where nothing fixes the scale of temperature, K.
@@ -31,10 +33,9 @@ const SMALLEST_ZETA: f64 = 0.05;
 /// The plain Wiener model of a rig, with the parameters that its rod file leaves open.
 #[derive(Debug, Clone)]
 pub struct WienerModel {
-    drive: Drive,
-    rule: Rule,
+    cascade: Cascade,
     heat: Heat,
-    ambient_degc: Option<f64>,
+    specific_heat: Option<SpecificHeat>,
     rise_is_assumed: bool,
     parameters: Vec<ParameterInfo>,
 }
@@ -50,6 +51,23 @@ enum Heat {
     /// Neither: the steady rise per unit of drive stands beside the time constant. At 1 Ω/m a drive of
     /// one unit heats with this power, W/m.
     Constants { unit_power_w_per_m: f64 },
+}
+
+impl Heat {
+    fn of(rod: &Rod, drive: Drive) -> Result<Self, IdentifyError> {
+        Ok(match rod.material() {
+            None => Self::Constants {
+                unit_power_w_per_m: drive.power_w_per_m([1.0], [1.0])[0],
+            },
+            Some(material) => {
+                let heat = material.heat_balance().map_err(wiener::WienerError::from)?;
+                Self::Known {
+                    heat_capacity_j_per_m_k: heat.heat_capacity_j_per_m_k,
+                    resistance_ohm_per_m: heat.resistance_ohm_per_m,
+                }
+            }
+        })
+    }
 }
 
 // Order of the parameters in a point.
@@ -73,29 +91,10 @@ impl WienerModel {
     /// `[model]` says of parameters that do not exist or of values that cannot be.
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
-        let recorded = training
-            .iter()
-            .find_map(|recording| recording.ambient_degc());
-        let Some(ambient_degc) = recorded.map(|recorded| recorded[0]).or(rod.ambient_degc) else {
-            return Err(IdentifyError::Missing {
-                file: rod.file().to_owned(),
-                key: "surroundings.ambient_degc",
-                why: "no recording has a column for it either",
-            });
-        };
-        let drive = rod.drive()?;
-        let heat = match rod.material() {
-            None => Heat::Constants {
-                unit_power_w_per_m: drive.power_w_per_m([1.0], [1.0])[0],
-            },
-            Some(material) => {
-                let heat = material.heat_balance().map_err(wiener::WienerError::from)?;
-                Heat::Known {
-                    heat_capacity_j_per_m_k: heat.heat_capacity_j_per_m_k,
-                    resistance_ohm_per_m: heat.resistance_ohm_per_m,
-                }
-            }
-        };
+        let ambient_degc = ambient_degc(rod, training)?;
+        let cascade = Cascade::new(rod, rule)?;
+        let drive = cascade.drive;
+        let heat = Heat::of(rod, drive)?;
         let mut parameters = parameters(first.output_unit(), ambient_degc, tau_bounds_s(training)?);
         if let Heat::Constants { unit_power_w_per_m } = heat {
             let mut rise = rise(drive, unit_power_w_per_m, training);
@@ -114,12 +113,46 @@ impl WienerModel {
         Ok(Self {
             // What the user fixes is known; what the data fix is, too.
             rise_is_assumed: kept == assumed && matches!(kept, Some(ParameterState::Fixed(_))),
-            drive,
-            rule,
+            cascade,
             heat,
-            ambient_degc: rod.ambient_degc,
+            specific_heat: SpecificHeat::of(rod, ambient_degc),
             parameters,
         })
+    }
+
+    /// The model of a rig before anything is known of recordings: its parameters have placeholders for units
+    /// and bounds, to be set from elsewhere.
+    pub(crate) fn template(
+        rod: &Rod,
+        rule: Rule,
+        rise_is_assumed: bool,
+    ) -> Result<Self, IdentifyError> {
+        let cascade = Cascade::new(rod, rule)?;
+        let heat = Heat::of(rod, cascade.drive)?;
+        let mut parameters = parameters("1", 0.0, Bounds::NONE);
+        if matches!(heat, Heat::Constants { .. }) {
+            parameters.push(rise(cascade.drive, 1.0, &[]));
+        }
+        Ok(Self {
+            cascade,
+            heat,
+            specific_heat: None,
+            rise_is_assumed,
+            parameters,
+        })
+    }
+
+    pub(crate) fn parameters_mut(&mut self) -> &mut [ParameterInfo] {
+        &mut self.parameters
+    }
+
+    /// Widens the intervals of the temperatures of a fit to hold for the whole range that the rod file gives
+    /// the specific heat. Returns whether there was anything to widen: a range, and a scale of temperature
+    /// that rests on it.
+    ///
+    /// Exact in surroundings of one temperature. Covariance and values stay as they are.
+    pub fn carry_specific_heat(&self, fit: &mut Fit) -> bool {
+        self.specific_heat.is_some_and(|heat| heat.widen(fit))
     }
 
     /// Whether temperatures are in kelvins, or only ratios of their differences mean anything: an
@@ -163,35 +196,6 @@ impl WienerModel {
             offset: point[OFFSET],
         }
     }
-
-    fn profile<'a>(&self, recording: &'a Recording) -> Result<Profile<'a>, IdentifyError> {
-        let untimed = || IdentifyError::Untimed {
-            recording: recording.name().to_owned(),
-        };
-        let recorded = recording.ambient_degc();
-        let ambient_degc = match (self.ambient_degc, recorded) {
-            (_, Some(recorded)) => recorded[0],
-            (Some(ambient_degc), None) => ambient_degc,
-            (None, None) => {
-                return Err(IdentifyError::Missing {
-                    file: recording.name().to_owned(),
-                    key: "ambient_degc",
-                    why: "the rod file does not give it either",
-                });
-            }
-        };
-        let profile = match recording.sampling() {
-            Sampling::Uniform { dt_s } => Profile::uniform(recording.drive(), dt_s, ambient_degc)?,
-            Sampling::Jittered { .. } => {
-                Profile::timed(recording.drive(), recording.time_s(), ambient_degc)?
-            }
-            Sampling::Untimed => return Err(untimed()),
-        };
-        Ok(match recorded {
-            Some(recorded) => profile.with_ambient(recorded)?,
-            None => profile,
-        })
-    }
 }
 
 impl ForwardModel for WienerModel {
@@ -205,118 +209,74 @@ impl ForwardModel for WienerModel {
         recording: &Recording,
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
-        let profile = self.profile(recording)?;
-        let members: Vec<Member> = points
-            .iter()
-            .map(|point| Member {
-                params: self.wiener_params(point),
-                start: Start {
-                    temperature_degc: profile.first_ambient_degc() + point[START_RISE],
-                    share: point[START_SHARE],
-                },
-            })
-            .collect();
-        let ensemble = Ensemble {
-            drive: self.drive,
-            rule: self.rule,
-        };
-        Ok(ensemble.run(&members, &profile, visit)?)
+        self.cascade.simulate(points, recording, visit, |point| {
+            let start = StartAbove {
+                rise_k: point[START_RISE],
+                share: point[START_SHARE],
+            };
+            (self.wiener_params(point), start)
+        })
     }
 }
 
 fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<ParameterInfo> {
-    let nonlinear = |name, unit: &str, scale, bounds| ParameterInfo {
-        name,
-        unit: unit.to_owned(),
-        bounds,
-        admissible: match (scale, name) {
-            (_, "zeta") => Bounds {
-                lower: 1e-6,
-                upper: 1.0,
-            },
-            (_, "start_share") => Bounds {
-                lower: 0.0,
-                upper: 1.0,
-            },
-            (Scale::Logarithmic, _) => Bounds {
-                lower: 1e-12,
-                upper: 1e12,
-            },
-            (Scale::Linear, _) => Bounds {
-                lower: -1e12,
-                upper: 1e12,
-            },
-        },
-        scale,
-        scope: Scope::Shared,
-        enters: Enters::Nonlinear,
-        state: ParameterState::Free,
-    };
-    let linear = |name, scope, enters| ParameterInfo {
-        name,
-        unit: output_unit.to_owned(),
-        bounds: Bounds {
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-        },
-        admissible: Bounds {
-            lower: -1e12,
-            upper: 1e12,
-        },
-        scale: Scale::Linear,
-        scope,
-        enters,
-        state: ParameterState::Free,
-    };
-    let start = |name, unit, bounds, value| ParameterInfo {
-        scope: Scope::PerRecording,
-        state: ParameterState::Fixed(value),
-        ..nonlinear(name, unit, Scale::Linear, bounds)
+    let center = Bounds {
+        lower: ambient_degc,
+        upper: ambient_degc + HIGHEST_CENTER_K,
     };
     vec![
-        nonlinear("tau_s", "s", Scale::Logarithmic, tau_s),
-        nonlinear(
-            "loop_center_degc",
-            "°C",
-            Scale::Linear,
-            Bounds {
-                lower: ambient_degc,
-                upper: ambient_degc + HIGHEST_CENTER_K,
-            },
-        ),
-        nonlinear("loop_half_width_k", "K", Scale::Logarithmic, WIDTHS_K),
-        nonlinear("loop_spread_k", "K", Scale::Logarithmic, WIDTHS_K),
-        nonlinear(
-            "zeta",
-            "1",
-            Scale::Linear,
-            Bounds {
-                lower: SMALLEST_ZETA,
-                upper: 1.0,
-            },
-        ),
-        linear("gain", Scope::Shared, Enters::Gain),
-        linear("offset", Scope::PerRecording, Enters::Offset),
-        // At rest unless [model] frees them: cold, and cooled along the limiting curve.
-        start(
-            "start_rise_k",
-            "K",
-            Bounds {
-                lower: 0.0,
-                upper: 100.0,
-            },
-            0.0,
-        ),
-        start(
-            "start_share",
-            "1",
-            Bounds {
-                lower: 0.0,
-                upper: 1.0,
-            },
-            1.0,
-        ),
+        ParameterInfo::searched("tau_s", "s", Scale::Logarithmic, tau_s),
+        ParameterInfo::searched("loop_center_degc", "°C", Scale::Linear, center),
+        ParameterInfo::searched("loop_half_width_k", "K", Scale::Logarithmic, WIDTHS_K),
+        ParameterInfo::searched("loop_spread_k", "K", Scale::Logarithmic, WIDTHS_K),
+        zeta(),
+        ParameterInfo::gain(output_unit),
+        ParameterInfo::offset(output_unit),
+        start_rise(),
+        start_share(),
     ]
+}
+
+/// Shape of the proximity function.
+pub(crate) fn zeta() -> ParameterInfo {
+    let bounds = Bounds {
+        lower: SMALLEST_ZETA,
+        upper: 1.0,
+    };
+    ParameterInfo {
+        admissible: Bounds {
+            lower: 1e-6,
+            upper: 1.0,
+        },
+        ..ParameterInfo::searched("zeta", "1", Scale::Linear, bounds)
+    }
+}
+
+/// Temperature at the start above ambient: none, unless `[model]` frees it.
+fn start_rise() -> ParameterInfo {
+    let bounds = Bounds {
+        lower: 0.0,
+        upper: 100.0,
+    };
+    ParameterInfo {
+        scope: Scope::PerRecording,
+        state: ParameterState::Fixed(0.0),
+        ..ParameterInfo::searched("start_rise_k", "K", Scale::Linear, bounds)
+    }
+}
+
+/// Place between the limiting curves at the start: on the cooling one, unless `[model]` frees it.
+pub(crate) fn start_share() -> ParameterInfo {
+    let bounds = Bounds {
+        lower: 0.0,
+        upper: 1.0,
+    };
+    ParameterInfo {
+        admissible: bounds,
+        scope: Scope::PerRecording,
+        state: ParameterState::Fixed(1.0),
+        ..ParameterInfo::searched("start_share", "1", Scale::Linear, bounds)
+    }
 }
 
 /// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of
@@ -334,21 +294,13 @@ fn rise(drive: Drive, unit_power_w_per_m: f64, training: &[Recording]) -> Parame
         Drive::Voltage { .. } => ("rise_k_per_v2", "K/V²"),
         Drive::Power { .. } => ("rise_k_per_w", "K/W"),
     };
+    let bounds = Bounds {
+        lower: 1e-3 * value,
+        upper: 1e3 * value,
+    };
     ParameterInfo {
-        name,
-        unit: unit.to_owned(),
-        bounds: Bounds {
-            lower: 1e-3 * value,
-            upper: 1e3 * value,
-        },
-        admissible: Bounds {
-            lower: 1e-12,
-            upper: 1e12,
-        },
-        scale: Scale::Logarithmic,
-        scope: Scope::Shared,
-        enters: Enters::Nonlinear,
         state: ParameterState::Fixed(value),
+        ..ParameterInfo::searched(name, unit, Scale::Logarithmic, bounds)
     }
 }
 

@@ -23,7 +23,8 @@ impl Bound {
     }
 
     /// The point a fraction 0..1 along the range; rounding does not carry it outside.
-    pub(crate) fn at(self, fraction: f64) -> f64 {
+    #[must_use]
+    pub fn at(self, fraction: f64) -> f64 {
         (self.lower + fraction * self.range()).clamp(self.lower, self.upper)
     }
 

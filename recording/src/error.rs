@@ -197,16 +197,32 @@ pub enum RecordingError {
         accepted: &'static str,
     },
 
-    /// The unit of the output cannot be written behind a column name.
+    /// A unit cannot be written behind a column name.
     #[error(
-        "{file}: output unit \"{unit}\"; expected text such as mm, deg or N, without square \
+        "{file}: unit \"{unit}\"; expected text such as mm, deg or N, without square \
          brackets, quotes or control characters"
     )]
-    InvalidOutputUnit {
+    InvalidUnit {
         /// The recording.
         file: String,
         /// The unit.
         unit: String,
+    },
+
+    /// A drive that heats has a unit of its own.
+    #[error(
+        "{file}: drive in \"{unit}\"; expected a {quantity} in {expected}: only the input of a static \
+         loop has a unit of its own"
+    )]
+    DriveUnit {
+        /// The recording.
+        file: String,
+        /// The unit.
+        unit: String,
+        /// What the drive is.
+        quantity: &'static str,
+        /// Its unit.
+        expected: &'static str,
     },
 
     /// A drive that is a temperature has a measured temperature beside it.

@@ -141,8 +141,7 @@ pub fn inspect(recording: &Recording) -> Inspection {
         (Some(first), Some(last)) => Some(last - first),
         _ => None,
     };
-    let quantity = recording.drive_quantity();
-    let drive = Channel::of("drive", quantity.unit(), recording.drive());
+    let drive = Channel::of("drive", recording.drive_unit(), recording.drive());
     let output = Channel::of("output", recording.output_unit(), recording.output());
     let degrees = |role| move |values: &[f64]| Channel::of(role, "degC", values);
     let holds = holds(recording, LONG_HOLD_S);

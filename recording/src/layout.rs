@@ -17,7 +17,7 @@ pub(crate) struct Column {
     pub(crate) index: usize,
     /// What errors call it.
     pub(crate) label: String,
-    /// How it converts; [`Unit::One`] for an output, which stays as it is.
+    /// How it converts; [`Unit::Own`] for what stays as it is.
     pub(crate) unit: Unit,
     /// What errors call its unit.
     pub(crate) unit_text: String,
@@ -28,7 +28,8 @@ pub(crate) struct Layout {
     pub(crate) n_columns: usize,
     pub(crate) time: Option<Column>,
     pub(crate) drive: Column,
-    pub(crate) output: Column,
+    /// `None` where only the drive is wanted.
+    pub(crate) output: Option<Column>,
     pub(crate) temperature: Option<Column>,
     pub(crate) ambient: Option<Column>,
 }
@@ -50,9 +51,11 @@ struct Role {
     defaults: &'static [&'static str],
     /// Stems that will do too, followed by anything.
     default_stems: &'static [&'static str],
-    /// Units that suit, and the same in words; none: any unit.
+    /// Units that suit, and the same in words.
     units: &'static [Unit],
     units_text: &'static str,
+    /// Whether any other unit will do, kept as data.
+    own_unit: bool,
 }
 
 const TEMPERATURE_UNITS: (&[Unit], &str) = (&[Unit::DegreeCelsius, Unit::Kelvin], "degc or k");
@@ -69,6 +72,7 @@ impl Role {
             default_stems: &[],
             units,
             units_text,
+            own_unit: false,
         }
     }
 
@@ -79,6 +83,7 @@ impl Role {
     );
     const OUTPUT: Self = Self {
         default_stems: &["displacement", "position"],
+        own_unit: true,
         ..Self::new("output", &["displacement_mm"], (&[], ""))
     };
     const TEMPERATURE: Self = Self::new(
@@ -109,13 +114,29 @@ impl Role {
             Quantity::Power => (&["power_w"], (&[Unit::Watt] as &[Unit], "w")),
             Quantity::Temperature => (Self::TEMPERATURE.defaults, TEMPERATURE_UNITS),
         };
-        Self::new("drive", defaults, units)
+        Self {
+            // The input of a static loop may be anything: a stress, the voltage of a source.
+            own_unit: matches!(quantity, Quantity::Temperature),
+            ..Self::new("drive", defaults, units)
+        }
     }
+}
+
+/// What a file is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    DriveAndOutput,
+    /// An output, if there is one, is not looked at.
+    Drive,
 }
 
 impl Layout {
     /// Finds the columns that `options` ask for.
-    pub(crate) fn new(header: &Header<'_>, options: &ReadOptions) -> Result<Self, RecordingError> {
+    pub(crate) fn new(
+        header: &Header<'_>,
+        options: &ReadOptions,
+        wanted: Wanted,
+    ) -> Result<Self, RecordingError> {
         let columns = &options.columns;
         let drive_is_temperature = options.drive_quantity == Quantity::Temperature;
         let drive = Role::drive(options.drive_quantity);
@@ -141,9 +162,14 @@ impl Layout {
             drive: header
                 .column(&drive, columns.drive.as_ref())?
                 .ok_or_else(|| header.missing_default(&drive))?,
-            output: header
-                .column(&Role::OUTPUT, columns.output.as_ref())?
-                .ok_or_else(|| header.missing_default(&Role::OUTPUT))?,
+            output: match wanted {
+                Wanted::Drive => None,
+                Wanted::DriveAndOutput => Some(
+                    header
+                        .column(&Role::OUTPUT, columns.output.as_ref())?
+                        .ok_or_else(|| header.missing_default(&Role::OUTPUT))?,
+                ),
+            },
             temperature,
             ambient: header.column(&Role::AMBIENT, columns.ambient.as_ref())?,
         };
@@ -155,7 +181,7 @@ impl Layout {
         let all = [
             ("time", self.time.as_ref()),
             ("drive", Some(&self.drive)),
-            ("output", Some(&self.output)),
+            ("output", self.output.as_ref()),
             ("temperature", self.temperature.as_ref()),
             ("ambient", self.ambient.as_ref()),
         ];
@@ -193,8 +219,9 @@ impl Header<'_> {
             .or_else(|| name.and_then(|name| split_name(name).1));
         let (file, line) = (self.file.to_owned(), self.line);
         let (unit, unit_text) = match (unit_text, unit_text.and_then(Unit::parse)) {
-            (text, _) if role.units.is_empty() => (Unit::One, output_symbol(text.unwrap_or(""))),
             (_, Some(unit)) if role.units.contains(&unit) => (unit, unit.symbol().to_owned()),
+            (Some(text), _) if role.own_unit => (Unit::Own, output_symbol(text)),
+            (None, _) if role.own_unit && role.units.is_empty() => (Unit::Own, output_symbol("")),
             // A duty has no unit to name.
             (None, _) if role.units.contains(&Unit::One) => (Unit::One, "1".to_owned()),
             (None, _) => {

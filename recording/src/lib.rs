@@ -91,7 +91,7 @@ pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect};
 pub use noise::{DifferenceNoise, HoldNoise, NoiseConfig, NoiseFloor, RepeatNoise, noise_floor};
 pub use quantity::Quantity;
 pub use quantization::quantization_step;
-pub use read::{ReadOptions, parse_csv, read_csv};
+pub use read::{ReadOptions, parse_csv, read_csv, read_drive_csv};
 pub use recording::{Recording, RecordingParts};
 pub use resample::resample;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};

@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::check::{Place, check_duty, check_rising};
 use crate::columns::Columns;
 use crate::error::{Position, RecordingError};
-use crate::layout::{Column, Header, Layout, shown};
+use crate::layout::{Column, Header, Layout, Wanted, shown};
 use crate::lines::{Delimiter, Lines};
 use crate::quantity::Quantity;
 use crate::recording::{Recording, RecordingParts};
@@ -66,10 +66,28 @@ pub fn read_csv(
     path: impl AsRef<Path>,
     options: &ReadOptions,
 ) -> Result<Recording, RecordingError> {
-    let path = path.as_ref();
+    let (file, name) = open(path.as_ref())?;
+    parse_csv(file, &name, options)
+}
+
+/// Reads a drive to simulate with from a file: time and ambient as they are there, but no output. That of
+/// the result is 0 throughout, without a unit.
+///
+/// # Errors
+///
+/// As [`read_csv`].
+pub fn read_drive_csv(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<Recording, RecordingError> {
+    let (file, name) = open(path.as_ref())?;
+    parse(file, &name, options, Wanted::Drive)
+}
+
+fn open(path: &Path) -> Result<(File, String), RecordingError> {
     let name = path.display().to_string();
     match File::open(path) {
-        Ok(file) => parse_csv(file, &name, options),
+        Ok(file) => Ok((file, name)),
         Err(source) => Err(RecordingError::Unreadable { file: name, source }),
     }
 }
@@ -85,6 +103,15 @@ pub fn parse_csv(
     reader: impl Read,
     name: &str,
     options: &ReadOptions,
+) -> Result<Recording, RecordingError> {
+    parse(reader, name, options, Wanted::DriveAndOutput)
+}
+
+fn parse(
+    reader: impl Read,
+    name: &str,
+    options: &ReadOptions,
+    wanted: Wanted,
 ) -> Result<Recording, RecordingError> {
     let mut lines = Lines::new(reader, name);
     let Some((line, first)) = lines.advance()? else {
@@ -103,7 +130,8 @@ pub fn parse_csv(
         names,
         n_columns,
     };
-    let mut rows = Rows::new(name, Layout::new(&header, options)?, options.max_samples);
+    let layout = Layout::new(&header, options, wanted)?;
+    let mut rows = Rows::new(name, layout, options.max_samples);
     if header.names.is_none() {
         rows.push(line, first, &fields)?;
     }
@@ -198,7 +226,10 @@ impl<'a> Rows<'a> {
             _ => {}
         }
         self.drive.push(column.unit.to_base(raw));
-        self.output.push(row.number(&self.layout.output)?);
+        self.output.push(match &self.layout.output {
+            Some(column) => row.number(column)?,
+            None => 0.0,
+        });
         if let Some(column) = &self.layout.temperature {
             self.temperature_degc
                 .push(column.unit.to_base(row.number(column)?));
@@ -231,17 +262,22 @@ impl<'a> Rows<'a> {
     fn finish(self, drive_quantity: Quantity) -> Result<Recording, RecordingError> {
         let Layout {
             time,
+            drive,
             output,
             temperature,
             ambient,
-            ..
+            n_columns: _,
         } = self.layout;
         Recording::from_checked(RecordingParts {
             name: self.file.to_owned(),
             time_s: time.map(|_| self.time_s),
             drive_quantity,
             drive: self.drive,
-            output_unit: output.unit_text,
+            drive_unit: match drive.unit {
+                Unit::Own => drive.unit_text,
+                _ => String::new(),
+            },
+            output_unit: output.map_or(String::new(), |column| column.unit_text),
             output: self.output,
             temperature_degc: temperature.map(|_| self.temperature_degc),
             ambient_degc: ambient.map(|_| self.ambient_degc),

@@ -53,6 +53,9 @@ pub struct RecordingParts {
     pub drive_quantity: Quantity,
     /// Drive in the unit of its quantity: A, 0..1, V, W or °C.
     pub drive: Vec<f64>,
+    /// Unit of `drive` where a [`Quantity::Temperature`] stands for another input of a static loop, a
+    /// stress or the voltage of a source; empty otherwise.
+    pub drive_unit: String,
     /// Unit of `output`: mm, deg, N, ...; `1` or nothing where it has none.
     pub output_unit: String,
     /// Output, in `output_unit`.
@@ -73,7 +76,13 @@ impl Recording {
     /// duty outside 0..1, an output unit that cannot be written, two temperatures.
     pub fn new(parts: RecordingParts) -> Result<Self, RecordingError> {
         let time = ("time_s", "s", parts.time_s.as_deref());
-        let drive = (parts.drive_quantity.column(), parts.drive_quantity.unit());
+        let drive = (
+            parts.drive_quantity.column(),
+            match parts.drive_unit.as_str() {
+                "" => parts.drive_quantity.unit(),
+                unit => unit,
+            },
+        );
         let rest = [
             (
                 "output",
@@ -125,12 +134,22 @@ impl Recording {
         if parts.drive_quantity == Quantity::Temperature && parts.temperature_degc.is_some() {
             return Err(RecordingError::TwoTemperatures { file: parts.name });
         }
-        let unwritable = |c: char| c.is_control() || matches!(c, '[' | ']' | '"');
-        if parts.output_unit.contains(unwritable) {
-            return Err(RecordingError::InvalidOutputUnit {
+        if parts.drive_quantity != Quantity::Temperature && !parts.drive_unit.is_empty() {
+            return Err(RecordingError::DriveUnit {
                 file: parts.name,
-                unit: shown(&parts.output_unit),
+                unit: shown(&parts.drive_unit),
+                quantity: parts.drive_quantity.name(),
+                expected: parts.drive_quantity.unit(),
             });
+        }
+        let unwritable = |c: char| c.is_control() || matches!(c, '[' | ']' | '"');
+        for unit in [&parts.drive_unit, &parts.output_unit] {
+            if unit.contains(unwritable) {
+                return Err(RecordingError::InvalidUnit {
+                    file: parts.name,
+                    unit: shown(unit),
+                });
+            }
         }
         parts.output_unit = output_symbol(&parts.output_unit);
         parts.drive.shrink_to_fit();
@@ -161,6 +180,20 @@ impl Recording {
     #[must_use]
     pub fn drive(&self) -> &[f64] {
         &self.parts.drive
+    }
+
+    /// Unit of the drive: that of its quantity, but for a static loop with an input of its own.
+    #[must_use]
+    pub fn drive_unit(&self) -> &str {
+        match self.parts.drive_unit.as_str() {
+            "" => self.parts.drive_quantity.unit(),
+            unit => unit,
+        }
+    }
+
+    /// The same as it stands in [`RecordingParts`]: empty if it is that of the quantity.
+    pub(crate) fn own_drive_unit(&self) -> String {
+        self.parts.drive_unit.clone()
     }
 
     /// What the drive is.
@@ -240,6 +273,7 @@ impl Recording {
             time_s: self.parts.time_s.as_ref().map(part),
             drive_quantity: self.parts.drive_quantity,
             drive: part(&self.parts.drive),
+            drive_unit: self.parts.drive_unit.clone(),
             output_unit: self.parts.output_unit.clone(),
             output: part(&self.parts.output),
             temperature_degc: self.parts.temperature_degc.as_ref().map(part),
@@ -255,7 +289,7 @@ impl Recording {
     ///
     /// [`RecordingError::NeverChanges`], for the drive first.
     pub fn check_identifiable(&self) -> Result<(), RecordingError> {
-        let drive = ("drive", self.drive(), self.drive_quantity().unit());
+        let drive = ("drive", self.drive(), self.drive_unit());
         let output = ("output", self.output(), self.output_unit());
         for (role, values, unit) in [drive, output] {
             let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);

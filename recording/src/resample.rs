@@ -126,6 +126,7 @@ pub fn resample(recording: &Recording, dt_s: f64) -> Result<Recording, Recording
         time_s: Some((0..n_new).map(|j| time_s[0] + j as f64 * dt_s).collect()),
         drive_quantity: recording.drive_quantity(),
         drive: averaged_drive(recording, dt_s, n_new),
+        drive_unit: recording.own_drive_unit(),
         output_unit: recording.output_unit().to_owned(),
         output: filter.apply(recording.output()),
         temperature_degc: recording.temperature_degc().map(|t| filter.apply(t)),

@@ -19,6 +19,8 @@ pub(crate) enum Unit {
     Megapascal,
     Percent,
     One,
+    /// Kept as data: values stay as they are.
+    Own,
 }
 
 /// 0 °C on the kelvin scale, by definition.
@@ -67,7 +69,7 @@ impl Unit {
             Self::Newton => "N",
             Self::Megapascal => "MPa",
             Self::Percent => "%",
-            Self::One => "1",
+            Self::One | Self::Own => "1",
         }
     }
 

@@ -8,8 +8,8 @@ use crate::sampling::Sampling;
 use crate::unit::Unit;
 
 /// Writes a recording as CSV that [`parse_csv`](crate::parse_csv) reads back exactly, with default
-/// columns and the same drive quantity (and
-/// [`allow_untimed`](crate::ReadOptions::allow_untimed) if it has no time).
+/// columns and the same drive quantity (the column of an input in a unit of its own must be named; and
+/// [`allow_untimed`](crate::ReadOptions::allow_untimed) is needed if it has no time).
 ///
 /// Columns: `time_s`, the drive ([`Quantity::column`](crate::Quantity::column)), the output as
 /// `displacement_mm` (in its unit, whatever it is), `temperature_degc`, `ambient_degc`; those that
@@ -27,7 +27,7 @@ pub fn write_csv(recording: &Recording, mut writer: impl Write) -> io::Result<()
     let columns = [
         ("time_s".to_owned(), time),
         (
-            recording.drive_quantity().column().to_owned(),
+            drive_column(recording),
             Some(recording.drive()),
         ),
         (
@@ -54,12 +54,25 @@ pub fn write_csv(recording: &Recording, mut writer: impl Write) -> io::Result<()
     Ok(())
 }
 
+/// Name of the drive column; an input of a static loop that is no temperature is called `input`.
+fn drive_column(recording: &Recording) -> String {
+    let quantity = recording.drive_quantity();
+    match recording.drive_unit() {
+        unit if unit == quantity.unit() => quantity.column().to_owned(),
+        unit => quoted(format!("input [{unit}]")),
+    }
+}
+
 /// Name of an output column in this unit.
 fn output_column(unit: &str) -> String {
     if Unit::parse(unit).is_some() && unit.chars().all(char::is_alphabetic) {
         return format!("displacement_{}", unit.to_lowercase());
     }
-    let name = format!("displacement [{unit}]");
+    quoted(format!("displacement [{unit}]"))
+}
+
+/// A name in quotes, if a reader would take part of it for a delimiter.
+fn quoted(name: String) -> String {
     if name.contains(['\t', ';', ',']) {
         format!("\"{name}\"")
     } else {

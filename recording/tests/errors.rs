@@ -287,14 +287,27 @@ fn wrong_unit() {
 }
 
 #[test]
-fn invalid_output_unit() {
+fn only_the_input_of_a_static_loop_has_a_unit_of_its_own() {
+    let parts = RecordingParts {
+        drive_unit: "MPa".to_owned(),
+        ..parts()
+    };
+    assert_eq!(
+        text(Recording::new(parts)),
+        "run: drive in \"MPa\"; expected a current in A: only the input of a static loop has a unit of its \
+         own"
+    );
+}
+
+#[test]
+fn invalid_unit() {
     let parts = RecordingParts {
         output_unit: "m\nm".to_owned(),
         ..parts()
     };
     assert_eq!(
         text(Recording::new(parts)),
-        "run: output unit \"m\\nm\"; expected text such as mm, deg or N, without square brackets, \
+        "run: unit \"m\\nm\"; expected text such as mm, deg or N, without square brackets, \
          quotes or control characters"
     );
 }

@@ -81,6 +81,7 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
                         } else {
                             drive
                         },
+                        drive_unit: String::new(),
                         output_unit: unit,
                         output,
                         temperature_degc: temperature.filter(|_| !is_temperature),

@@ -5,7 +5,7 @@
 
 use recording::{
     ColumnKey, ColumnSpec, Columns, Gap, Quantity, ReadOptions, Recording, RecordingParts,
-    Sampling, parse_csv,
+    Sampling, parse_csv, read_drive_csv, write_csv,
 };
 
 fn read(quantity: Quantity, csv: &str) -> Recording {
@@ -227,4 +227,48 @@ fn gaps_are_reported() {
             dt_s: 6.0
         }]
     );
+}
+
+#[test]
+fn the_input_of_a_static_loop_keeps_its_unit() {
+    let options = ReadOptions {
+        columns: Columns {
+            drive: Some(ColumnSpec::number(1).in_unit("V")),
+            output: Some(ColumnSpec::number(2)),
+            ..Columns::default()
+        },
+        ..ReadOptions::new(Quantity::Temperature)
+    };
+    let recording = parse_csv("0,0\n0.05,0\n".as_bytes(), "loop", &options).unwrap();
+    assert_eq!(recording.drive(), [0.0, 0.05]);
+    assert_eq!(recording.drive_unit(), "V");
+    assert_eq!(recording.sampling(), Sampling::Untimed);
+
+    let mut csv = Vec::new();
+    write_csv(&recording, &mut csv).unwrap();
+    assert!(csv.starts_with(b"input [V],displacement [1]\n"));
+    let named = ReadOptions {
+        columns: Columns {
+            drive: Some(ColumnSpec::name("input_v")),
+            ..Columns::default()
+        },
+        ..ReadOptions::new(Quantity::Temperature)
+    };
+    assert_eq!(
+        parse_csv(csv.as_slice(), "loop", &named).unwrap(),
+        recording
+    );
+}
+
+#[test]
+fn a_drive_needs_no_output() {
+    let folder = std::env::temp_dir().join(format!("drive-only-{}", std::process::id()));
+    std::fs::write(&folder, "time_s,current_a,ambient_c\n0,1.5,20\n0.5,0,21\n").unwrap();
+    let recording = read_drive_csv(&folder, &ReadOptions::default());
+    std::fs::remove_file(&folder).unwrap();
+    let recording = recording.unwrap();
+    assert_eq!(recording.drive(), [1.5, 0.0]);
+    assert_eq!(recording.ambient_degc(), Some([20.0, 21.0].as_slice()));
+    assert_eq!(recording.output(), [0.0, 0.0]);
+    assert_eq!(recording.output_unit(), "1");
 }

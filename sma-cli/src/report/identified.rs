@@ -26,13 +26,7 @@ pub(crate) struct Identified<'a> {
 impl Identified<'_> {
     /// Root mean square over all unseen samples; `None` if there are none.
     fn validate_rmse(&self) -> Option<f64> {
-        let n: usize = self.validated.iter().map(|one| one.n_samples).sum();
-        let sum: f64 = self
-            .validated
-            .iter()
-            .map(|one| one.rmse * one.rmse * one.n_samples as f64)
-            .sum();
-        (n > 0).then(|| (sum / n as f64).sqrt())
+        Validated::rmse_of_all(self.validated)
     }
 
     /// For people: the verdict first, then the tables.
@@ -277,8 +271,8 @@ impl Identified<'_> {
                 "n_effective": self.fit.noise.n_effective,
             },
             "correlation": {
-                "names": self.fit.correlation.names,
-                "matrix": self.fit.correlation.matrix,
+                "names": self.fit.covariance.names,
+                "matrix": self.fit.covariance.correlation(),
             },
             "not_fixed": self.fit.unfixed.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "temperature_scale": if self.missing_for_temperature.is_empty() { "known" } else { "assumed" },

@@ -1,0 +1,116 @@
+//! What all models of a driven rig have in common: its drive, its surroundings, and the lanes they run in.
+
+use recording::{Recording, Sampling};
+use wiener::hysteresis::Rule;
+use wiener::{Block, Drive, Ensemble, Member, Profile, Start, WienerParams};
+
+use crate::{IdentifyError, Rod};
+
+/// A rig but for the parameters of its rod.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cascade {
+    pub(crate) drive: Drive,
+    pub(crate) rule: Rule,
+    /// Temperature of the surroundings where a recording does not have it, °C.
+    pub(crate) ambient_degc: Option<f64>,
+}
+
+/// Where a recording starts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StartAbove {
+    /// Temperature above the surroundings, K.
+    pub(crate) rise_k: f64,
+    /// Place between the limiting curves, 0 (heating) to 1 (cooling).
+    pub(crate) share: f64,
+}
+
+impl StartAbove {
+    /// Cold, cooled along the limiting curve.
+    pub(crate) const REST: Self = Self {
+        rise_k: 0.0,
+        share: 1.0,
+    };
+}
+
+impl Cascade {
+    pub(crate) fn new(rod: &Rod, rule: Rule) -> Result<Self, IdentifyError> {
+        Ok(Self {
+            drive: rod.drive()?,
+            rule,
+            ambient_degc: rod.ambient_degc,
+        })
+    }
+
+    /// Simulates points in lockstep; `member` says what a point means.
+    pub(crate) fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+        member: impl Fn(&[f64]) -> (WienerParams, StartAbove),
+    ) -> Result<(), IdentifyError> {
+        let profile = self.profile(recording)?;
+        let members: Vec<Member> = points
+            .iter()
+            .map(|point| {
+                let (params, start) = member(point);
+                Member {
+                    params,
+                    start: Start {
+                        temperature_degc: profile.first_ambient_degc() + start.rise_k,
+                        share: start.share,
+                    },
+                }
+            })
+            .collect();
+        let ensemble = Ensemble {
+            drive: self.drive,
+            rule: self.rule,
+        };
+        Ok(ensemble.run(&members, &profile, visit)?)
+    }
+
+    fn profile<'a>(&self, recording: &'a Recording) -> Result<Profile<'a>, IdentifyError> {
+        let untimed = || IdentifyError::Untimed {
+            recording: recording.name().to_owned(),
+        };
+        let recorded = recording.ambient_degc();
+        let ambient_degc = match (self.ambient_degc, recorded) {
+            (_, Some(recorded)) => recorded[0],
+            (Some(ambient_degc), None) => ambient_degc,
+            (None, None) => {
+                return Err(IdentifyError::Missing {
+                    file: recording.name().to_owned(),
+                    key: "ambient_degc",
+                    why: "the rod file does not give it either",
+                });
+            }
+        };
+        let profile = match recording.sampling() {
+            Sampling::Uniform { dt_s } => Profile::uniform(recording.drive(), dt_s, ambient_degc)?,
+            Sampling::Jittered { .. } => {
+                Profile::timed(recording.drive(), recording.time_s(), ambient_degc)?
+            }
+            Sampling::Untimed => return Err(untimed()),
+        };
+        Ok(match recorded {
+            Some(recorded) => profile.with_ambient(recorded)?,
+            None => profile,
+        })
+    }
+}
+
+/// Temperature of the surroundings when the training begins, °C.
+pub(crate) fn ambient_degc(rod: &Rod, training: &[Recording]) -> Result<f64, IdentifyError> {
+    let recorded = training
+        .iter()
+        .find_map(|recording| recording.ambient_degc());
+    recorded
+        .map(|recorded| recorded[0])
+        .or(rod.ambient_degc)
+        .ok_or_else(|| IdentifyError::Missing {
+            file: rod.file().to_owned(),
+            key: "surroundings.ambient_degc",
+            why: "no recording has a column for it either",
+        })
+}

@@ -1,0 +1,232 @@
+//! The hysteresis alone, for data without time.
+
+use recording::{Quantity, Recording};
+use wiener::hysteresis::{Hysteresis, LimitingLoop, LoopParams, Memory, Rule, SineProximity};
+use wiener::{Block, Fleet, Input, Output, Plant, Profile, Started, WienerError, lockstep};
+
+use crate::wiener_model::{start_share, zeta};
+use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, Rod, Scale};
+
+/// Narrowest loop that is searched, as a share of the input's range: below, a width is that of a sample.
+const NARROWEST: f64 = 1e-3;
+
+/// A static loop: input → hysteresis → output, eqs 4-12.
+///
+/// ```text
+/// y = gain ξ(u) + offset
+/// ```
+///
+/// The input u is the temperature of the rod, or any other that the loop may have (a stress, the voltage of a
+/// source); its unit is carried as data. Time does not count, and the output of a sample belongs to the input
+/// of that sample.
+#[derive(Debug, Clone)]
+pub struct LoopModel {
+    rule: Rule,
+    parameters: Vec<ParameterInfo>,
+}
+
+// Order of the parameters in a point.
+const CENTER: usize = 0;
+const HALF_WIDTH: usize = 1;
+const SPREAD: usize = 2;
+const ZETA: usize = 3;
+const GAIN: usize = 4;
+const OFFSET: usize = 5;
+const START_SHARE: usize = 6;
+
+impl LoopModel {
+    /// The loop of static recordings, with bounds wide enough for them.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError`] for no recordings, and what `[model]` says of parameters that do not exist or of
+    /// values that cannot be.
+    pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
+        let first = training.first().ok_or(IdentifyError::NoRecordings)?;
+        let inputs = training.iter().flat_map(Recording::drive);
+        let range = inputs.fold(
+            Bounds {
+                lower: f64::INFINITY,
+                upper: f64::NEG_INFINITY,
+            },
+            |range, &input| Bounds {
+                lower: range.lower.min(input),
+                upper: range.upper.max(input),
+            },
+        );
+        let mut parameters = parameters(first.drive_unit(), first.output_unit(), range);
+        rod.apply_model(&mut parameters)?;
+        Ok(Self { rule, parameters })
+    }
+
+    /// The loop before anything is known of recordings; see
+    /// [`WienerModel::template`](crate::WienerModel).
+    pub(crate) fn template(rule: Rule, input_unit: &str) -> Self {
+        Self {
+            rule,
+            parameters: parameters(input_unit, "1", Bounds::NONE),
+        }
+    }
+
+    pub(crate) fn parameters_mut(&mut self) -> &mut [ParameterInfo] {
+        &mut self.parameters
+    }
+}
+
+impl ForwardModel for LoopModel {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let input = recording.drive();
+        let members: Vec<LoopMember> = points
+            .iter()
+            .map(|point| LoopMember {
+                params: LoopParams {
+                    loop_center_degc: point[CENTER],
+                    loop_half_width_k: point[HALF_WIDTH],
+                    loop_spread_k: point[SPREAD],
+                    ..LoopParams::default()
+                },
+                zeta: point[ZETA],
+                gain: point[GAIN],
+                offset: point[OFFSET],
+                start: input[0],
+                share: point[START_SHARE],
+            })
+            .collect();
+        // A plant shows its output before the drive of the sample acts; here they belong together, so that
+        // the drive of a sample is the input of the next.
+        let mut next: Vec<f64> = input[1..].to_vec();
+        next.extend(input.last());
+        let profile = Profile::uniform(&next, 1.0, 0.0)?;
+        let loops = Loops { rule: self.rule };
+        Ok(lockstep(&loops, &members, &profile, visit)?)
+    }
+}
+
+/// In kelvins for a temperature, else in the unit of the input.
+fn parameters(input_unit: &str, output_unit: &str, range: Bounds) -> Vec<ParameterInfo> {
+    let is_temperature = input_unit == Quantity::Temperature.unit();
+    let (names, center_unit, unit) = if is_temperature {
+        let names = ["loop_center_degc", "loop_half_width_k", "loop_spread_k"];
+        (names, "°C", "K")
+    } else {
+        let names = ["loop_center", "loop_half_width", "loop_spread"];
+        (names, input_unit, input_unit)
+    };
+    let span = range.upper - range.lower;
+    let widths = Bounds {
+        lower: NARROWEST * span,
+        upper: span,
+    };
+    vec![
+        ParameterInfo::searched(names[0], center_unit, Scale::Linear, range),
+        ParameterInfo::searched(names[1], unit, Scale::Logarithmic, widths),
+        ParameterInfo::searched(names[2], unit, Scale::Logarithmic, widths),
+        zeta(),
+        ParameterInfo::gain(output_unit),
+        ParameterInfo::offset(output_unit),
+        start_share(),
+    ]
+}
+
+/// Static loops that run side by side.
+#[derive(Debug, Clone, Copy)]
+struct Loops {
+    rule: Rule,
+}
+
+/// One of them.
+#[derive(Debug, Clone, Copy)]
+struct LoopMember {
+    /// Its "temperatures" are in the unit of the input.
+    params: LoopParams,
+    zeta: f64,
+    gain: f64,
+    offset: f64,
+    /// First input.
+    start: f64,
+    /// Place between the limiting curves there.
+    share: f64,
+}
+
+/// A plant whose drive is the input of its loop.
+#[derive(Debug, Clone, Copy)]
+struct StaticLoop<const L: usize> {
+    hysteresis: Hysteresis<L>,
+    gain: [f64; L],
+    offset: [f64; L],
+}
+
+#[derive(Debug, Clone)]
+struct LoopState<const L: usize> {
+    input: [f64; L],
+    fraction: [f64; L],
+    memory: Memory<L>,
+}
+
+impl Fleet for Loops {
+    type Member = LoopMember;
+    type Error = WienerError;
+
+    fn start<const L: usize>(
+        &self,
+        members: &[LoopMember; L],
+    ) -> Result<Started<L, impl Plant<L>>, WienerError> {
+        let limits = LimitingLoop::new(members.map(|member| member.params))?;
+        let proximity = SineProximity::new(members.map(|member| member.zeta))?;
+        let plant = StaticLoop {
+            hysteresis: Hysteresis::new(limits, proximity, self.rule),
+            gain: members.map(|member| member.gain),
+            offset: members.map(|member| member.offset),
+        };
+        let start = members.map(|member| member.start);
+        let share = members.map(|member| member.share);
+        let state = plant.between_limiting_curves(start, share);
+        Ok(Started { plant, state })
+    }
+}
+
+impl<const L: usize> StaticLoop<L> {
+    fn between_limiting_curves(&self, input: [f64; L], share: [f64; L]) -> LoopState<L> {
+        let memory = self.hysteresis.between_limiting_curves(input, share);
+        LoopState {
+            input,
+            fraction: self.hysteresis.peek(&memory, input).fraction,
+            memory,
+        }
+    }
+}
+
+impl<const L: usize> Plant<L> for StaticLoop<L> {
+    type State = LoopState<L>;
+
+    fn rest(&self, ambient_degc: f64) -> LoopState<L> {
+        self.between_limiting_curves([ambient_degc; L], [1.0; L])
+    }
+
+    #[inline(always)]
+    fn output(&self, state: &LoopState<L>) -> Output<L> {
+        let mut displacement = [0.0; L];
+        for l in 0..L {
+            displacement[l] = self.gain[l] * state.fraction[l] + self.offset[l];
+        }
+        Output {
+            displacement,
+            temperature_degc: state.input,
+        }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &mut LoopState<L>, input: &Input<L>, _dt_s: f64) {
+        state.input = input.drive;
+        state.fraction = self.hysteresis.commit(&mut state.memory, input.drive);
+    }
+}

@@ -1,0 +1,86 @@
+//! The model that a rod file asks for.
+
+use recording::{Quantity, Recording};
+use wiener::Block;
+use wiener::hysteresis::Rule;
+
+use crate::{
+    Fit, ForwardModel, IdentifyError, LoopModel, ParameterInfo, Rod, SadeghiModel, WienerModel,
+};
+
+/// The plain model of a rig.
+#[derive(Debug, Clone)]
+pub enum RigModel {
+    /// A rod heated by its drive.
+    Wiener(WienerModel),
+    /// The same with the unknowns of the paper.
+    Sadeghi(SadeghiModel),
+    /// Static data: the loop alone.
+    Loop(LoopModel),
+}
+
+impl RigModel {
+    /// The model for what drives the rig: the cascade, or for static data the loop alone.
+    ///
+    /// # Errors
+    ///
+    /// As [`WienerModel::new`] and [`LoopModel::new`].
+    pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
+        Ok(match rod.drive_kind {
+            Quantity::Temperature => Self::Loop(LoopModel::new(rod, rule, training)?),
+            _ => Self::Wiener(WienerModel::new(rod, rule, training)?),
+        })
+    }
+
+    /// See [`WienerModel::carry_specific_heat`]; the other models have no such range.
+    pub fn carry_specific_heat(&self, fit: &mut Fit) -> bool {
+        match self {
+            Self::Wiener(model) => model.carry_specific_heat(fit),
+            Self::Sadeghi(_) | Self::Loop(_) => false,
+        }
+    }
+
+    /// Whether temperatures are in kelvins; see [`WienerModel::knows_temperature`].
+    #[must_use]
+    pub fn knows_temperature(&self) -> bool {
+        match self {
+            Self::Wiener(model) => model.knows_temperature(),
+            Self::Sadeghi(_) => false,
+            Self::Loop(_) => true,
+        }
+    }
+}
+
+impl RigModel {
+    /// The parameters, to be set from a file.
+    pub(crate) fn parameters_mut(&mut self) -> &mut [ParameterInfo] {
+        match self {
+            Self::Wiener(model) => model.parameters_mut(),
+            Self::Sadeghi(model) => model.parameters_mut(),
+            Self::Loop(model) => model.parameters_mut(),
+        }
+    }
+}
+
+impl ForwardModel for RigModel {
+    fn parameters(&self) -> &[ParameterInfo] {
+        match self {
+            Self::Wiener(model) => model.parameters(),
+            Self::Sadeghi(model) => model.parameters(),
+            Self::Loop(model) => model.parameters(),
+        }
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        match self {
+            Self::Wiener(model) => model.simulate(points, recording, visit),
+            Self::Sadeghi(model) => model.simulate(points, recording, visit),
+            Self::Loop(model) => model.simulate(points, recording, visit),
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! An identified model as a value that can be kept.
+
+use recording::{Recording, Sampling};
+use serde::{Deserialize, Serialize};
+use wiener::WienerParams;
+use wiener::hysteresis::Rule;
+
+use crate::fit::point;
+use crate::problem::{Quantities, same_quantities};
+use crate::validate::validate_frozen;
+use crate::{
+    Fit, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance, ParameterVector,
+    RigModel, Rod, Scope, Validated,
+};
+
+/// An identified model with all that is needed to use it later: `model.toml`.
+///
+/// It holds the tables of the rod file it came from, every parameter with its interval, their covariance, how
+/// well it met which recordings, and how it was made. What is written is read back as it was.
+#[derive(Debug, Clone)]
+pub struct SavedModel {
+    pub(crate) rod: Rod,
+    pub(crate) model: RigModel,
+    pub(crate) rule: Rule,
+    pub(crate) output_unit: String,
+    pub(crate) drive_unit: String,
+    pub(crate) parameters: Vec<FittedParameter>,
+    pub(crate) covariance: ParameterCovariance,
+    pub(crate) recordings: Vec<SavedRecording>,
+    pub(crate) scores: Scores,
+    pub(crate) provenance: Provenance,
+}
+
+/// How well a saved model did.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scores {
+    /// Root mean square of recording - model over the training recordings, in the output unit.
+    pub train_rmse: f64,
+    /// The same over what the fit has not seen; `None` if there was nothing.
+    pub validate_rmse: Option<f64>,
+    /// 1 - RMSE / standard deviation of the output, training.
+    pub fit_fraction: f64,
+    /// Whether the fit converged.
+    pub converged: bool,
+}
+
+/// A recording that a model was fitted to or checked on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedRecording {
+    /// Its name.
+    pub name: String,
+    /// Whether the fit saw it.
+    pub role: Role,
+    /// Number of samples.
+    pub n_samples: usize,
+    /// Median sample time, s; `None` for static data.
+    pub sample_time_s: Option<f64>,
+    /// Root mean square of recording - model, in the output unit.
+    pub rmse: f64,
+}
+
+/// What a recording was for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Fitted to.
+    Train,
+    /// Checked on.
+    Validate,
+}
+
+/// How a model was made.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Version of the program.
+    pub version: String,
+    /// The call.
+    pub command: String,
+    /// Seed of the search.
+    pub seed: u64,
+    /// The input files.
+    pub input: Vec<InputFile>,
+}
+
+/// A file that went into a model.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InputFile {
+    /// Its name.
+    pub file: String,
+    /// SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// What a saved model is made of.
+#[derive(Debug)]
+pub struct Identification<'a> {
+    /// What is known of the rig.
+    pub rod: &'a Rod,
+    /// The model that was fitted.
+    pub model: &'a RigModel,
+    /// Rule of its memory.
+    pub rule: Rule,
+    /// The fit.
+    pub fit: &'a Fit,
+    /// The recordings that were fitted.
+    pub training: &'a [Recording],
+    /// The recordings that it was checked on, and the results of that, in one order.
+    pub unseen: &'a [Recording],
+    /// See `unseen`.
+    pub validated: &'a [Validated],
+}
+
+impl SavedModel {
+    /// The model of an identification, to be kept.
+    #[must_use]
+    pub fn of(identification: &Identification<'_>, provenance: Provenance) -> Self {
+        let Identification {
+            rod,
+            model,
+            rule,
+            fit,
+            training,
+            unseen,
+            validated,
+        } = *identification;
+        let trained = training.iter().zip(&fit.recordings);
+        let checked = unseen.iter().zip(validated);
+        let kept = |recording: &Recording, role, rmse| SavedRecording {
+            name: recording.name().to_owned(),
+            role,
+            n_samples: recording.len(),
+            sample_time_s: match recording.sampling() {
+                Sampling::Uniform { dt_s } => Some(dt_s),
+                Sampling::Jittered { median_dt_s, .. } => Some(median_dt_s),
+                Sampling::Untimed => None,
+            },
+            rmse,
+        };
+        Self {
+            rod: rod.clone(),
+            model: model.clone(),
+            rule,
+            output_unit: fit.output_unit.clone(),
+            drive_unit: fit.drive_unit.clone(),
+            parameters: fit.parameters.clone(),
+            covariance: fit.covariance.clone(),
+            recordings: trained
+                .map(|(recording, fitted)| kept(recording, Role::Train, fitted.rmse))
+                .chain(checked.map(|(recording, one)| kept(recording, Role::Validate, one.rmse)))
+                .collect(),
+            scores: Scores {
+                train_rmse: fit.train_rmse,
+                validate_rmse: Validated::rmse_of_all(validated),
+                fit_fraction: fit.fit_fraction,
+                converged: fit.converged(),
+            },
+            provenance,
+        }
+    }
+
+    /// What is known of the rig.
+    #[must_use]
+    pub fn rod(&self) -> &Rod {
+        &self.rod
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &RigModel {
+        &self.model
+    }
+
+    /// Rule of the hysteresis' memory.
+    #[must_use]
+    pub fn rule(&self) -> Rule {
+        self.rule
+    }
+
+    /// Unit of the output.
+    #[must_use]
+    pub fn output_unit(&self) -> &str {
+        &self.output_unit
+    }
+
+    /// The parameters, in the model's order.
+    #[must_use]
+    pub fn parameters(&self) -> &[FittedParameter] {
+        &self.parameters
+    }
+
+    /// Covariance of the estimates.
+    #[must_use]
+    pub fn covariance(&self) -> &ParameterCovariance {
+        &self.covariance
+    }
+
+    /// The recordings it was fitted to, then those it was checked on.
+    #[must_use]
+    pub fn recordings(&self) -> &[SavedRecording] {
+        &self.recordings
+    }
+
+    /// How well it did.
+    #[must_use]
+    pub fn scores(&self) -> Scores {
+        self.scores
+    }
+
+    /// How it was made.
+    #[must_use]
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    /// Values of all parameters in a training recording, in the model's order.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such recording.
+    #[must_use]
+    pub fn point(&self, recording: usize) -> Vec<f64> {
+        point(&self.parameters, recording)
+    }
+
+    /// Predicts a recording, as [`validate`](crate::validate()) does after the fit.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Units`], [`IdentifyError::Drives`], and what the model refuses.
+    pub fn validate(&self, recording: &Recording) -> Result<Validated, IdentifyError> {
+        let expected = Quantities {
+            output_unit: &self.output_unit,
+            drive: self.rod.drive_kind,
+            drive_unit: &self.drive_unit,
+        };
+        same_quantities(recording, self.rod.file(), &expected)?;
+        validate_frozen(&self.model, &self.parameters, recording)
+    }
+
+    /// The parameters of the cascade, with the offset of the first training recording; `None` for a static
+    /// loop.
+    #[must_use]
+    pub fn wiener_params(&self) -> Option<WienerParams> {
+        let point = self.point(0);
+        match &self.model {
+            RigModel::Wiener(model) => Some(model.wiener_params(&point)),
+            RigModel::Sadeghi(model) => Some(model.wiener_params(&point)),
+            RigModel::Loop(_) => None,
+        }
+    }
+
+    /// Coordinates from which a fit of the same model to other recordings can start: shared values as they
+    /// are, those of a recording where it has been fitted before, under the same name.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::OtherParameters`] if the models do not have the same parameters.
+    pub fn coordinates(
+        &self,
+        model: &RigModel,
+        training: &[Recording],
+    ) -> Result<Vec<f64>, IdentifyError> {
+        let names = |model: &RigModel| -> Vec<&str> {
+            model.parameters().iter().map(|info| info.name).collect()
+        };
+        let (kept, wanted) = (names(&self.model), names(model));
+        if kept != wanted {
+            return Err(IdentifyError::OtherParameters {
+                file: self.rod.file().to_owned(),
+                found: kept.join(", "),
+                expected: wanted.join(", "),
+            });
+        }
+        let vector = ParameterVector::new(model.parameters(), training.len());
+        Ok(vector.coordinates(|parameter, r| {
+            let fitted = &self.parameters[parameter];
+            match fitted.info.scope {
+                Scope::Shared => Some(fitted.values[0]),
+                Scope::PerRecording => {
+                    let name = training[r].name();
+                    let known = self.recordings.iter().position(|one| one.name == name)?;
+                    fitted.values.get(known).copied()
+                }
+            }
+        }))
+    }
+}

@@ -1,0 +1,248 @@
+//! A model that is written is the model that is read.
+
+// Shared functions fail the test too; clippy.toml exempts only functions marked as tests.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking wherever it reads its data"
+)]
+
+#[allow(dead_code, reason = "tests use different parts of what they share")]
+mod common;
+
+use std::ops::ControlFlow;
+
+use common::{ROD, recording, rod, steps, triangles};
+use identify::{
+    Fit, FitConfig, Identification, InputFile, Provenance, RigModel, Rod, Role, SavedModel, fit,
+    predict, validate,
+};
+use recording::Recording;
+use wiener::hysteresis::Rule;
+
+struct Saved {
+    model: RigModel,
+    training: Vec<Recording>,
+    fit: Fit,
+    saved: SavedModel,
+}
+
+fn fitted(model: &RigModel, training: &[Recording], config: &FitConfig) -> Fit {
+    fit(model, training, config, &mut |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn saved(text: &str) -> Saved {
+    let rod = rod(text);
+    let training = vec![
+        recording("a.csv", triangles(900, 4.2), 0.5),
+        recording("b \"2\".csv", steps(500), -1.25),
+    ];
+    let unseen = [recording("c.csv", triangles(600, 3.9), 2.0)];
+    let model = RigModel::new(&rod, Rule::Nested, &training).unwrap();
+    let fit = fitted(&model, &training, &FitConfig::default());
+    let validated = [validate(&model, &fit, &unseen[0]).unwrap()];
+    let identification = Identification {
+        rod: &rod,
+        model: &model,
+        rule: Rule::Nested,
+        fit: &fit,
+        training: &training,
+        unseen: &unseen,
+        validated: &validated,
+    };
+    let provenance = Provenance {
+        version: "0.1.0".to_owned(),
+        command: "sma identify rod.toml --train a.csv \"b \\\"2\\\".csv\"".to_owned(),
+        seed: 1,
+        input: vec![InputFile {
+            file: "rod.toml".to_owned(),
+            sha256: "00ff".to_owned(),
+        }],
+    };
+    let saved = SavedModel::of(&identification, provenance);
+    Saved {
+        model,
+        training,
+        fit,
+        saved,
+    }
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let free = "[model]\nstart_rise_k = { bounds = [0.0, 20.0] }\nzeta = { fixed = 0.8 }\n";
+    let static_heat = ROD.replace("specific_heat_j_per_kg_k = 500.0\n", "");
+    for text in [ROD, &format!("{ROD}{free}"), &static_heat] {
+        let Saved {
+            fit,
+            saved,
+            training,
+            model,
+        } = saved(text);
+        let written = saved.to_toml().unwrap();
+        let read = SavedModel::parse("model.toml", &written).unwrap();
+        assert_eq!(read.to_toml().unwrap(), written);
+        assert_eq!(read.parameters(), fit.parameters);
+        assert_eq!(read.covariance(), &fit.covariance);
+        assert_eq!(read.rule(), Rule::Nested);
+        assert_eq!(read.model().knows_temperature(), model.knows_temperature());
+        assert_eq!(read.provenance(), saved.provenance());
+        let of_reading: Vec<_> = read.recordings().iter().map(|one| one.role).collect();
+        assert_eq!(of_reading, [Role::Train, Role::Train, Role::Validate]);
+        for (r, recording) in training.iter().enumerate() {
+            assert_eq!(
+                predict(read.model(), &read.point(r), recording).unwrap(),
+                predict(&model, &fit.point(r), recording).unwrap()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_prediction_is_what_the_fit_met() {
+    let Saved {
+        model,
+        training,
+        fit,
+        ..
+    } = saved(ROD);
+    for (r, recording) in training.iter().enumerate() {
+        let prediction = predict(&model, &fit.point(r), recording).unwrap();
+        let pairs = prediction.output.iter().zip(recording.output());
+        let squares: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+        let rmse = (squares / recording.len() as f64).sqrt();
+        assert!((rmse - fit.recordings[r].rmse).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_saved_model_is_a_start() {
+    let Saved {
+        model,
+        training,
+        fit,
+        saved,
+    } = saved(ROD);
+    let from = saved.coordinates(&model, &training).unwrap();
+    let config = FitConfig {
+        swarm_iterations: 1,
+        starts: 1,
+        from: Some(from),
+        ..FitConfig::default()
+    };
+    let again = fitted(&model, &training, &config);
+    assert_eq!(again.starts, 2);
+    assert!(again.train_rmse <= fit.train_rmse * (1.0 + 1e-6) + 1e-9);
+
+    let other = Rod::parse("rod.toml", "[surroundings]\nambient_degc = 21.0\n").unwrap();
+    let other = RigModel::new(&other, Rule::Nested, &training).unwrap();
+    let names = "tau_s, loop_center_degc, loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, \
+                 start_share";
+    assert_eq!(
+        saved
+            .coordinates(&other, &training)
+            .unwrap_err()
+            .to_string(),
+        format!("rod.toml: a model of {names}; this rig has {names}, lambda_k_per_a2")
+    );
+    let wrong = FitConfig {
+        from: Some(vec![0.0; 3]),
+        ..FitConfig::default()
+    };
+    let refused = fit_error(&model, &training, &wrong);
+    assert_eq!(refused, "a start of 3 coordinates; this problem has 5");
+}
+
+fn fit_error(model: &RigModel, training: &[Recording], config: &FitConfig) -> String {
+    fit(model, training, config, &mut |_| ControlFlow::Continue(()))
+        .unwrap_err()
+        .to_string()
+}
+
+#[test]
+fn what_a_model_file_may_not_say() {
+    let written = saved(ROD).saved.to_toml().unwrap();
+    let said = |from: &str, to: &str| {
+        assert!(written.contains(from), "{from}\n{written}");
+        let text = written.replacen(from, to, 1);
+        SavedModel::parse("model.toml", &text)
+            .unwrap_err()
+            .to_string()
+    };
+    let tau = {
+        let start = written.find("value = ").unwrap();
+        written[start..].lines().next().unwrap().to_owned()
+    };
+    let line_of = |what: &str| {
+        let at = written.find(what).unwrap();
+        written[..at].matches('\n').count() + 1
+    };
+    let parameter = line_of("[[parameter]]");
+    for (from, to, expected) in [
+        (
+            "schema_version = 1",
+            "schema_version = 2",
+            "model.toml:4:18: schema_version = 2: must be 1".to_owned(),
+        ),
+        (
+            "effects = []",
+            "effects = [\"latent-heat\"]",
+            format!(
+                "model.toml:{}:12: effects: \"latent-heat\": no such effect in this version",
+                line_of("effects")
+            ),
+        ),
+        (
+            tau.as_str(),
+            "value = nan",
+            format!(
+                "model.toml:{parameter}:1: parameter tau_s = NaN: must lie from 1e-12 to 1e12 s"
+            ),
+        ),
+        (
+            "memory = \"nested\"",
+            "memory = \"none\"",
+            format!(
+                "model.toml:{}:10: unknown variant `none`, expected `last-reversal` or `nested`",
+                line_of("memory")
+            ),
+        ),
+        (
+            "diameter_mm = 1.0",
+            "diameter_mm = -1.0",
+            format!(
+                "model.toml:{}:15: rod.diameter_mm = -1: must be finite and > 0",
+                line_of("diameter_mm")
+            ),
+        ),
+    ] {
+        assert_eq!(said(from, to), expected);
+    }
+    // These name a fitted value too.
+    let unknown = said("name = \"zeta\"", "name = \"zetta\"");
+    let known = ": no such parameter; this model has tau_s, loop_center_degc, loop_half_width_k, \
+                 loop_spread_k, zeta, gain, offset, start_rise_k, start_share";
+    assert!(
+        unknown.contains("parameter zetta = 0.") && unknown.ends_with(known),
+        "{unknown}"
+    );
+    let twice = said("name = \"loop_spread_k\"", "name = \"loop_half_width_k\"");
+    assert_eq!(
+        twice,
+        "model.toml:1:1: parameter loop_half_width_k: must be there once"
+    );
+    let shared = said(
+        "name = \"tau_s\"",
+        "name = \"tau_s\"\nrecording = \"a.csv\"",
+    );
+    assert!(
+        shared.ends_with(": is shared: must not name a recording"),
+        "{shared}"
+    );
+    let stranger = said("recording = \"a.csv\"", "recording = \"z.csv\"");
+    assert!(
+        stranger.ends_with(": must name its recording: a.csv or b \"2\".csv"),
+        "{stranger}"
+    );
+    let absent = SavedModel::read("absent.toml".as_ref()).unwrap_err();
+    assert_eq!(absent.to_string(), "absent.toml: cannot be read");
+}

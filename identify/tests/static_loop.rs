@@ -1,0 +1,135 @@
+//! Data without time: the loop alone, on measured and on generated recordings.
+
+// Shared functions fail the test too; clippy.toml exempts only functions marked as tests.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking wherever it reads its data"
+)]
+
+use std::ops::ControlFlow;
+
+use identify::{Fit, FitConfig, LoopModel, Rod, fit};
+use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingParts, read_csv};
+use wiener::hysteresis::{Branch, Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
+
+fn fitted(rod: &Rod, rule: Rule, training: &[Recording]) -> Fit {
+    let model = LoopModel::new(rod, rule, training).unwrap();
+    fit(&model, training, &FitConfig::default(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap()
+}
+
+/// Training error as a share of the output's range.
+fn share_of_range(fit: &Fit, training: &[Recording]) -> f64 {
+    let outputs = || training.iter().flat_map(Recording::output).copied();
+    let range =
+        outputs().fold(f64::NEG_INFINITY, f64::max) - outputs().fold(f64::INFINITY, f64::min);
+    fit.train_rmse / range
+}
+
+const STATIC: &str = "[drive]\nkind = \"temperature\"\n";
+
+#[test]
+fn first_order_reversal_curves_of_a_morphing_wing() {
+    let Some(path) = fixtures::shared::path("recordings/morphing-wing/training.csv") else {
+        return;
+    };
+    // No header, no time; the loop's input is the voltage of the source.
+    let columns = "[columns]\ndrive = { number = 1, unit = \"V\" }\noutput = 2\n";
+    let rod = Rod::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap();
+    let training = [read_csv(&path, &rod.read_options()).unwrap()];
+    let fit = fitted(&rod, Rule::LastReversal, &training);
+    assert!(fit.converged());
+    assert_eq!(fit.parameter("loop_half_width").unwrap().info.unit, "V");
+    // 2.466 % of the range.
+    assert!(share_of_range(&fit, &training) < 0.0247);
+}
+
+#[test]
+fn static_loop_of_a_wire_under_constant_load() {
+    let Some(path) = fixtures::shared::path("recordings/mk-zuk/static.csv") else {
+        return;
+    };
+    // The way up and the way down stand side by side in the file: temperature and displacement of each.
+    let way = |temperature, displacement| {
+        let options = ReadOptions {
+            columns: Columns {
+                drive: Some(ColumnSpec::number(temperature).in_unit("degc")),
+                output: Some(ColumnSpec::number(displacement).in_unit("mm")),
+                ..Columns::default()
+            },
+            ..ReadOptions::new(Quantity::Temperature)
+        };
+        read_csv(&path, &options).unwrap()
+    };
+    let (up, down) = (way(5, 4), way(10, 9));
+    let training = [static_recording(
+        [up.drive(), down.drive()].concat(),
+        [up.output(), down.output()].concat(),
+    )];
+    let rod = Rod::parse("rod.toml", STATIC).unwrap();
+    let fit = fitted(&rod, Rule::LastReversal, &training);
+    assert!(fit.converged());
+    // 3.344 % of the range.
+    assert!(share_of_range(&fit, &training) < 0.0335);
+}
+
+#[test]
+fn nested_minor_loops_tell_the_memories_apart() {
+    let input = nested_loops();
+    let material = Hysteresis::new(
+        LimitingLoop::new([LoopParams {
+            loop_center_degc: 70.0,
+            loop_half_width_k: 8.0,
+            loop_spread_k: 6.0,
+            ..LoopParams::default()
+        }])
+        .unwrap(),
+        SineProximity::new([0.8]).unwrap(),
+        Rule::Nested,
+    );
+    let mut memory = material.on_limiting_curve(Branch::Cooling, [input[0]]);
+    let output = input
+        .iter()
+        .map(|&input| 5.0 * material.commit(&mut memory, [input])[0])
+        .collect();
+    let training = [static_recording(input, output)];
+    let rod = Rod::parse("rod.toml", STATIC).unwrap();
+
+    let nested = fitted(&rod, Rule::Nested, &training);
+    assert!(share_of_range(&nested, &training) < 1e-6);
+    let width = nested.parameter("loop_half_width_k").unwrap().values[0];
+    assert!((width - 8.0).abs() < 1e-4, "{width}");
+
+    let last = fitted(&rod, Rule::LastReversal, &training);
+    let share = share_of_range(&last, &training);
+    // 1.255 % of the range, without any noise.
+    assert!((0.012..0.013).contains(&share), "{share}");
+}
+
+/// Down and up between the limiting curves in loops within loops, each closed before the next, °C.
+fn nested_loops() -> Vec<f64> {
+    let turns: [f64; 15] = [
+        20.0, 110.0, 60.0, 78.0, 66.0, 74.0, 66.0, 78.0, 60.0, 84.0, 64.0, 80.0, 64.0, 84.0, 20.0,
+    ];
+    let mut input = vec![turns[0]];
+    for pair in turns.windows(2) {
+        let steps = ((pair[1] - pair[0]).abs() / 0.5).round();
+        input
+            .extend((1..=steps as usize).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / steps));
+    }
+    input
+}
+
+fn static_recording(drive: Vec<f64>, output: Vec<f64>) -> Recording {
+    Recording::new(RecordingParts {
+        name: "static".to_owned(),
+        drive_quantity: Quantity::Temperature,
+        drive,
+        output_unit: "mm".to_owned(),
+        output,
+        ..RecordingParts::default()
+    })
+    .unwrap()
+}
