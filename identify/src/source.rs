@@ -27,7 +27,10 @@ impl Source<'_> {
             file: self.file.to_owned(),
             line,
             column,
-            message: error.message().replace('\n', " "),
+            message: error
+                .message()
+                .replace('\n', " ")
+                .replace("expected f64", "expected a number"),
         }
     }
 

@@ -140,7 +140,7 @@ fn ranges_must_rise() {
 fn text_where_a_number_belongs() {
     assert_eq!(
         refused("[rod]\ndiameter_mm = \"thin\"\n"),
-        "rod.toml:2:15: invalid type: string \"thin\", expected f64"
+        "rod.toml:2:15: invalid type: string \"thin\", expected a number"
     );
     assert_eq!(
         refused("[rod]\nspecific_heat_j_per_kg_k = \"much\"\n"),

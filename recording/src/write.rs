@@ -26,10 +26,7 @@ pub fn write_csv(recording: &Recording, mut writer: impl Write) -> io::Result<()
     };
     let columns = [
         ("time_s".to_owned(), time),
-        (
-            drive_column(recording),
-            Some(recording.drive()),
-        ),
+        (drive_column(recording), Some(recording.drive())),
         (
             output_column(recording.output_unit()),
             Some(recording.output()),

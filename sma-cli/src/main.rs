@@ -2,6 +2,7 @@
 
 mod commands;
 mod outcome;
+mod provenance;
 mod report;
 mod sink;
 
@@ -11,6 +12,7 @@ use clap::Parser;
 
 use commands::identify::IdentifyArgs;
 use commands::inspect::InspectArgs;
+use commands::simulate::SimulateArgs;
 
 /// Identify the model of a shape-memory-alloy actuator from recordings of drive and displacement.
 #[derive(Debug, Parser)]
@@ -24,6 +26,7 @@ struct Cli {
 enum Command {
     Inspect(InspectArgs),
     Identify(IdentifyArgs),
+    Simulate(SimulateArgs),
 }
 
 fn main() -> ExitCode {
@@ -31,6 +34,7 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Inspect(args) => commands::inspect::run(args),
         Command::Identify(args) => commands::identify::run(args),
+        Command::Simulate(args) => commands::simulate::run(args),
     };
     outcome::report(&result)
 }

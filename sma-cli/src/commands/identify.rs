@@ -6,13 +6,18 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use identify::{FitConfig, Loss, Rod, WienerModel, fit, validate};
+use identify::{
+    CrossVerdict, Fit, FitConfig, Identification, Loss, RigModel, Rod, SadeghiModel, SavedModel,
+    Validated, cross_check, fit, predict, validate,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use recording::Recording;
 use wiener::hysteresis::Rule;
 
 use crate::outcome::Outcome;
+use crate::provenance::provenance;
 use crate::report::identified::Identified;
+use crate::report::plot;
 use crate::sink::Sink;
 
 /// Fit the grey-box model to recordings, and check it on recordings it has not seen.
@@ -21,7 +26,7 @@ use crate::sink::Sink;
 /// training recordings are fitted together, each with its own offset.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
-    sma identify rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --json fit.json\n\n\
+    sma identify rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-model model.toml\n\n\
     Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged")]
 pub(crate) struct IdentifyArgs {
     /// What is known of the rig.
@@ -38,9 +43,24 @@ pub(crate) struct IdentifyArgs {
     /// What is made small: the mean square, or Huber's loss, which outliers hardly move.
     #[arg(long, value_enum, default_value_t = LossArg::Squares)]
     loss: LossArg,
-    /// Independent starts of the search.
-    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..))]
-    starts: u64,
+    /// How is searched: by several swarms with least squares after each, or as in the paper.
+    #[arg(long, value_enum, default_value_t = Preset::Default)]
+    preset: Preset,
+    /// Independent starts of the search [default: 4; with --preset sadeghi 1].
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    starts: Option<u64>,
+    /// Start one more search from an earlier model.
+    #[arg(long, value_name = "MODEL")]
+    from_model: Option<PathBuf>,
+    /// Give the same cost to argmin's optimizers and say where they end.
+    #[arg(long)]
+    cross_check: bool,
+    /// Write the model to a file: for `sma simulate`, and for --from-model.
+    #[arg(long, value_name = "FILE")]
+    save_model: Option<PathBuf>,
+    /// No picture of the recording that is met worst.
+    #[arg(long)]
+    no_plot: bool,
     /// Seed: same seed and inputs, same result.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -53,6 +73,15 @@ pub(crate) struct IdentifyArgs {
     /// No progress and no notes.
     #[arg(long, short)]
     quiet: bool,
+}
+
+/// How is searched.
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
+enum Preset {
+    /// Swarms for the basin, least squares for the floor.
+    Default,
+    /// One swarm of 50 particles and 150 moves over the paper's unknowns within its bounds.
+    Sadeghi,
 }
 
 /// What is made small.
@@ -80,6 +109,14 @@ impl Memory {
             Memory::Nested => Rule::Nested,
         }
     }
+
+    /// As the flag and the model file write it.
+    fn name(self) -> &'static str {
+        match self {
+            Memory::LastReversal => "last-reversal",
+            Memory::Nested => "nested",
+        }
+    }
 }
 
 /// Runs the command.
@@ -92,53 +129,44 @@ pub(crate) fn run(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
 
 fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     // Before the long run: a place that cannot be written to is found out now.
-    let inputs: Vec<&Path> = std::iter::once(&args.rod)
-        .chain(&args.train)
-        .chain(&args.validate)
-        .map(PathBuf::as_path)
-        .collect();
-    let json = args
-        .json
-        .as_deref()
-        .map(|path| Sink::open(path, &inputs))
-        .transpose()?;
+    let inputs = args.inputs();
+    let open = |path: &Option<PathBuf>| {
+        path.as_deref()
+            .map(|path| Sink::open(path, &inputs))
+            .transpose()
+    };
+    let (json, save_model) = (open(&args.json)?, open(&args.save_model)?);
     let rod = Rod::read(&args.rod)?;
     let training = read_all(&rod, &args.train)?;
     let unseen = read_all(&rod, &args.validate)?;
-    let model = WienerModel::new(&rod, args.memory.rule(), &training)?;
-    let config = FitConfig {
-        starts: args.starts,
-        seed: args.seed,
-        loss: match args.loss {
-            LossArg::Squares => Loss::Squares,
-            LossArg::Huber => Loss::Huber,
-        },
-        ..FitConfig::default()
+    let rule = args.memory.rule();
+    let model = match args.preset {
+        Preset::Default => RigModel::new(&rod, rule, &training)?,
+        Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
-    let bar = progress(args);
-    let fit = fit(&model, &training, &config, &mut |progress| {
-        bar.set_position(progress.starts);
-        bar.set_message(format!("RMSE {:.4}", progress.lowest_rmse));
-        ControlFlow::Continue(())
-    })?;
-    bar.finish_and_clear();
+    let config = args.config(&model, &training)?;
+    let mut fit = fitted(args, &model, &training, &config)?;
+    let heat_carried = model.carry_specific_heat(&mut fit);
     let validated = unseen
         .iter()
         .map(|recording| validate(&model, &fit, recording))
         .collect::<Result<Vec<_>, _>>()?;
-    let missing_for_temperature = if model.knows_temperature() {
-        Vec::new()
-    } else {
-        rod.missing_for_temperature()
-    };
+    let checked = args
+        .cross_check
+        .then(|| cross_check(&model, &training, &fit))
+        .transpose()?;
     let identified = Identified {
         fit: &fit,
         validated: &validated,
-        missing_for_temperature,
-        memory: match args.memory {
-            Memory::LastReversal => "last-reversal",
-            Memory::Nested => "nested",
+        cross_check: checked.as_ref(),
+        missing_for_temperature: if model.knows_temperature() {
+            Vec::new()
+        } else {
+            rod.missing_for_temperature()
         },
+        specific_heat: rod.specific_heat_range.filter(|_| heat_carried),
+        is_static: matches!(model, RigModel::Loop(_)),
+        memory: args.memory.name(),
     };
     if !args.quiet {
         let mut notes = identified.notes();
@@ -147,20 +175,112 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             writeln!(io::stderr(), "note: {note}")?;
         }
     }
+    let mut text = identified.text();
+    if !args.no_plot {
+        let (recording, point) = met_worst(&fit, &training, &validated, &unseen);
+        let name = identified.label(recording.name());
+        text += &plot::pictures(name, recording, &predict(&model, &point, recording)?);
+    }
+    if let Some(sink) = save_model {
+        let identification = Identification {
+            rod: &rod,
+            model: &model,
+            rule,
+            fit: &fit,
+            training: &training,
+            unseen: &unseen,
+            validated: &validated,
+        };
+        let made = provenance(fit.seed, &inputs)?;
+        sink.write(&SavedModel::of(&identification, made).to_toml()?)?;
+    }
     let json_text = serde_json::to_string_pretty(&identified.json())? + "\n";
     match json {
         Some(Sink::Stdout) => write_stdout(&json_text)?,
         Some(file) => {
-            write_stdout(&identified.text())?;
+            write_stdout(&text)?;
             file.write(&json_text)?;
         }
-        None => write_stdout(&identified.text())?,
+        None => write_stdout(&text)?,
     }
-    Ok(if fit.converged() {
+    let beaten = checked.is_some_and(|one| one.verdict == CrossVerdict::EndedLower);
+    Ok(if fit.converged() && !beaten {
         Outcome::Done
     } else {
         Outcome::NotConverged
     })
+}
+
+impl IdentifyArgs {
+    /// All files that are read.
+    fn inputs(&self) -> Vec<&Path> {
+        std::iter::once(&self.rod)
+            .chain(&self.train)
+            .chain(&self.validate)
+            .chain(&self.from_model)
+            .map(PathBuf::as_path)
+            .collect()
+    }
+
+    fn config(&self, model: &RigModel, training: &[Recording]) -> anyhow::Result<FitConfig> {
+        let preset = match self.preset {
+            Preset::Default => FitConfig::default(),
+            Preset::Sadeghi => FitConfig::sadeghi(),
+        };
+        let from = match &self.from_model {
+            None => None,
+            Some(path) => Some(SavedModel::read(path)?.coordinates(model, training)?),
+        };
+        Ok(FitConfig {
+            starts: self.starts.unwrap_or(preset.starts),
+            seed: self.seed,
+            loss: match self.loss {
+                LossArg::Squares => Loss::Squares,
+                LossArg::Huber => Loss::Huber,
+            },
+            from,
+            ..preset
+        })
+    }
+}
+
+fn fitted(
+    args: &IdentifyArgs,
+    model: &RigModel,
+    training: &[Recording],
+    config: &FitConfig,
+) -> anyhow::Result<Fit> {
+    let bar = progress(args, config.starts);
+    let fit = fit(model, training, config, &mut |progress| {
+        bar.set_length(progress.of);
+        bar.set_position(progress.starts);
+        bar.set_message(format!("RMSE {:.4}", progress.lowest_rmse));
+        ControlFlow::Continue(())
+    })?;
+    bar.finish_and_clear();
+    Ok(fit)
+}
+
+/// The recording of the highest error, and the model's parameters in it.
+fn met_worst<'a>(
+    fit: &Fit,
+    training: &'a [Recording],
+    validated: &[Validated],
+    unseen: &'a [Recording],
+) -> (&'a Recording, Vec<f64>) {
+    let trained = training.iter().enumerate().map(|(r, recording)| {
+        let rmse = fit.recordings[r].rmse;
+        (rmse, recording, fit.point(r))
+    });
+    let checked = validated
+        .iter()
+        .zip(unseen)
+        .map(|(one, recording)| (one.rmse, recording, one.point.clone()));
+    let worst = trained.chain(checked).max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, recording, point)) = worst else {
+        unreachable!("a fit has at least one recording");
+    };
+    (recording, point)
 }
 
 /// What is odd about the recordings themselves.
@@ -209,11 +329,11 @@ fn write_stdout(text: &str) -> io::Result<()> {
 }
 
 /// A bar on a terminal, nothing elsewhere.
-fn progress(args: &IdentifyArgs) -> ProgressBar {
+fn progress(args: &IdentifyArgs, starts: u64) -> ProgressBar {
     if args.quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(args.starts);
+    let bar = ProgressBar::new(starts);
     if let Ok(style) = ProgressStyle::with_template("identify {bar:20} start {pos}/{len}  {msg}") {
         bar.set_style(style);
     }

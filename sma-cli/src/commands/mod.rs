@@ -2,3 +2,4 @@
 
 pub(crate) mod identify;
 pub(crate) mod inspect;
+pub(crate) mod simulate;

@@ -3,7 +3,10 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, CellAlignment, Table, TableComponent, presets};
-use identify::{Bounds, Fit, FittedParameter, OffsetSource, ParameterState, Scope, Validated};
+use identify::{
+    Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, ParameterState, Scope,
+    Validated,
+};
 use serde_json::{Value, json};
 
 use super::number::{count, percent, significant};
@@ -17,8 +20,14 @@ const SUSPICIOUS_RATIO: f64 = 2.0;
 pub(crate) struct Identified<'a> {
     pub(crate) fit: &'a Fit,
     pub(crate) validated: &'a [Validated],
+    /// Where argmin ended, if it was asked.
+    pub(crate) cross_check: Option<&'a CrossCheck>,
     /// Keys without which temperatures are arbitrary; empty if they are not.
     pub(crate) missing_for_temperature: Vec<&'static str>,
+    /// Range of the specific heat, J/(kg K), if the intervals hold for it.
+    pub(crate) specific_heat: Option<Bounds>,
+    /// Whether the model is a loop without heat.
+    pub(crate) is_static: bool,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub(crate) memory: &'static str,
 }
@@ -97,7 +106,37 @@ impl Identified<'_> {
                 )
             };
         }
+        if let Some(check) = self.cross_check {
+            let _ = writeln!(text, "{}", self.checked(check));
+        }
         text
+    }
+
+    /// What argmin's end means.
+    fn checked(&self, check: &CrossCheck) -> String {
+        let place: Vec<String> = check
+            .shared
+            .iter()
+            .filter(|(name, ..)| *name != "gain")
+            .map(|(name, value, _)| format!("{name} {}", significant(*value)))
+            .collect();
+        let (rmse, unit) = (significant(check.rmse), &self.fit.output_unit);
+        match check.verdict {
+            CrossVerdict::Agrees => {
+                format!("argmin, from its own start, ends at the same floor: {rmse} {unit}.")
+            }
+            CrossVerdict::EndedHigher => format!(
+                "argmin, from its own start, ends higher: {rmse} {unit}, at {}. It was caught on the way; that \
+                 says nothing against the fit.",
+                place.join(", ")
+            ),
+            CrossVerdict::EndedLower => format!(
+                "argmin, from its own start, ends lower: {rmse} {unit}, at {}. The fit is not the lowest minimum; \
+                 try --starts {}.",
+                place.join(", "),
+                4 * self.fit.starts
+            ),
+        }
     }
 
     fn parameters(&self) -> Table {
@@ -132,7 +171,7 @@ impl Identified<'_> {
     }
 
     /// The last part of a recording's path, or all of it where two would look alike.
-    fn label<'b>(&self, name: &'b str) -> &'b str {
+    pub(crate) fn label<'b>(&self, name: &'b str) -> &'b str {
         let last = |name: &'b str| name.rsplit(['/', '\\']).next().unwrap_or(name);
         let trained = self.fit.recordings.iter().map(|one| one.name.as_str());
         let names = trained.chain(self.validated.iter().map(|one| one.name.as_str()));
@@ -194,6 +233,16 @@ impl Identified<'_> {
                 .iter()
                 .map(|direction| format!("not fixed by these data: {direction}")),
         );
+        if let Some(range) = self.specific_heat {
+            notes.push(format!(
+                "the intervals of temperatures hold for a specific heat of {} to {} J/(kg K)",
+                significant(range.lower),
+                significant(range.upper)
+            ));
+        }
+        if self.is_static {
+            return notes;
+        }
         if self.missing_for_temperature.is_empty() {
             let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
             notes.push(format!(
@@ -275,6 +324,17 @@ impl Identified<'_> {
                 "matrix": self.fit.covariance.correlation(),
             },
             "not_fixed": self.fit.unfixed.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "cross_check": self.cross_check.map(|check| json!({
+                "rmse": check.rmse,
+                "cost_ratio": check.ratio,
+                "verdict": match check.verdict {
+                    CrossVerdict::Agrees => "agrees",
+                    CrossVerdict::EndedHigher => "ended_higher",
+                    CrossVerdict::EndedLower => "ended_lower",
+                },
+                "simulations": check.simulations,
+            })),
+            "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.missing_for_temperature.is_empty() { "known" } else { "assumed" },
             "memory": self.memory,
             "parameters": parameters,

@@ -2,4 +2,5 @@
 
 pub(crate) mod identified;
 pub(crate) mod inspected;
-mod number;
+pub(crate) mod number;
+pub(crate) mod plot;

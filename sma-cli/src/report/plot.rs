@@ -1,0 +1,114 @@
+//! Small pictures for a terminal: what was recorded and what the model says of it.
+
+use std::fmt::Write;
+
+use identify::Prediction;
+use recording::{Quantity, Recording};
+use textplots::{Chart, LabelBuilder, LabelFormat, Plot, Shape};
+
+use super::number::significant;
+
+/// Dots of a picture: two a column and four a line of text.
+const WIDTH: u32 = 132;
+const HEIGHT: u32 = 48;
+const STRIP_HEIGHT: u32 = 20;
+
+/// Points of a curve that are drawn: several a column.
+const MOST_POINTS: usize = 2000;
+
+/// The recording over time with the model through it, what is left between them, and the loop.
+pub(crate) fn pictures(name: &str, recording: &Recording, prediction: &Prediction) -> String {
+    let output = recording.output();
+    let unit = recording.output_unit();
+    let left: Vec<f64> = output
+        .iter()
+        .zip(&prediction.output)
+        .map(|(recorded, model)| recorded - model)
+        .collect();
+    let samples: Vec<f64>;
+    let (time, time_unit) = match recording.time_s() {
+        [] => {
+            samples = (0..output.len()).map(|k| k as f64).collect();
+            (samples.as_slice(), "samples")
+        }
+        time_s => (time_s, "s"),
+    };
+    let (input, input_unit) = match recording.drive_quantity() {
+        Quantity::Temperature => (recording.drive(), recording.drive_unit()),
+        _ => (
+            prediction.temperature_degc.as_slice(),
+            "°C of the model's rod",
+        ),
+    };
+    let both = [Curve::Dots(output), Curve::Line(&prediction.output)];
+    let mut text = format!("\nMet worst: {name}, recorded (dots) and model (line)\n");
+    let mut draw = |what: &str, height, x, curves: &[Curve<'_>], x_unit| {
+        let picture = picture(height, x, curves);
+        let _ = write!(text, "{what}: {unit} over {x_unit}\n{picture}\n");
+    };
+    draw("both", HEIGHT, time, &both, time_unit);
+    let difference = [Curve::Line(&left)];
+    draw(
+        "recorded - model",
+        STRIP_HEIGHT,
+        time,
+        &difference,
+        time_unit,
+    );
+    draw("the loop", HEIGHT, input, &both, input_unit);
+    text
+}
+
+/// A curve and how it is drawn.
+enum Curve<'a> {
+    Dots(&'a [f64]),
+    Line(&'a [f64]),
+}
+
+impl Curve<'_> {
+    fn values(&self) -> &[f64] {
+        match self {
+            Self::Dots(values) | Self::Line(values) => values,
+        }
+    }
+
+    fn shape<'a>(&self, points: &'a [(f32, f32)]) -> Shape<'a> {
+        match self {
+            Self::Dots(_) => Shape::Points(points),
+            Self::Line(_) => Shape::Lines(points),
+        }
+    }
+}
+
+fn picture(height: u32, x: &[f64], curves: &[Curve<'_>]) -> String {
+    let points: Vec<Vec<(f32, f32)>> = curves
+        .iter()
+        .map(|curve| thinned(x, curve.values()))
+        .collect();
+    let shapes: Vec<Shape<'_>> = curves
+        .iter()
+        .zip(&points)
+        .map(|(curve, points)| curve.shape(points))
+        .collect();
+    let lowest = x.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let label = || LabelFormat::Custom(Box::new(|value| significant(f64::from(value))));
+    let mut chart = Chart::new(WIDTH, height, lowest as f32, highest as f32);
+    let mut plot = chart.x_label_format(label()).y_label_format(label());
+    for shape in &shapes {
+        plot = plot.lineplot(shape);
+    }
+    plot.axis();
+    plot.figures();
+    plot.to_string()
+}
+
+/// Not all of a long curve.
+fn thinned(x: &[f64], y: &[f64]) -> Vec<(f32, f32)> {
+    let step = x.len().div_ceil(MOST_POINTS).max(1);
+    x.iter()
+        .zip(y)
+        .step_by(step)
+        .map(|(&x, &y)| (x as f32, y as f32))
+        .collect()
+}
