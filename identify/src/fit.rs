@@ -109,6 +109,8 @@ pub struct TrainedRecording {
     pub rmse: f64,
     /// Its number of samples.
     pub n_samples: usize,
+    /// Highest less lowest output, in the output unit.
+    pub output_range: f64,
     /// Highest temperature of the model in it, °C: absurd, if what is said of the rod is wrong.
     pub peak_temperature_degc: f64,
 }
@@ -329,6 +331,7 @@ pub fn fit<M: ForwardModel>(
                 rmse: root_mean_square(&residuals.values),
                 peak_temperature_degc: residuals.peak_temperature_degc,
                 n_samples: recording.len(),
+                output_range: range(recording.output()),
             })
             .collect(),
         aic: deviance + 2.0 * n_parameters,
@@ -463,6 +466,15 @@ fn equal_spreads<M: ForwardModel>(problem: &Problem<'_, M>, training: &[Recordin
     } else {
         0.0
     }
+}
+
+pub(crate) fn range(values: &[f64]) -> f64 {
+    let ends = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |ends, &value| {
+            (value.min(ends.0), value.max(ends.1))
+        });
+    ends.1 - ends.0
 }
 
 pub(crate) fn squares_about_own_mean(values: &[f64]) -> f64 {

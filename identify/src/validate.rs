@@ -1,7 +1,7 @@
 use recording::{HOLD_TOLERANCE, Recording};
 use wiener::Block;
 
-use crate::fit::{root_mean_square, squares_about_own_mean};
+use crate::fit::{range, root_mean_square, squares_about_own_mean};
 use crate::least_squares::{LeastSquaresConfig, minimize};
 use crate::problem::{Problem, Quantities, same_quantities};
 use crate::{
@@ -39,6 +39,8 @@ pub struct Validated {
     pub fit_fraction: Option<f64>,
     /// Number of samples.
     pub n_samples: usize,
+    /// Highest less lowest output, in the output unit.
+    pub output_range: f64,
     /// Offset of this recording, in the output unit.
     pub offset: f64,
     /// Where the offset was read.
@@ -146,7 +148,7 @@ pub(crate) fn validate_frozen<M: ForwardModel>(
     let residuals = problem.residuals(&point, &solved)?;
     let rmse = root_mean_square(&residuals[0].values);
     let output = recording.output();
-    let moves = output.iter().any(|y| y.to_bits() != output[0].to_bits());
+    let output_range = range(output);
     let spread = squares_about_own_mean(output) / output.len() as f64;
     let mut values = problem.vector().values(&point, 0);
     for (value, info) in values.iter_mut().zip(model.parameters()) {
@@ -160,7 +162,8 @@ pub(crate) fn validate_frozen<M: ForwardModel>(
         point: values,
         name: recording.name().to_owned(),
         rmse,
-        fit_fraction: moves.then(|| 1.0 - rmse / spread.sqrt()),
+        fit_fraction: (output_range > 0.0).then(|| 1.0 - rmse / spread.sqrt()),
+        output_range,
         n_samples: recording.len(),
         offset: solved.offsets[0],
         offset_source,

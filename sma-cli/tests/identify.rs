@@ -209,3 +209,46 @@ fn a_wrong_call_is_a_usage_error() {
     assert!(error.contains("--train <CSV>..."), "{error}");
     assert_eq!(refusal(&mut sma()).0, 2);
 }
+
+#[test]
+fn the_paper_s_search_says_that_it_proves_no_minimum() {
+    let assert = identify_bundled()
+        .args(["--preset", "sadeghi", "--json", "-"])
+        .assert()
+        .code(4);
+    let output = assert.get_output();
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["fit"]["converged"], false);
+    // 50 particles, 150 moves and the start.
+    assert!(json["fit"]["simulations"].as_u64().unwrap() >= 7550);
+    let notes = String::from_utf8(output.stderr.clone()).unwrap();
+    assert!(
+        notes.contains("the paper leaves their scale open"),
+        "{notes}"
+    );
+}
+
+#[test]
+fn argmin_ends_at_the_same_floor() {
+    let text = stdout(identify_bundled().args(["--cross-check", "--no-plot"]));
+    let said = "argmin, from its own start, ends at the same floor: 0.004996 mm.\n";
+    assert!(text.contains(said), "{text}");
+}
+
+#[test]
+fn static_data_have_no_heat_balance() {
+    let folder = folder("input,output\n0,0\n2,0.1\n4,2\n6,3.9\n4,3.5\n2,1\n0,0\n");
+    let rod = "[drive]\nkind = \"temperature\"\n[columns]\n\
+               drive = { name = \"input\", unit = \"MPa\" }\noutput = { name = \"output\", unit = \"%\" }\n";
+    std::fs::write(folder.path().join("rod.toml"), rod).unwrap();
+    let mut command = Command::cargo_bin("sma").unwrap();
+    command.current_dir(folder.path()).args([
+        "identify", "rod.toml", "--train", "run.csv", "--json", "-", "-q",
+    ]);
+    let assert = command.assert();
+    let json: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let parameters = json["parameters"].as_array().unwrap();
+    assert_eq!(parameters[0]["name"], "loop_center");
+    assert_eq!(parameters[0]["unit"], "MPa");
+    assert_eq!(json["output_unit"], "%");
+}

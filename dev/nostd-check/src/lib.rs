@@ -5,6 +5,7 @@
 
 #![no_std]
 
+use pid_tune::{Pid, PidGains, PidParams, PidState, Sample as Measurement, TuneError};
 use sma_hysteresis::{
     Branch, Hysteresis, HysteresisError, LimitingLoop, LoopParams, Memory, Rule, SineProximity,
 };
@@ -94,4 +95,30 @@ pub fn last_displacement(model: &Wiener, state: &mut State, profile: &Profile<'_
         [displacement] = output.displacement
     });
     displacement
+}
+
+/// A controller for one rod, waiting at a measured displacement.
+///
+/// # Errors
+///
+/// [`TuneError`] naming the setting that is out of range.
+pub fn controller(
+    params: PidParams,
+    gains: PidGains,
+    measured: f64,
+) -> Result<(Pid, PidState), TuneError> {
+    let controller = Pid::new(params, &[gains])?;
+    let state = controller.rest([measured])?;
+    Ok((controller, state))
+}
+
+/// The drive for the next sample: what a timer interrupt calls.
+pub fn control(controller: &Pid, state: &mut PidState, setpoint: f64, measured: f64) -> f64 {
+    let sample = Measurement {
+        setpoint,
+        measured: [measured],
+        feed_forward: 0.0,
+    };
+    let [drive] = controller.step(state, &sample).drive;
+    drive
 }

@@ -159,11 +159,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         fit: &fit,
         validated: &validated,
         cross_check: checked.as_ref(),
-        missing_for_temperature: if model.knows_temperature() {
-            Vec::new()
-        } else {
-            rod.missing_for_temperature()
-        },
+        knows_temperature: model.knows_temperature(),
+        missing_for_temperature: rod.missing_for_temperature(),
         specific_heat: rod.specific_heat_range.filter(|_| heat_carried),
         is_static: matches!(model, RigModel::Loop(_)),
         memory: args.memory.name(),

@@ -22,8 +22,10 @@ pub(crate) struct Identified<'a> {
     pub(crate) validated: &'a [Validated],
     /// Where argmin ended, if it was asked.
     pub(crate) cross_check: Option<&'a CrossCheck>,
-    /// Keys without which temperatures are arbitrary; empty if they are not.
+    /// Keys of the rod file without which temperatures are arbitrary.
     pub(crate) missing_for_temperature: Vec<&'static str>,
+    /// Whether temperatures are in kelvins.
+    pub(crate) knows_temperature: bool,
     /// Range of the specific heat, J/(kg K), if the intervals hold for it.
     pub(crate) specific_heat: Option<Bounds>,
     /// Whether the model is a loop without heat.
@@ -36,6 +38,14 @@ impl Identified<'_> {
     /// Root mean square over all unseen samples; `None` if there are none.
     fn validate_rmse(&self) -> Option<f64> {
         Validated::rmse_of_all(self.validated)
+    }
+
+    /// Unit of the output behind a number: nothing where it has none.
+    fn unit(&self) -> String {
+        match self.fit.output_unit.as_str() {
+            "1" => String::new(),
+            unit => format!(" {unit}"),
+        }
     }
 
     /// For people: the verdict first, then the tables.
@@ -53,9 +63,9 @@ impl Identified<'_> {
     }
 
     fn verdict(&self) -> String {
-        let (fit, unit) = (self.fit, &self.fit.output_unit);
+        let (fit, unit) = (self.fit, self.unit());
         let mut text = format!(
-            "The model meets the training recordings to {} {unit} RMS (fit {})",
+            "The model meets the training recordings to {}{unit} RMS (fit {})",
             significant(fit.train_rmse),
             percent(fit.fit_fraction),
         );
@@ -66,7 +76,7 @@ impl Identified<'_> {
             Some(rmse) => {
                 let _ = writeln!(
                     text,
-                    "\nand what it has not seen to {} {unit} RMS.",
+                    "\nand what it has not seen to {}{unit} RMS.",
                     significant(rmse)
                 );
                 let ratio = rmse / fit.train_rmse;
@@ -120,18 +130,18 @@ impl Identified<'_> {
             .filter(|(name, ..)| *name != "gain")
             .map(|(name, value, _)| format!("{name} {}", significant(*value)))
             .collect();
-        let (rmse, unit) = (significant(check.rmse), &self.fit.output_unit);
+        let (rmse, unit) = (significant(check.rmse), self.unit());
         match check.verdict {
             CrossVerdict::Agrees => {
-                format!("argmin, from its own start, ends at the same floor: {rmse} {unit}.")
+                format!("argmin, from its own start, ends at the same floor: {rmse}{unit}.")
             }
             CrossVerdict::EndedHigher => format!(
-                "argmin, from its own start, ends higher: {rmse} {unit}, at {}. It was caught on the way; that \
+                "argmin, from its own start, ends higher: {rmse}{unit}, at {}. It was caught on the way; that \
                  says nothing against the fit.",
                 place.join(", ")
             ),
             CrossVerdict::EndedLower => format!(
-                "argmin, from its own start, ends lower: {rmse} {unit}, at {}. The fit is not the lowest minimum; \
+                "argmin, from its own start, ends lower: {rmse}{unit}, at {}. The fit is not the lowest minimum; \
                  try --starts {}.",
                 place.join(", "),
                 4 * self.fit.starts
@@ -180,14 +190,15 @@ impl Identified<'_> {
     }
 
     fn recordings(&self) -> Table {
-        let rmse = format!("RMSE ({})", self.fit.output_unit);
-        let mut table = table(["recording", "role", "samples", &rmse, ""]);
+        let rmse = format!("RMSE{}", self.unit());
+        let mut table = table(["recording", "role", "samples", &rmse, "of range", ""]);
         for one in &self.fit.recordings {
             table.add_row([
                 Cell::new(self.label(&one.name)),
                 Cell::new("training"),
                 right(count(one.n_samples)),
                 right(significant(one.rmse)),
+                right(of_range(one.rmse, one.output_range)),
                 Cell::new(""),
             ]);
         }
@@ -197,6 +208,7 @@ impl Identified<'_> {
                 Cell::new("unseen"),
                 right(count(one.n_samples)),
                 right(significant(one.rmse)),
+                right(of_range(one.rmse, one.output_range)),
                 Cell::new(offset_note(one.offset_source)),
             ]);
         }
@@ -243,17 +255,23 @@ impl Identified<'_> {
         if self.is_static {
             return notes;
         }
-        if self.missing_for_temperature.is_empty() {
+        if self.knows_temperature {
             let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
             notes.push(format!(
                 "the model's rod reaches {:.0} °C; if that is absurd, look at what rod.toml says of it",
                 peak.fold(f64::NEG_INFINITY, f64::max)
             ));
         } else {
+            let why = if self.missing_for_temperature.is_empty() {
+                "the paper leaves their scale open".to_owned()
+            } else {
+                format!(
+                    "rod.toml does not give {}",
+                    self.missing_for_temperature.join(", ")
+                )
+            };
             notes.push(format!(
-                "temperatures are arbitrary, only ratios of their differences mean anything: rod.toml does not \
-                 give {}",
-                self.missing_for_temperature.join(", ")
+                "temperatures are arbitrary, only ratios of their differences mean anything: {why}"
             ));
         }
         notes
@@ -335,7 +353,7 @@ impl Identified<'_> {
                 "simulations": check.simulations,
             })),
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
-            "temperature_scale": if self.missing_for_temperature.is_empty() { "known" } else { "assumed" },
+            "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
             "memory": self.memory,
             "parameters": parameters,
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
@@ -347,6 +365,15 @@ impl Identified<'_> {
 fn is_rest(parameter: &FittedParameter) -> bool {
     parameter.info.scope == Scope::PerRecording
         && matches!(parameter.info.state, ParameterState::Fixed(_))
+}
+
+/// Nothing for an output that never changes.
+fn of_range(rmse: f64, range: f64) -> String {
+    if range > 0.0 {
+        percent(rmse / range)
+    } else {
+        String::new()
+    }
 }
 
 fn interval(interval: Bounds) -> String {
