@@ -2,6 +2,7 @@
 
 mod cascade;
 mod cross_check;
+mod draws;
 mod error;
 mod factor;
 mod fit;
@@ -26,6 +27,7 @@ mod validate;
 mod wiener_model;
 
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
+pub use draws::Draws;
 pub use error::IdentifyError;
 pub use fit::{
     Fit, FitConfig, FitProgress, FittedParameter, Loss, ParameterCovariance, TrainedRecording, fit,

@@ -13,8 +13,8 @@ use std::ops::ControlFlow;
 
 use common::{ROD, recording, rod, steps, triangles};
 use identify::{
-    Fit, FitConfig, Identification, InputFile, Provenance, RigModel, Rod, Role, SavedModel, fit,
-    predict, validate,
+    Fit, FitConfig, Identification, InputFile, Provenance, RigModel, Rod, Role, SavedModel, Scale,
+    fit, predict, validate,
 };
 use recording::Recording;
 use wiener::hysteresis::Rule;
@@ -245,4 +245,78 @@ fn what_a_model_file_may_not_say() {
     );
     let absent = SavedModel::read("absent.toml".as_ref()).unwrap_err();
     assert_eq!(absent.to_string(), "absent.toml: cannot be read");
+}
+
+#[test]
+fn draws_have_the_covariance_of_the_estimates() {
+    let saved = noisy_saved();
+    let draws = saved.draws(20_000, 3);
+    assert_eq!(draws.left_out, Vec::<&str>::new());
+    assert_eq!(draws, saved.draws(20_000, 3));
+    assert_ne!(draws.points[0], saved.draws(1, 4).points[0]);
+    let covariance = saved.covariance();
+    let n = draws.points.len() as f64;
+    // On the scale of the search, from the estimate.
+    let moved: Vec<Vec<f64>> = (0..5)
+        .map(|k| {
+            let estimate = saved.point(0)[k];
+            let scale = covariance.scales[row(&saved, k)];
+            let of = |point: &Vec<f64>| match scale {
+                Scale::Linear => point[k] - estimate,
+                Scale::Logarithmic => (point[k] / estimate).ln(),
+            };
+            draws.points.iter().map(of).collect()
+        })
+        .collect();
+    for i in 0..5 {
+        for j in 0..5 {
+            let (a, b) = (row(&saved, i), row(&saved, j));
+            let drawn: f64 = moved[i]
+                .iter()
+                .zip(&moved[j])
+                .map(|(x, y)| x * y)
+                .sum::<f64>()
+                / n;
+            let scale = (covariance.matrix[a][a] * covariance.matrix[b][b]).sqrt();
+            assert!(
+                ((drawn - covariance.matrix[a][b]) / scale).abs() < 0.03,
+                "{i} {j}"
+            );
+        }
+    }
+}
+
+/// Row of the covariance of a parameter of the model.
+fn row(saved: &SavedModel, parameter: usize) -> usize {
+    let name = saved.parameters()[parameter].info.name;
+    let names = &saved.covariance().names;
+    names.iter().position(|other| other == name).unwrap()
+}
+
+/// A model of a recording with noise, and so with a covariance.
+fn noisy_saved() -> SavedModel {
+    let rod = rod(ROD);
+    let clean = recording("a.csv", triangles(1200, 5.5), 0.5);
+    let noise = |k: usize| 0.01 * (1.7 * (k * k % 1013) as f64).sin();
+    let output = clean.output().iter().enumerate();
+    let output = output.map(|(k, y)| y + noise(k)).collect();
+    let training = [common::with_output(&clean, "mm", output)];
+    let model = RigModel::new(&rod, Rule::Nested, &training).unwrap();
+    let fit = fitted(&model, &training, &FitConfig::default());
+    let identification = Identification {
+        rod: &rod,
+        model: &model,
+        rule: Rule::Nested,
+        fit: &fit,
+        training: &training,
+        unseen: &[],
+        validated: &[],
+    };
+    let provenance = Provenance {
+        version: String::new(),
+        command: String::new(),
+        seed: 1,
+        input: Vec::new(),
+    };
+    SavedModel::of(&identification, provenance)
 }
