@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::fit::point;
+use crate::fitted::point;
 use crate::{ForwardModel, SavedModel, Scale, Scope};
 
 /// Points drawn around an identified model.

@@ -6,6 +6,7 @@ mod draws;
 mod error;
 mod factor;
 mod fit;
+mod fitted;
 mod forward;
 mod identifiability;
 mod least_squares;
@@ -29,9 +30,8 @@ mod wiener_model;
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
 pub use error::IdentifyError;
-pub use fit::{
-    Fit, FitConfig, FitProgress, FittedParameter, Loss, ParameterCovariance, TrainedRecording, fit,
-};
+pub use fit::{FitConfig, FitProgress, Loss, fit};
+pub use fitted::{Fit, FittedParameter, ParameterCovariance, TrainedRecording};
 pub use forward::ForwardModel;
 pub use identifiability::UnfixedDirection;
 pub use least_squares::{LeastSquaresConfig, Termination};

@@ -10,7 +10,7 @@ use wiener::hysteresis::{REVERSAL_DEAD_BAND_K, Rule};
 
 use crate::rod::{DriveTable, LimitsTable, LoadTable, RodFile, RodTable, Surroundings};
 use crate::saved_model::{Provenance, Role, SavedModel, SavedRecording, Scores};
-use crate::source::Source;
+use crate::source::{Source, read};
 use crate::{
     Bounds, Enters, FittedParameter, ForwardModel, IdentifyError, LoopModel, ParameterCovariance,
     ParameterInfo, ParameterState, RigModel, Rod, SadeghiModel, Scope, WienerModel,
@@ -165,11 +165,8 @@ impl SavedModel {
     ///
     /// [`IdentifyError::Unreadable`], and as [`SavedModel::parse`].
     pub fn read(path: &Path) -> Result<Self, IdentifyError> {
-        let file = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => Self::parse(&file, &text),
-            Err(source) => Err(IdentifyError::Unreadable { file, source }),
-        }
+        let (file, text) = read(path)?;
+        Self::parse(&file, &text)
     }
 
     /// Reads the text of a model file; `file` is its name for errors.

@@ -10,7 +10,7 @@ use toml::Spanned;
 use wiener::Drive;
 use wiener::thermal::RodParams;
 
-use crate::source::Source;
+use crate::source::{Source, read};
 use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState};
 
 /// What a rod file says, checked.
@@ -200,11 +200,8 @@ impl Rod {
     ///
     /// [`IdentifyError::Unreadable`], and as [`Rod::parse`].
     pub fn read(path: &Path) -> Result<Self, IdentifyError> {
-        let file = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => Self::parse(&file, &text),
-            Err(source) => Err(IdentifyError::Unreadable { file, source }),
-        }
+        let (file, text) = read(path)?;
+        Self::parse(&file, &text)
     }
 
     /// Reads the text of a rod file; `file` is its name for errors.

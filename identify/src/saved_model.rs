@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use wiener::WienerParams;
 use wiener::hysteresis::Rule;
 
-use crate::fit::point;
+use crate::fitted::point;
 use crate::problem::{Quantities, same_quantities};
 use crate::validate::validate_frozen;
 use crate::{

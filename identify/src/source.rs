@@ -1,8 +1,19 @@
 //! Places in the text of a TOML file, for errors.
 
+use std::path::Path;
+
 use toml::Spanned;
 
 use crate::{Bounds, IdentifyError};
+
+/// Name, as errors show it, and text of a file.
+pub(crate) fn read(path: &Path) -> Result<(String, String), IdentifyError> {
+    let file = path.display().to_string();
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok((file, text)),
+        Err(source) => Err(IdentifyError::Unreadable { file, source }),
+    }
+}
 
 /// Text of a file, to turn places into lines and columns.
 pub(crate) struct Source<'a> {

@@ -1,0 +1,230 @@
+//! What a fit ends with.
+
+use recording::Quantity;
+use serde::{Deserialize, Serialize};
+
+use crate::moments::Solved;
+use crate::problem::Problem;
+use crate::uncertainty::Covariance;
+use crate::{
+    Bounds, Enters, ForwardModel, Loss, ParameterInfo, ResidualNoise, Scale, Scope, Termination,
+    UnfixedDirection,
+};
+
+/// A parameter and what became of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedParameter {
+    /// What was known of it.
+    pub info: ParameterInfo,
+    /// Its value, in its unit; one for each training recording if it is
+    /// [`Scope::PerRecording`], else one.
+    pub values: Vec<f64>,
+    /// 95 % interval of each value; `None` if it is fixed, on a bound, or not fixed by the data.
+    pub intervals: Vec<Option<Bounds>>,
+    /// Whether a value ended on a bound: the data pull it further, or say nothing of it.
+    pub at_bound: bool,
+}
+
+/// How well one training recording is met.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainedRecording {
+    /// Its name.
+    pub name: String,
+    /// Root mean square of recording - model, in the output unit.
+    pub rmse: f64,
+    /// Its number of samples.
+    pub n_samples: usize,
+    /// Highest less lowest output, in the output unit.
+    pub output_range: f64,
+    /// Highest temperature of the model in it, °C: absurd, if what is said of the rod is wrong.
+    pub peak_temperature_degc: f64,
+}
+
+/// Covariance of the estimates of the free parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterCovariance {
+    /// Names, with the recording's number, from 0, for per-recording ones.
+    pub names: Vec<String>,
+    /// Whether an entry is of the parameter or of its logarithm.
+    pub scales: Vec<Scale>,
+    /// Covariances, a row a name; infinite variances where the data do not fix a parameter.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+impl ParameterCovariance {
+    /// Correlations, a row a name; `NaN` where the data do not fix a parameter.
+    #[must_use]
+    pub fn correlation(&self) -> Vec<Vec<f64>> {
+        let entry = |i: usize, j: usize| {
+            let product = self.matrix[i][i] * self.matrix[j][j];
+            if product.is_finite() {
+                self.matrix[i][j] / product.sqrt()
+            } else {
+                f64::NAN
+            }
+        };
+        let n = self.names.len();
+        (0..n)
+            .map(|i| (0..n).map(|j| entry(i, j)).collect())
+            .collect()
+    }
+}
+
+/// An identified model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The parameters, in the model's order.
+    pub parameters: Vec<FittedParameter>,
+    /// Root mean square of recording - model over all training samples, in the output unit.
+    pub train_rmse: f64,
+    /// Root mean square of recorded - simulated temperature, K, where temperatures were recorded.
+    pub temperature_rmse_k: Option<f64>,
+    /// 1 - RMSE / standard deviation of the output (each recording about its own mean).
+    pub fit_fraction: f64,
+    /// The training recordings one by one.
+    pub recordings: Vec<TrainedRecording>,
+    /// What the residuals of the output are like.
+    pub noise: ResidualNoise,
+    /// Akaike's and Schwarz's criteria of the residuals' innovations, natural units: for comparing
+    /// models on the same recordings, the lower the better.
+    pub aic: f64,
+    /// See `aic`.
+    pub bic: f64,
+    /// Covariance of the estimates.
+    pub covariance: ParameterCovariance,
+    /// Directions in which parameters can change together without showing.
+    pub unfixed: Vec<UnfixedDirection>,
+    /// Why the least-squares search of the best start ended.
+    pub termination: Termination,
+    /// Starts that ended within 1 % of the lowest mean square.
+    pub agreeing_starts: u64,
+    /// Starts made.
+    pub starts: u64,
+    /// Simulations of the whole training set.
+    pub simulations: u64,
+    /// Costs of the swarms that were no number; they counted as +∞.
+    pub rejected_costs: u64,
+    /// What was made small.
+    pub loss: Loss,
+    /// Seed of the fit.
+    pub seed: u64,
+    /// Unit of the output.
+    pub output_unit: String,
+    /// What drives the rod.
+    pub drive_quantity: Quantity,
+    /// Its unit.
+    pub drive_unit: String,
+}
+
+impl Fit {
+    /// Whether the result is a minimum, and one that at least two starts found, if there were as many.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.termination.is_minimum() && self.agreeing_starts >= self.starts.min(2)
+    }
+
+    /// Values of all parameters in a training recording, in the model's order: what
+    /// [`ForwardModel::simulate`] takes to show the output itself.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such recording.
+    #[must_use]
+    pub fn point(&self, recording: usize) -> Vec<f64> {
+        point(&self.parameters, recording)
+    }
+
+    /// The parameter of a name.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&FittedParameter> {
+        self.parameters
+            .iter()
+            .find(|parameter| parameter.info.name == name)
+    }
+}
+
+/// Values of all parameters in a recording.
+pub(crate) fn point(parameters: &[FittedParameter], recording: usize) -> Vec<f64> {
+    let value = |parameter: &FittedParameter| match parameter.info.scope {
+        Scope::Shared => parameter.values[0],
+        Scope::PerRecording => parameter.values[recording],
+    };
+    parameters.iter().map(value).collect()
+}
+
+pub(crate) fn fitted_parameters<M: ForwardModel>(
+    problem: &Problem<'_, M>,
+    point: &[f64],
+    solved: &Solved,
+    covariance: &Covariance,
+) -> Vec<FittedParameter> {
+    let vector = problem.vector();
+    let n_recordings = problem.n_recordings();
+    (0..vector.infos().len())
+        .map(|k| {
+            let info = &vector.infos()[k];
+            let n_values = match info.scope {
+                Scope::Shared => 1,
+                Scope::PerRecording => n_recordings,
+            };
+            let mut values = Vec::with_capacity(n_values);
+            let mut intervals = Vec::with_capacity(n_values);
+            let mut at_bound = false;
+            for r in 0..n_values {
+                values.push(match info.enters {
+                    Enters::Gain => solved.gain,
+                    Enters::Offset => solved.offsets[r],
+                    Enters::Nonlinear => vector.values(point, r)[k],
+                });
+                let column = problem.column_of(k, r);
+                let half = column
+                    .and_then(|column| covariance.standard_error(column))
+                    .map(|error| covariance.quantile * error);
+                at_bound |= column.is_some_and(|column| !covariance.columns.contains(&column));
+                intervals.push(half.map(|half| match vector.coordinate_of(k, r) {
+                    Some(j) => info.interval_around(point[j], half),
+                    None => Bounds {
+                        lower: values[r] - half,
+                        upper: values[r] + half,
+                    },
+                }));
+            }
+            FittedParameter {
+                info: info.clone(),
+                values,
+                intervals,
+                at_bound,
+            }
+        })
+        .collect()
+}
+
+pub(crate) fn parameter_covariance<M: ForwardModel>(
+    problem: &Problem<'_, M>,
+    covariance: &Covariance,
+) -> ParameterCovariance {
+    let infos = problem.vector().infos();
+    let (mut names, mut scales) = (Vec::new(), Vec::new());
+    for &column in &covariance.columns {
+        let found = infos.iter().enumerate().find_map(|(k, info)| {
+            let r = (0..problem.n_recordings()).find(|&r| problem.column_of(k, r) == Some(column));
+            r.map(|r| (info, r))
+        });
+        let Some((info, r)) = found else {
+            unreachable!("every column stands for a parameter");
+        };
+        names.push(match info.scope {
+            Scope::Shared => info.name.to_owned(),
+            Scope::PerRecording => format!("{}[{r}]", info.name),
+        });
+        scales.push(info.scale);
+    }
+    let n = covariance.columns.len();
+    let row = |i| (0..n).map(|j| covariance.matrix[(i, j)]).collect();
+    ParameterCovariance {
+        names,
+        scales,
+        matrix: (0..n).map(row).collect(),
+    }
+}
