@@ -187,6 +187,19 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
         }
     }
 
+    /// Values of all parameters in a recording, gain and offset included.
+    pub(crate) fn values(&self, point: &[f64], solved: &Solved, r: usize) -> Vec<f64> {
+        let mut values = self.vector.values(point, r);
+        for (value, info) in values.iter_mut().zip(self.vector.infos()) {
+            match info.enters {
+                Enters::Nonlinear => {}
+                Enters::Gain => *value = solved.gain,
+                Enters::Offset => *value = solved.offsets[r],
+            }
+        }
+        values
+    }
+
     /// Recording - model at every sample of each recording's output, and the model's highest temperature.
     pub(crate) fn residuals(
         &self,

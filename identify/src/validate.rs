@@ -5,7 +5,7 @@ use crate::fit::{range, root_mean_square, squares_about_own_mean};
 use crate::least_squares::{LeastSquaresConfig, minimize};
 use crate::problem::{Problem, Quantities, same_quantities};
 use crate::{
-    Enters, Fit, FittedParameter, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope,
+    Fit, FittedParameter, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope,
 };
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
@@ -150,16 +150,8 @@ pub(crate) fn validate_frozen<M: ForwardModel>(
     let output = recording.output();
     let output_range = range(output);
     let spread = squares_about_own_mean(output) / output.len() as f64;
-    let mut values = problem.vector().values(&point, 0);
-    for (value, info) in values.iter_mut().zip(model.parameters()) {
-        match info.enters {
-            Enters::Nonlinear => {}
-            Enters::Gain => *value = solved.gain,
-            Enters::Offset => *value = solved.offsets[0],
-        }
-    }
     Ok(Validated {
-        point: values,
+        point: problem.values(&point, &solved, 0),
         name: recording.name().to_owned(),
         rmse,
         fit_fraction: (output_range > 0.0).then(|| 1.0 - rmse / spread.sqrt()),

@@ -8,7 +8,10 @@
 mod common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles, with_output};
-use identify::{Fit, FitConfig, IdentifyError, Loss, OffsetSource, WienerModel, fit, validate};
+use identify::{
+    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, Loss, OffsetSource,
+    ParameterVector, WienerModel, fit, refine, validate,
+};
 use recording::{Quantity, Recording, RecordingParts};
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
@@ -402,4 +405,28 @@ fn recordings_need_time() {
         error.to_string(),
         "static.csv: no time; a heat balance can only be identified from timed samples"
     );
+}
+
+#[test]
+fn samples_of_no_weight_are_left_out() {
+    let clean = recording("a.csv", triangles(900, 5.0), 0.5);
+    // From the 300th sample to the 400th the sensor was off.
+    let spoiled = clean.output().iter().enumerate();
+    let spoiled = spoiled.map(|(k, y)| if (300..400).contains(&k) { 9.0 } else { *y });
+    let training = [with_output(&clean, "mm", spoiled.collect())];
+    let model = WienerModel::new(&rod(ROD), Rule::LastReversal, &training).unwrap();
+    let vector = ParameterVector::new(model.parameters(), 1);
+    let near = [TRUE_TAU_S * 1.3, 75.0, 6.0, 7.0, 0.7];
+    let start = vector.coordinates(|parameter, _| near.get(parameter).copied());
+    let weights = [(0..900)
+        .map(|k| f64::from(u8::from(!(300..400).contains(&k))))
+        .collect()];
+    let config = LeastSquaresConfig::default();
+    let refined = refine(&model, &training, &[start.clone()], Some(&weights), &config).unwrap();
+    assert!(refined.mean_square < 1e-12, "{}", refined.mean_square);
+    assert!((refined.points[0][0] / TRUE_TAU_S - 1.0).abs() < 1e-5);
+    let all = refine(&model, &training, &[start], None, &config).unwrap();
+    assert!(all.mean_square > 0.1);
+    let none = refine(&model, &training, &[], None, &config).unwrap_err();
+    assert!(matches!(none, IdentifyError::NothingFinite));
 }

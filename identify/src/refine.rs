@@ -1,0 +1,80 @@
+use recording::Recording;
+
+use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
+use crate::problem::Problem;
+use crate::{ForwardModel, IdentifyError, Termination};
+
+/// Where a least-squares search ended, and nothing more: for those who compare many models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refined {
+    /// Coordinates of the end, as [`ParameterVector`](crate::ParameterVector) has them.
+    pub coordinates: Vec<f64>,
+    /// Values of all parameters in each recording, in the model's order: what [`predict`](crate::predict) takes.
+    pub points: Vec<Vec<f64>>,
+    /// Σ w (recording - model)² / Σ w over all samples of the output.
+    pub mean_square: f64,
+    /// Why the search ended.
+    pub termination: Termination,
+    /// Simulations of the whole training set.
+    pub simulations: u64,
+}
+
+/// Fits a model by least squares alone, from each of the given starts; the lowest end counts, and of equal
+/// ends the first.
+///
+/// `starts` are coordinates as [`ParameterVector`](crate::ParameterVector) has them. `weights` has a value for
+/// each sample of each recording: a sample of weight 0 is simulated and left out.
+///
+/// # Errors
+///
+/// [`IdentifyError::NoRecordings`], [`IdentifyError::StartLength`], [`IdentifyError::NothingFinite`], and what
+/// the model refuses.
+pub fn refine<M: ForwardModel>(
+    model: &M,
+    training: &[Recording],
+    starts: &[Vec<f64>],
+    weights: Option<&[Vec<f64>]>,
+    config: &LeastSquaresConfig,
+) -> Result<Refined, IdentifyError> {
+    if training.is_empty() {
+        return Err(IdentifyError::NoRecordings);
+    }
+    let mut problem = Problem::new(model, training)?;
+    if let Some(weights) = weights {
+        problem.weigh_samples(weights.to_vec());
+    }
+    let mut best: Option<Minimum> = None;
+    for start in starts {
+        if start.len() != problem.vector().len() {
+            return Err(IdentifyError::StartLength {
+                found: start.len(),
+                expected: problem.vector().len(),
+            });
+        }
+        let end = minimize(&problem, problem.bounds(), start, config)?;
+        if best
+            .as_ref()
+            .is_none_or(|best| end.sum_of_squares < best.sum_of_squares)
+        {
+            best = Some(end);
+        }
+    }
+    let Some(best) = best.filter(|best| best.sum_of_squares.is_finite()) else {
+        return Err(IdentifyError::NothingFinite);
+    };
+    let solved = problem.solve_one(&best.point)?;
+    let points = (0..training.len())
+        .map(|r| problem.values(&best.point, &solved, r))
+        .collect();
+    let total: f64 = match weights {
+        Some(weights) => weights.iter().flatten().sum(),
+        None => problem.n_samples() as f64,
+    };
+    Ok(Refined {
+        points,
+        mean_square: solved.output / total,
+        termination: best.termination,
+        simulations: problem.simulations(),
+        coordinates: best.point,
+    })
+}
