@@ -1,8 +1,8 @@
 //! The model that a rod file asks for.
 
 use recording::{Quantity, Recording};
-use wiener::Block;
 use wiener::hysteresis::Rule;
+use wiener::{Block, WienerParams};
 
 use crate::{
     Fit, ForwardModel, IdentifyError, LoopModel, ParameterInfo, Rod, SadeghiModel, WienerModel,
@@ -30,6 +30,16 @@ impl RigModel {
             Quantity::Temperature => Self::Loop(LoopModel::new(rod, rule, training)?),
             _ => Self::Wiener(WienerModel::new(rod, rule, training)?),
         })
+    }
+
+    /// The parameters of the cascade at a point; `None` for a static loop.
+    #[must_use]
+    pub fn wiener_params(&self, point: &[f64]) -> Option<WienerParams> {
+        match self {
+            Self::Wiener(model) => Some(model.wiener_params(point)),
+            Self::Sadeghi(model) => Some(model.wiener_params(point)),
+            Self::Loop(_) => None,
+        }
     }
 
     /// See [`WienerModel::carry_specific_heat`]; the other models have no such range.

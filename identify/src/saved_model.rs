@@ -245,12 +245,7 @@ impl SavedModel {
     /// loop.
     #[must_use]
     pub fn wiener_params(&self) -> Option<WienerParams> {
-        let point = self.point(0);
-        match &self.model {
-            RigModel::Wiener(model) => Some(model.wiener_params(&point)),
-            RigModel::Sadeghi(model) => Some(model.wiener_params(&point)),
-            RigModel::Loop(_) => None,
-        }
+        self.model.wiener_params(&self.point(0))
     }
 
     /// Coordinates from which a fit of the same model to other recordings can start: shared values as they

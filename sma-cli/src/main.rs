@@ -4,7 +4,9 @@ mod commands;
 mod outcome;
 mod provenance;
 mod report;
+mod rig;
 mod sink;
+mod track;
 
 use std::process::ExitCode;
 
@@ -13,6 +15,7 @@ use clap::Parser;
 use commands::identify::IdentifyArgs;
 use commands::inspect::InspectArgs;
 use commands::simulate::SimulateArgs;
+use commands::tune::TuneArgs;
 
 /// Identify the model of a shape-memory-alloy actuator from recordings of drive and displacement.
 #[derive(Debug, Parser)]
@@ -27,6 +30,7 @@ enum Command {
     Inspect(InspectArgs),
     Identify(IdentifyArgs),
     Simulate(SimulateArgs),
+    Tune(TuneArgs),
 }
 
 fn main() -> ExitCode {
@@ -35,6 +39,7 @@ fn main() -> ExitCode {
         Command::Inspect(args) => commands::inspect::run(args),
         Command::Identify(args) => commands::identify::run(args),
         Command::Simulate(args) => commands::simulate::run(args),
+        Command::Tune(args) => commands::tune::run(args),
     };
     outcome::report(&result)
 }

@@ -5,7 +5,11 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use identify::IdentifyError;
+use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
+use wiener::WienerError;
+
+use crate::rig::RigError;
 
 /// How a command that did its work ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,7 +56,11 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 }
 
 fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
-    error.is::<IdentifyError>() || error.is::<RecordingError>()
+    error.is::<IdentifyError>()
+        || error.is::<RecordingError>()
+        || error.is::<RigError>()
+        || error.is::<TuneError>()
+        || error.is::<TaskError<WienerError>>()
 }
 
 #[cfg(test)]

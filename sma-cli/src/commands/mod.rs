@@ -3,3 +3,4 @@
 pub(crate) mod identify;
 pub(crate) mod inspect;
 pub(crate) mod simulate;
+pub(crate) mod tune;

@@ -4,3 +4,4 @@ pub(crate) mod identified;
 pub(crate) mod inspected;
 pub(crate) mod number;
 pub(crate) mod plot;
+pub(crate) mod tuned;
