@@ -209,6 +209,9 @@ pub enum IdentifyError {
         /// Most that can be fitted.
         most: usize,
     },
+    /// A model that is not of this crate refuses a point or a recording.
+    #[error("model")]
+    Model(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// A model cannot be simulated.
     #[error("simulation")]
     Simulation(#[from] WienerError),

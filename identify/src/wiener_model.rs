@@ -3,7 +3,7 @@
 use recording::{Recording, Sampling};
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::HeatBalanceParams;
-use wiener::{Block, Drive, WienerParams};
+use wiener::{Block, Drive, Profile, Start, WienerParams};
 
 use crate::cascade::{Cascade, StartAbove, ambient_degc};
 use crate::specific_heat::SpecificHeat;
@@ -160,6 +160,38 @@ impl WienerModel {
     #[must_use]
     pub fn knows_temperature(&self) -> bool {
         !self.rise_is_assumed
+    }
+
+    /// How the drive heats the rod.
+    #[must_use]
+    pub fn drive(&self) -> Drive {
+        self.cascade.drive
+    }
+
+    /// Rule of the hysteresis' memory.
+    #[must_use]
+    pub fn rule(&self) -> Rule {
+        self.cascade.rule
+    }
+
+    /// What drives the rod in a recording, and what surrounds it.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Untimed`], [`IdentifyError::Missing`] for the ambient temperature, and what a profile
+    /// refuses.
+    pub fn profile<'a>(&self, recording: &'a Recording) -> Result<Profile<'a>, IdentifyError> {
+        self.cascade.profile(recording)
+    }
+
+    /// Where a recording starts at a point: above its first ambient temperature, K, and between the limiting
+    /// curves.
+    #[must_use]
+    pub fn start(&self, point: &[f64], first_ambient_degc: f64) -> Start {
+        Start {
+            temperature_degc: first_ambient_degc + point[START_RISE],
+            share: point[START_SHARE],
+        }
     }
 
     /// The model's parameters for one point; gain 1 and offset 0 unless the point has them.
