@@ -70,7 +70,10 @@ impl Cascade {
         Ok(ensemble.run(&members, &profile, visit)?)
     }
 
-    pub(crate) fn profile<'a>(&self, recording: &'a Recording) -> Result<Profile<'a>, IdentifyError> {
+    pub(crate) fn profile<'a>(
+        &self,
+        recording: &'a Recording,
+    ) -> Result<Profile<'a>, IdentifyError> {
         let untimed = || IdentifyError::Untimed {
             recording: recording.name().to_owned(),
         };

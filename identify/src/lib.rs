@@ -47,5 +47,5 @@ pub use sadeghi_model::SadeghiModel;
 pub use saved_model::{
     Identification, InputFile, Provenance, Role, SavedModel, SavedRecording, Scores,
 };
-pub use validate::{OffsetSource, Validated, validate};
+pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::WienerModel;

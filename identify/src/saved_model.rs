@@ -7,7 +7,7 @@ use wiener::hysteresis::Rule;
 
 use crate::fitted::point;
 use crate::problem::{Quantities, same_quantities};
-use crate::validate::validate_frozen;
+use crate::validate::validate_at;
 use crate::{
     Fit, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance, ParameterVector,
     RigModel, Rod, Scope, Validated,
@@ -238,7 +238,7 @@ impl SavedModel {
             drive_unit: &self.drive_unit,
         };
         same_quantities(recording, self.rod.file(), &expected)?;
-        validate_frozen(&self.model, &self.parameters, recording)
+        validate_at(&self.model, &self.point(0), recording)
     }
 
     /// The parameters of the cascade, with the offset of the first training recording; `None` for a static

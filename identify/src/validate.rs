@@ -4,9 +4,7 @@ use wiener::Block;
 use crate::fit::{range, root_mean_square, squares_about_own_mean};
 use crate::least_squares::{LeastSquaresConfig, minimize};
 use crate::problem::{Problem, Quantities, same_quantities};
-use crate::{
-    Fit, FittedParameter, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope,
-};
+use crate::{Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
 const FEWEST_AT_REST: usize = 10;
@@ -104,20 +102,24 @@ pub fn validate<M: ForwardModel>(
         drive_unit: &fit.drive_unit,
     };
     same_quantities(recording, &fit.recordings[0].name, &expected)?;
-    validate_frozen(model, &fit.parameters, recording)
+    validate_at(model, &fit.point(0), recording)
 }
 
-/// The same for any fitted parameters, of a recording in the units that they are for.
-pub(crate) fn validate_frozen<M: ForwardModel>(
+/// The same at a point, `Refined::points` say, of which the shared values count; the recording must be in the
+/// units that they are for.
+///
+/// # Errors
+///
+/// What the model refuses.
+pub fn validate_at<M: ForwardModel>(
     model: &M,
-    parameters: &[FittedParameter],
+    point: &[f64],
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
-    let fitted = parameters;
     let mut parameters = model.parameters().to_vec();
-    for (info, fitted) in parameters.iter_mut().zip(fitted) {
+    for (info, &value) in parameters.iter_mut().zip(point) {
         if info.scope == Scope::Shared {
-            info.state = ParameterState::Fixed(fitted.values[0]);
+            info.state = ParameterState::Fixed(value);
         }
     }
     let frozen = Frozen { model, parameters };
