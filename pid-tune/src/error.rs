@@ -1,6 +1,7 @@
+use wiener::WienerError;
 use wiener::thermal::ThermalError;
 
-/// What can be wrong with a controller, a reference, a closed loop or a cost.
+/// What can be wrong with a controller, a reference, a closed loop, a cost or a search.
 ///
 /// Names end in their unit where they have one of their own; the rest is in the units of the output and the
 /// drive.
@@ -89,6 +90,49 @@ pub enum TuneError {
     /// The heat balance refuses what the feed-forward asks of it.
     #[error("heat balance")]
     Thermal(#[from] ThermalError),
+    /// A range in which a gain is looked for ends before it begins.
+    #[error(
+        "{name} is looked for in {lower} .. {upper}: both must be finite and >= 0, the lower at most the upper"
+    )]
+    Bounds {
+        /// Name of the gain.
+        name: &'static str,
+        /// Lower end.
+        lower: f64,
+        /// Upper end.
+        upper: f64,
+    },
+    /// Not a place between gentle and fast.
+    #[error("pace = {value}: must lie in 0 .. 1")]
+    Pace {
+        /// Rejected value.
+        value: f64,
+    },
+    /// A search without any start.
+    #[error("starts = 0: must be at least 1")]
+    NoStarts,
+    /// All weights that count for the reference are 0.
+    #[error("no weight is > 0 on a term that responses to this reference have: at least 1 must be")]
+    NoWeight,
+    /// No response within the bounds has a finite cost.
+    #[error(
+        "no gains within the bounds have a finite cost: the plant's output must be a finite number"
+    )]
+    NoFiniteCost,
+    /// The swarm refuses its settings.
+    #[cfg(feature = "std")]
+    #[error("swarm")]
+    Swarm(#[source] pso::SwarmError),
+    /// The optimizer that gives a second opinion failed.
+    #[cfg(feature = "std")]
+    #[error("second opinion: {said}")]
+    SecondOpinion {
+        /// What it said.
+        said: std::string::String,
+    },
+    /// The rod refuses its parameters or its drive.
+    #[error("rod")]
+    Rod(#[from] WienerError),
 }
 
 /// Accepts what is finite and > 0: `NaN` fails the comparison.

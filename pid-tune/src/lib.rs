@@ -1,22 +1,97 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![doc = include_str!("../README.md")]
 
+#[cfg(feature = "std")]
+mod bracket;
+#[cfg(feature = "std")]
+mod chatter;
 mod closed_loop;
+#[cfg(feature = "std")]
+mod complex;
 mod cost;
+#[cfg(feature = "std")]
+mod describing;
 mod error;
 mod feed_forward;
+#[cfg(feature = "std")]
+mod fraction_response;
+#[cfg(feature = "std")]
+mod front;
+#[cfg(feature = "std")]
+mod limit_cycle;
+#[cfg(feature = "std")]
+mod linear_loop;
+#[cfg(feature = "std")]
+mod loop_analysis;
+#[cfg(feature = "std")]
+mod margins;
+#[cfg(feature = "std")]
+mod oscillation;
+#[cfg(feature = "std")]
+mod pace;
 mod pid;
 mod reference;
+#[cfg(feature = "std")]
+mod robustness;
+#[cfg(feature = "std")]
+mod rod_loop;
+#[cfg(feature = "std")]
+mod second_opinion;
 mod step_response;
+#[cfg(feature = "std")]
+mod task;
+#[cfg(feature = "std")]
+mod tuner;
+#[cfg(feature = "std")]
+mod tuner_config;
 
+#[cfg(feature = "std")]
+pub use chatter::{ChatterOrbit, MAX_CHATTER_SAMPLES};
 pub use closed_loop::{
     ClosedLoop, ClosedLoopParams, Disturbances, MAX_DEAD_TIME_SAMPLES, Snapshot,
 };
+#[cfg(feature = "std")]
+pub use complex::Complex;
 pub use cost::{CostWeights, ResponseTerms, Terms};
+#[cfg(feature = "std")]
+pub use describing::{BiasedSine, SineResponse};
 pub use error::TuneError;
 pub use feed_forward::feed_forward_a;
+#[cfg(feature = "std")]
+pub use fraction_response::{
+    FractionResponse, MAX_SETTLING_CYCLES, TemperatureSine, fraction_response,
+};
+#[cfg(feature = "std")]
+pub use front::{FrontPoint, front};
+#[cfg(feature = "std")]
+pub use limit_cycle::{PredictedCycle, RELIABLE_HARMONIC_RATIO};
+#[cfg(feature = "std")]
+pub use linear_loop::LinearLoop;
+#[cfg(feature = "std")]
+pub use loop_analysis::{AGREEMENT, Agreement, Forecast, LoopAnalysis, Outcome, Source};
+#[cfg(feature = "std")]
+pub use margins::Margins;
+#[cfg(feature = "std")]
+pub use oscillation::{Oscillation, StartFrom};
+#[cfg(feature = "std")]
+pub use pace::Pace;
 pub use pid::{
     AntiWindup, Command, DerivativeOf, DriveLimits, Pid, PidGains, PidParams, PidState, Sample,
 };
 pub use reference::Reference;
+#[cfg(feature = "std")]
+pub use robustness::{
+    Ending, Percentiles, Robustness, Sensitivity, StepRobustness, Variation, robustness,
+    sensitivities,
+};
+#[cfg(feature = "std")]
+pub use rod_loop::{Approach, RodLoop, RodLoopParams};
+#[cfg(feature = "std")]
+pub use second_opinion::{Opinion, SecondOpinion, Verdict, second_opinion};
 pub use step_response::StepTerms;
+#[cfg(feature = "std")]
+pub use task::{Response, Task, TaskError};
+#[cfg(feature = "std")]
+pub use tuner::{TuneProgress, Tuned, tune};
+#[cfg(feature = "std")]
+pub use tuner_config::{BoundEnd, GainBounds, GainScale, TunerConfig};

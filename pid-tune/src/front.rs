@@ -1,0 +1,77 @@
+use std::ops::ControlFlow;
+
+use wiener::Fleet;
+
+use crate::error::positive;
+use crate::tuner::{Seen, Swarms};
+use crate::{CostWeights, PidGains, Task, TaskError, Terms, TuneError, TunerConfig};
+
+/// Decades by which the weights of accuracy and energy are shifted against one another, each by as much: one
+/// swarm for each.
+const SHIFTS: [f64; 7] = [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5];
+
+/// One controller of a front.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrontPoint {
+    /// Its gains.
+    pub gains: PidGains,
+    /// Terms of its response.
+    pub terms: Terms,
+}
+
+/// What accuracy costs: the controllers of which none is both more accurate and more sparing than another, in
+/// mean square error and energy. Sorted: the error rises from point to point, the energy falls.
+///
+/// Seven swarms (`starts` is not used) with the two weights in ratios of 10⁻³ to 10³ of those given; the front is
+/// that of all responses they looked at, so that it also has the points of its hollows, where no weighted sum
+/// has its minimum. Of controllers with equal terms it has the one seen first.
+///
+/// It ends at no energy at all if the bounds allow that. The same bits for any number of threads.
+///
+/// # Errors
+///
+/// [`TuneError::NotPositive`] unless the weights of `mse` and `energy` are > 0 (the others are not used), else
+/// as [`tune`](crate::tune).
+pub fn front<F: Fleet<Member: Sync, Error: Send> + Sync>(
+    task: &Task<'_, F>,
+    member: F::Member,
+    weights: &CostWeights,
+    config: &TunerConfig,
+) -> Result<Vec<FrontPoint>, TaskError<F::Error>> {
+    config.check()?;
+    positive("mse", weights.mse)?;
+    positive("energy", weights.energy)?;
+    let accuracies = SHIFTS.map(libm::exp10);
+    let mut front = Vec::new();
+    let cost = |seen: Seen, terms: &Terms| {
+        let accuracy = accuracies[seen.number];
+        front.push(FrontPoint {
+            gains: seen.gains,
+            terms: *terms,
+        });
+        weights.mse * accuracy * terms.mse + weights.energy / accuracy * terms.energy
+    };
+    let mut swarms = Swarms::new(config, SHIFTS.len())?;
+    let _to_the_end = swarms.run(task, member, cost, |_| ControlFlow::Continue(()))?;
+    keep_front(&mut front);
+    if front.is_empty() {
+        return Err(TuneError::NoFiniteCost.into());
+    }
+    Ok(front)
+}
+
+/// Leaves the points that no other point is at least as good as in both terms, sorted.
+fn keep_front(points: &mut Vec<FrontPoint>) {
+    points.retain(|point| point.terms.mse.is_finite() && point.terms.energy.is_finite());
+    // Stable: of equal points the first stays.
+    points.sort_by(|a, b| {
+        let by_error = a.terms.mse.total_cmp(&b.terms.mse);
+        by_error.then(a.terms.energy.total_cmp(&b.terms.energy))
+    });
+    let mut least_energy = f64::INFINITY;
+    points.retain(|point| {
+        let keeps = point.terms.energy < least_energy;
+        least_energy = least_energy.min(point.terms.energy);
+        keeps
+    });
+}

@@ -1,0 +1,117 @@
+use core::f64::consts::PI;
+
+use crate::complex::Complex;
+use crate::error::{finite, positive};
+use crate::{MAX_DEAD_TIME_SAMPLES, Pid, PidGains, PidParams, TuneError};
+
+/// A sampled PID, without its limits, around a first-order lag with dead time.
+///
+/// ```text
+/// L(z) = C(z) K (1 - a)/(z - a) z^(-n),   a = e^(-Δt/τ),   z = e^(jωΔt)
+/// C(z) = kp + ki Δt/(z - 1) + kd (1 - a_f)/Δt (z - 1)/(z - a_f),   a_f = e^(-Δt/T_f)
+/// ```
+///
+/// The hold and the lag together are exactly (1 - a)/(z - a) `[Astrom1997, chapter 2]`, and C is that of
+/// [`Pid`]: nothing is approximated between samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearLoop {
+    /// The controller; its limits and anti-windup do not count.
+    pub controller: PidParams,
+    /// Its gains.
+    pub gains: PidGains,
+    /// Output per drive in the steady state, K; finite.
+    pub plant_gain: f64,
+    /// Time constant τ of the lag, s; > 0.
+    pub tau_s: f64,
+    /// Dead time n beyond the hold, samples; at most [`MAX_DEAD_TIME_SAMPLES`].
+    pub dead_time_samples: usize,
+}
+
+impl LinearLoop {
+    /// Checks everything.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Pid::new`], [`TuneError::NotFinite`], [`TuneError::NotPositive`], [`TuneError::DeadTime`].
+    pub fn checked(self) -> Result<Self, TuneError> {
+        let _pid = Pid::new(self.controller, &[self.gains])?;
+        finite("plant_gain", self.plant_gain)?;
+        positive("tau_s", self.tau_s)?;
+        if self.dead_time_samples > MAX_DEAD_TIME_SAMPLES {
+            return Err(TuneError::DeadTime {
+                value: self.dead_time_samples,
+                most: MAX_DEAD_TIME_SAMPLES,
+            });
+        }
+        Ok(self)
+    }
+
+    /// Half of the sampling frequency, rad/s: where frequencies end.
+    #[must_use]
+    pub fn nyquist_rad_per_s(&self) -> f64 {
+        PI / self.controller.dt_s
+    }
+
+    /// L at a frequency, rad/s, above 0 and up to [`LinearLoop::nyquist_rad_per_s`].
+    #[must_use]
+    pub fn response(&self, omega_rad_per_s: f64) -> Complex {
+        self.controller_response(omega_rad_per_s) * self.plant_response(omega_rad_per_s)
+    }
+
+    /// C at a frequency, rad/s.
+    #[must_use]
+    pub fn controller_response(&self, omega_rad_per_s: f64) -> Complex {
+        let PidGains { kp, ki, kd } = self.gains;
+        let dt_s = self.controller.dt_s;
+        let z = Complex::unit(omega_rad_per_s * dt_s);
+        let z_less_one = z + Complex::real(-1.0);
+        let retained = libm::exp(-dt_s / self.controller.derivative_filter_s);
+        let mut response = Complex::real(kp);
+        if ki > 0.0 {
+            response = response + Complex::real(ki * dt_s) / z_less_one;
+        }
+        if kd > 0.0 {
+            response = response
+                + z_less_one / (z + Complex::real(-retained)) * (kd * (1.0 - retained) / dt_s);
+        }
+        response
+    }
+
+    /// L/C at a frequency, rad/s.
+    fn plant_response(&self, omega_rad_per_s: f64) -> Complex {
+        let dt_s = self.controller.dt_s;
+        let angle_rad = omega_rad_per_s * dt_s;
+        let retained = libm::exp(-dt_s / self.tau_s);
+        let lag =
+            Complex::real(1.0 - retained) / (Complex::unit(angle_rad) + Complex::real(-retained));
+        lag * Complex::unit(-angle_rad * self.dead_time_samples as f64) * self.plant_gain
+    }
+
+    /// Frequencies dense enough to follow the angle of L, rad/s: in equal ratios from far below all corners,
+    /// then in equal steps to half of the sampling frequency.
+    pub(crate) fn sweep(&self) -> Vec<f64> {
+        const DECADES_PER_STEP: f64 = 0.01;
+        const EQUAL_STEPS: usize = 800;
+        /// Of half of the sampling frequency: the sweep begins no lower, however slow the integral.
+        const LOWEST_SHARE: f64 = 1e-9;
+        let nyquist = self.nyquist_rad_per_s();
+        let PidGains { kp, ki, .. } = self.gains;
+        let mut slowest = (1.0 / self.tau_s).min(nyquist);
+        if ki > 0.0 && kp > 0.0 {
+            slowest = slowest.min(ki / kp);
+        }
+        let step = nyquist / EQUAL_STEPS as f64;
+        // From here on equal steps are the shorter ones.
+        let joint = step / (libm::exp10(DECADES_PER_STEP) - 1.0);
+        let first = (0.01 * slowest)
+            .min(0.5 * joint)
+            .max(LOWEST_SHARE * nyquist);
+        let n_ratios = (libm::log10(joint / first) / DECADES_PER_STEP) as usize;
+        let mut sweep: Vec<f64> = (0..n_ratios)
+            .map(|k| first * libm::exp10(DECADES_PER_STEP * k as f64))
+            .collect();
+        let n_steps = ((nyquist - joint) / step) as usize;
+        sweep.extend((0..=n_steps).map(|k| nyquist - step * (n_steps - k) as f64));
+        sweep
+    }
+}

@@ -1,0 +1,160 @@
+use core::f64::consts::PI;
+
+use crate::LinearLoop;
+use crate::bracket::root;
+use crate::complex::{Complex, unwrapped};
+
+/// Share of a frequency to which crossovers are found.
+const FREQUENCY_TOLERANCE: f64 = 1e-12;
+
+/// How far a loop is from instability.
+///
+/// ```text
+/// gain margin   min 1/|L| where L < 0
+/// phase margin  min π + arg L where |L| = 1, arg L from -π to π
+/// delay margin  min (π + arg L)/ω where |L| = 1
+/// M_s           max 1/|1 + L|                                   [Astrom2006, chapter 4]
+/// ```
+///
+/// each over all frequencies up to half of the sampling frequency, that one included. The delay margin is that
+/// of a delay in continuous time; a whole number of samples below it is safe.
+///
+/// A loop that is not `stable` bears no lag and no delay, both are 0; its gain margin is what its gain would have
+/// to be multiplied with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Margins {
+    /// Whether the closed loop is stable: by the winding of 1 + L, whose poles are none of them unstable.
+    pub stable: bool,
+    /// Factor on the gain that the loop bears; ∞ where L never is negative.
+    pub gain_margin: f64,
+    /// Phase lag that the loop bears, rad; ∞ where |L| never is 1.
+    pub phase_margin_rad: f64,
+    /// Delay that the loop bears, s; ∞ where |L| never is 1.
+    pub delay_margin_s: f64,
+    /// Peak sensitivity M_s; ≥ 1 but for rounding.
+    pub peak_sensitivity: f64,
+    /// Frequency of that peak, Hz.
+    pub peak_hz: f64,
+}
+
+impl LinearLoop {
+    /// Margins, by a sweep of frequencies and refinement between them.
+    #[must_use]
+    pub fn margins(&self) -> Margins {
+        let sweep = self.sweep();
+        let responses: Vec<Complex> = sweep.iter().map(|&omega| self.response(omega)).collect();
+        let (peak_sensitivity, peak_rad_per_s) = self.peak_sensitivity(&sweep, &responses);
+        // 1 + L with the points at which it is real: next to -1 it turns by half a circle between two frequencies.
+        let mut path = Vec::with_capacity(responses.len());
+        let mut margins = Margins {
+            stable: false,
+            gain_margin: f64::INFINITY,
+            phase_margin_rad: f64::INFINITY,
+            delay_margin_s: f64::INFINITY,
+            peak_sensitivity,
+            peak_hz: peak_rad_per_s / (2.0 * PI),
+        };
+        for k in 1..sweep.len() {
+            let ends = [sweep[k - 1], sweep[k]];
+            let tolerance = FREQUENCY_TOLERANCE * sweep[k];
+            let [before, after] = [responses[k - 1], responses[k]];
+            if before.re.min(after.re) < 0.0
+                && before.im * after.im < 0.0
+                && let Some(omega) = root(|omega| self.response(omega).im, ends, tolerance)
+            {
+                margins.bear_gain(self.response(omega));
+                path.push(self.response(omega));
+            }
+            path.push(after);
+            if (before.magnitude() - 1.0) * (after.magnitude() - 1.0) <= 0.0
+                && let Some(omega) = root(
+                    |omega| self.response(omega).magnitude() - 1.0,
+                    ends,
+                    tolerance,
+                )
+            {
+                margins.bear_delay(self.response(omega), omega);
+            }
+        }
+        // At half of the sampling frequency L is real.
+        if let Some(&last) = responses.last() {
+            margins.bear_gain(last);
+        }
+        margins.stable = winds_around_nothing(&path);
+        if !margins.stable {
+            margins.phase_margin_rad = 0.0;
+            margins.delay_margin_s = 0.0;
+        }
+        margins
+    }
+
+    fn peak_sensitivity(&self, sweep: &[f64], responses: &[Complex]) -> (f64, f64) {
+        let mut nearest = 0;
+        let distance = |response: Complex| (response + Complex::ONE).magnitude();
+        for k in 0..responses.len() {
+            if distance(responses[k]) < distance(responses[nearest]) {
+                nearest = k;
+            }
+        }
+        let omega = smallest(
+            |omega| distance(self.response(omega)),
+            [
+                sweep[nearest.max(1) - 1],
+                sweep[(nearest + 1).min(sweep.len() - 1)],
+            ],
+        );
+        let refined = distance(self.response(omega));
+        let swept = distance(responses[nearest]);
+        // A golden section comes close to an end, not onto it.
+        if refined < swept {
+            (1.0 / refined, omega)
+        } else {
+            (1.0 / swept, sweep[nearest])
+        }
+    }
+}
+
+impl Margins {
+    fn bear_gain(&mut self, response: Complex) {
+        if response.re < 0.0 {
+            self.gain_margin = self.gain_margin.min(1.0 / response.magnitude());
+        }
+    }
+
+    fn bear_delay(&mut self, response: Complex, omega_rad_per_s: f64) {
+        let lag_rad = PI + response.angle_rad();
+        self.phase_margin_rad = self.phase_margin_rad.min(lag_rad);
+        self.delay_margin_s = self.delay_margin_s.min(lag_rad / omega_rad_per_s);
+    }
+}
+
+/// Whether 1 + L, from its integrator's indentation on the positive real axis to half of the sampling
+/// frequency, turns around 0 by nothing in all: the Nyquist criterion for a loop without unstable poles of its own.
+fn winds_around_nothing(path: &[Complex]) -> bool {
+    let mut angle_rad = 0.0;
+    for response in path {
+        angle_rad = unwrapped((*response + Complex::ONE).angle_rad(), angle_rad);
+    }
+    angle_rad.abs() < 0.5 * PI
+}
+
+/// Where a function with one minimum between two ends is smallest, by golden section.
+fn smallest(function: impl Fn(f64) -> f64, ends: [f64; 2]) -> f64 {
+    const STEPS: usize = 60;
+    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let [mut low, mut high] = ends;
+    let mut inner = [high - share * (high - low), low + share * (high - low)];
+    let mut values = inner.map(&function);
+    for _ in 0..STEPS {
+        if values[0] < values[1] {
+            high = inner[1];
+            inner = [high - share * (high - low), inner[0]];
+            values = [function(inner[0]), values[0]];
+        } else {
+            low = inner[0];
+            inner = [inner[1], low + share * (high - low)];
+            values = [values[1], function(inner[1])];
+        }
+    }
+    0.5 * (low + high)
+}
