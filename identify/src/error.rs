@@ -165,6 +165,12 @@ pub enum IdentifyError {
         /// What would be accepted.
         accepted: String,
     },
+    /// A file is no model file at all.
+    #[error("{file}: no schema_version; a model comes from `sma identify --save-model`")]
+    NoModel {
+        /// File.
+        file: String,
+    },
     /// A model has no form in TOML.
     #[error("model of {file}: cannot be written")]
     Unwritable {

@@ -177,7 +177,12 @@ impl SavedModel {
     /// [`IdentifyError::Saved`] for what cannot be, each with line and column.
     pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
         let source = Source { file, text };
-        let parsed: ModelFile = toml::from_str(text).map_err(|error| source.toml(&error))?;
+        if !text.contains("schema_version") {
+            return Err(IdentifyError::NoModel {
+                file: file.to_owned(),
+            });
+        }
+        let parsed: ModelFile = toml::from_str(text).map_err(|error| source.toml(&error, ""))?;
         let reading = Reading { source: &source };
         reading.version(&parsed)?;
         let rule = parsed.memory.into();

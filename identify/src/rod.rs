@@ -212,7 +212,8 @@ impl Rod {
     /// range, each with line and column.
     pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
         let source = Source { file, text };
-        let parsed: RodFile = toml::from_str(text).map_err(|error| source.toml(&error))?;
+        let parsed: RodFile =
+            toml::from_str(text).map_err(|error| source.toml(&error, source.not_a_rod_file()))?;
         Self::of(&source, parsed)
     }
 
@@ -251,10 +252,7 @@ impl Rod {
             specific_heat_range,
             resistance_ohm_per_m: source
                 .positive("rod.resistance_ohm_per_m", &rod.resistance_ohm_per_m)?,
-            ambient_degc: source.finite(
-                "surroundings.ambient_degc",
-                &parsed.surroundings.ambient_degc,
-            )?,
+            ambient_degc: ambient(source, &parsed.surroundings.ambient_degc)?,
             load,
             limits: Limits {
                 drive_max: source.positive("limits.drive_max", &limits.drive_max)?,
@@ -436,6 +434,30 @@ impl Rod {
             text: &self.text,
         };
         source.position(span.start)
+    }
+}
+
+/// Temperatures that surround a rig, °C: from a cold chamber to an oven; kelvins are not among them.
+const SURROUNDINGS_DEGC: Bounds = Bounds {
+    lower: -100.0,
+    upper: 200.0,
+};
+
+fn ambient(
+    source: &Source<'_>,
+    value: &Option<Spanned<f64>>,
+) -> Result<Option<f64>, IdentifyError> {
+    const KEY: &str = "surroundings.ambient_degc";
+    let Bounds { lower, upper } = SURROUNDINGS_DEGC;
+    match (source.finite(KEY, value)?, value) {
+        (Some(degc), Some(spanned)) if !(lower..=upper).contains(&degc) => {
+            let kelvins = format!(
+                "must lie from {lower} to {upper} °C; {degc} K would be {:.2} °C",
+                degc - 273.15
+            );
+            Err(source.value(KEY, spanned, kelvins))
+        }
+        (known, _) => Ok(known),
     }
 }
 

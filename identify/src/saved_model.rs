@@ -57,6 +57,8 @@ pub struct SavedRecording {
     pub n_samples: usize,
     /// Median sample time, s; `None` for static data.
     pub sample_time_s: Option<f64>,
+    /// Largest drive in it, in its unit: beyond, the model is extrapolated.
+    pub largest_drive: f64,
     /// Root mean square of recording - model, in the output unit.
     pub rmse: f64,
 }
@@ -133,6 +135,10 @@ impl SavedModel {
             name: recording.name().to_owned(),
             role,
             n_samples: recording.len(),
+            largest_drive: recording
+                .drive()
+                .iter()
+                .fold(0.0, |largest, drive| largest.max(drive.abs())),
             sample_time_s: match recording.sampling() {
                 Sampling::Uniform { dt_s } => Some(dt_s),
                 Sampling::Jittered { median_dt_s, .. } => Some(median_dt_s),
@@ -208,6 +214,13 @@ impl SavedModel {
     #[must_use]
     pub fn scores(&self) -> Scores {
         self.scores
+    }
+
+    /// Largest drive of the training, in its unit.
+    #[must_use]
+    pub fn largest_drive(&self) -> f64 {
+        let trained = self.recordings.iter().filter(|one| one.role == Role::Train);
+        trained.fold(0.0, |largest, one| largest.max(one.largest_drive))
     }
 
     /// How it was made.

@@ -32,7 +32,7 @@ impl Source<'_> {
         )
     }
 
-    pub(crate) fn toml(&self, error: &toml::de::Error) -> IdentifyError {
+    pub(crate) fn toml(&self, error: &toml::de::Error, hint: &str) -> IdentifyError {
         let (line, column) = self.position(error.span().map_or(0, |span| span.start));
         IdentifyError::Toml {
             file: self.file.to_owned(),
@@ -41,7 +41,20 @@ impl Source<'_> {
             message: error
                 .message()
                 .replace('\n', " ")
-                .replace("expected f64", "expected a number"),
+                .replace("expected f64", "expected a number")
+                + hint,
+        }
+    }
+
+    /// What a file is if it is no rod file, where that is plain.
+    pub(crate) fn not_a_rod_file(&self) -> &'static str {
+        let is_model = self.text.contains("\n[[parameter]]");
+        if self.file.ends_with(".csv") {
+            "; this is a recording: recordings stand behind --train, --validate or --drive"
+        } else if is_model {
+            "; this is a model from --save-model"
+        } else {
+            ""
         }
     }
 

@@ -243,6 +243,11 @@ fn what_a_model_file_may_not_say() {
         stranger.ends_with(": must name its recording: a.csv or b \"2\".csv"),
         "{stranger}"
     );
+    let none = SavedModel::parse("rod.toml", ROD).unwrap_err();
+    assert_eq!(
+        none.to_string(),
+        "rod.toml: no schema_version; a model comes from `sma identify --save-model`"
+    );
     let absent = SavedModel::read("absent.toml".as_ref()).unwrap_err();
     assert_eq!(absent.to_string(), "absent.toml: cannot be read");
 }

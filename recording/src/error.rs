@@ -247,7 +247,8 @@ pub enum RecordingError {
 
     /// A field is not a number.
     #[error(
-        "{file}:{line}: {column} = \"{value}\": not a number; expected a finite number in {unit}"
+        "{file}:{line}: {column} = \"{value}\": not a number; expected a finite number in {unit}{}",
+        decimal_comma(value)
     )]
     NotANumber {
         /// The file.
@@ -409,4 +410,15 @@ pub enum RecordingError {
         /// Duration of the recording, s.
         max_dt_s: f64,
     },
+}
+
+/// What to say of a number with a decimal comma.
+fn decimal_comma(value: &str) -> &'static str {
+    let is_number =
+        value.matches(',').count() == 1 && value.replace(',', ".").parse::<f64>().is_ok();
+    if is_number {
+        ", with a decimal point instead of a comma"
+    } else {
+        ""
+    }
 }

@@ -362,7 +362,8 @@ fn not_a_number() {
     );
     assert_eq!(
         fault("time_s;current_ma;position_mm\n0,5;0;0\n"),
-        "run3.csv:2: time_s = \"0,5\": not a number; expected a finite number in s"
+        "run3.csv:2: time_s = \"0,5\": not a number; expected a finite number in s, with a decimal point \
+         instead of a comma"
     );
     assert_eq!(
         fault(&format!("time_s,current_a,tip [rad]\n{}", ""))

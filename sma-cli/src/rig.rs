@@ -2,6 +2,7 @@
 
 use identify::{RigModel, SavedModel, Scope};
 use pid_tune::Variation;
+use recording::Quantity;
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Ensemble, Member, Plant, Start, Wiener, WienerError, WienerParams};
 
@@ -16,6 +17,10 @@ pub(crate) struct Rig {
     pub(crate) rule: Rule,
     pub(crate) ambient_degc: f64,
     pub(crate) drive_max: f64,
+    /// Largest drive of the training recordings.
+    pub(crate) largest_drive: f64,
+    /// Whether the model was identified to a minimum.
+    pub(crate) converged: bool,
     pub(crate) output_unit: String,
     pub(crate) drive_unit: String,
     /// -1 if the output falls with heat.
@@ -27,14 +32,18 @@ pub(crate) struct Rig {
 /// Why a model cannot be controlled as asked.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum RigError {
-    #[error("{file}: a static loop has no drive; nothing to control")]
+    #[error(
+        "{file}: a static loop has no time constant; to be controlled a rig needs a recording with time"
+    )]
     Static { file: String },
     #[error(
-        "{file}: limits.drive_max is missing: the controller needs it; give it there or as --drive-max"
+        "{file}: limits.drive_max is missing: the controller needs it; give it there or as --drive-max; the recordings went to {largest}"
     )]
-    DriveMax { file: String },
+    DriveMax { file: String, largest: f64 },
     #[error("--drive-max {value}: must be finite and > 0")]
     DriveMaxValue { value: f64 },
+    #[error("drive_max = {value}: a duty is at most 1; the recordings went to {largest}")]
+    Duty { value: f64, largest: f64 },
     #[error(
         "set point {value} {unit}: beyond what the rig reaches, {lower} to {upper} {unit} with a drive of at most {drive_max} {drive_unit}"
     )]
@@ -73,9 +82,18 @@ impl Rig {
             Some(value) => return Err(RigError::DriveMaxValue { value }.into()),
             None => match rod.limits.drive_max {
                 Some(value) => value,
-                None => return Err(RigError::DriveMax { file: file() }.into()),
+                None => {
+                    let largest = saved.largest_drive();
+                    let file = file();
+                    return Err(RigError::DriveMax { file, largest }.into());
+                }
             },
         };
+        if rod.drive_kind == Quantity::Duty && drive_max > 1.0 {
+            let largest = saved.largest_drive();
+            let value = drive_max;
+            return Err(RigError::Duty { value, largest }.into());
+        }
         let Some(ambient_degc) = rod.ambient_degc else {
             return Err(RigError::Ambient { file: file() }.into());
         };
@@ -86,8 +104,13 @@ impl Rig {
             rule: saved.rule(),
             ambient_degc,
             drive_max,
+            largest_drive: saved.largest_drive(),
+            converged: saved.scores().converged,
             output_unit: saved.output_unit().to_owned(),
-            drive_unit: rod.drive_kind.unit().to_owned(),
+            drive_unit: match rod.drive_kind {
+                Quantity::Duty => "duty".to_owned(),
+                other => other.unit().to_owned(),
+            },
             sign,
             temperature_max_degc: match rod.limits.temperature_max_degc {
                 Some(limit) if saved.model().knows_temperature() => limit,
@@ -164,12 +187,21 @@ impl Rig {
 
     /// Refuses a set point that no drive within the limits holds.
     pub(crate) fn check_set_point(&self, output: f64) -> Result<(), anyhow::Error> {
+        if !output.is_finite() {
+            return Err(RigError::Value {
+                name: "set point",
+                value: output,
+                accepted: "must be finite",
+            }
+            .into());
+        }
         let (cold, hot) = (self.rest_output()?, self.hot_output()?);
         if (cold..=hot).contains(&self.signed(output)) {
             return Ok(());
         }
-        let ends = [self.signed(cold), self.signed(hot)].map(|end| format!("{end:.4}"));
-        let [lower, upper] = ends;
+        let mut ends = [self.signed(cold), self.signed(hot)];
+        ends.sort_by(f64::total_cmp);
+        let [lower, upper] = ends.map(|end| format!("{end:.4}"));
         Err(RigError::SetPoint {
             value: output,
             lower,

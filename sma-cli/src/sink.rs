@@ -55,6 +55,13 @@ impl Sink {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
+        if !folder.is_dir() {
+            bail!(
+                "{}: cannot be written: there is no folder {}",
+                path.display(),
+                folder.display()
+            );
+        }
         let temporary = Builder::new()
             .permissions(Permissions::from_mode(ANY_FILE))
             .tempfile_in(folder)

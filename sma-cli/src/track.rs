@@ -31,12 +31,19 @@ impl Track {
         (errors.map(|error| error * error).sum::<f64>() / n).sqrt()
     }
 
-    /// Mean error over the last eighth.
-    pub(crate) fn steady_state_error(&self) -> f64 {
+    /// Mean error over the last eighth; `None` if the reference does not hold there.
+    pub(crate) fn steady_state_error(&self) -> Option<f64> {
         let n = self.output.len();
+        let last = &self.setpoint[n - n.div_ceil(8)..];
+        if last
+            .iter()
+            .any(|level| level.to_bits() != last[0].to_bits())
+        {
+            return None;
+        }
         let errors = self.errors(n - n.div_ceil(8)..n);
         let count = errors.len() as f64;
-        errors.sum::<f64>() / count
+        Some(errors.sum::<f64>() / count)
     }
 
     /// Share of all samples with the drive at a limit.

@@ -98,6 +98,15 @@ fn text_and_numbers_that_are_none() {
 }
 
 #[test]
+fn decimal_commas_are_recognized() {
+    assert_bad_input(
+        ROD,
+        "time_s;current_a;displacement_mm\n0;0;0\n0,1;1;0,1\n",
+        "run.csv:3: time_s = \"0,1\": not a number; expected a finite number in s, with a decimal point instead of a comma",
+    );
+}
+
+#[test]
 fn time_that_falls_or_stands() {
     assert_bad_input(
         ROD,
@@ -181,6 +190,21 @@ fn rod_files_with_keys_or_values_that_cannot_be() {
         &format!("{ROD}[model]\ntau = {{ fixed = 3.0 }}\n"),
         &recording,
         "rod.toml:4:1: [model] tau: no such parameter; this rig has tau_s, loop_center_degc, loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share, lambda_k_per_a2",
+    );
+}
+
+#[test]
+fn kelvins_and_files_of_another_kind() {
+    let recording = rows("0,0,0\n0.1,1,0.1\n");
+    assert_bad_input(
+        "[surroundings]\nambient_degc = 295\n",
+        &recording,
+        "rod.toml:2:16: surroundings.ambient_degc = 295: must lie from -100 to 200 °C; 295 K would be 21.85 °C",
+    );
+    assert_bad_input(
+        "schema_version = 1\n[[parameter]]\nname = \"tau_s\"\n",
+        &recording,
+        "rod.toml:1:1: unknown field `schema_version`, expected one of `rod`, `surroundings`, `drive`, `load`, `limits`, `columns`, `model`; this is a model from --save-model",
     );
 }
 

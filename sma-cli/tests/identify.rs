@@ -130,7 +130,9 @@ fn notes_go_to_stderr_unless_quiet() {
         "train.csv",
     ]));
     assert!(
-        same.contains("note: train.csv is also a training recording: it is not unseen\n"),
+        same.contains(
+            "note: train.csv holds the data of the training recording train.csv: it is not unseen\n"
+        ),
         "{same}"
     );
 }

@@ -159,7 +159,7 @@ fn what_cannot_be_tuned_is_said() {
         ),
         (
             &[],
-            "model.toml: limits.drive_max is missing: the controller needs it; give it there or as --drive-max",
+            "model.toml: limits.drive_max is missing: the controller needs it; give it there or as --drive-max; the recordings went to 5.4",
         ),
         (
             &["--drive-max", "5.5", "--sample-time-s", "0"],

@@ -158,6 +158,11 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let identified = Identified {
         fit: &fit,
         validated: &validated,
+        seen: unseen
+            .iter()
+            .map(|one| training.iter().any(|other| same_data(one, other)))
+            .collect(),
+        ambient_degc: rod.ambient_degc,
         cross_check: checked.as_ref(),
         knows_temperature: model.knows_temperature(),
         missing_for_temperature: rod.missing_for_temperature(),
@@ -167,7 +172,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     };
     if !args.quiet {
         let mut notes = identified.notes();
-        notes.extend(input_notes(args, training.iter().chain(&unseen)));
+        notes.extend(input_notes(&training, &unseen));
         for note in notes {
             writeln!(io::stderr(), "note: {note}")?;
         }
@@ -281,24 +286,30 @@ fn met_worst<'a>(
 }
 
 /// What is odd about the recordings themselves.
-fn input_notes<'a>(
-    args: &IdentifyArgs,
-    recordings: impl Iterator<Item = &'a Recording>,
-) -> Vec<String> {
+fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> {
     let mut notes = Vec::new();
-    let real = |path: &PathBuf| path.canonicalize().ok();
-    let trained: Vec<_> = args.train.iter().map(real).collect();
-    for path in args
-        .validate
-        .iter()
-        .filter(|path| trained.contains(&real(path)))
-    {
-        notes.push(format!(
-            "{} is also a training recording: it is not unseen",
-            path.display()
-        ));
+    for (k, recording) in training.iter().enumerate() {
+        if let Some(twin) = training[..k]
+            .iter()
+            .find(|other| same_data(recording, other))
+        {
+            notes.push(format!(
+                "{} holds the data of {}: its samples count twice, and intervals are too narrow",
+                recording.name(),
+                twin.name()
+            ));
+        }
     }
-    for recording in recordings {
+    for recording in unseen {
+        if let Some(twin) = training.iter().find(|other| same_data(recording, other)) {
+            notes.push(format!(
+                "{} holds the data of the training recording {}: it is not unseen",
+                recording.name(),
+                twin.name()
+            ));
+        }
+    }
+    for recording in training.iter().chain(unseen) {
         for gap in recording.gaps() {
             notes.push(format!(
                 "{}: nothing recorded from {} s for {:.3} s; the drive is taken to have stayed",
@@ -309,6 +320,15 @@ fn input_notes<'a>(
         }
     }
     notes
+}
+
+/// Whether two recordings are one, whatever their names.
+fn same_data(one: &Recording, other: &Recording) -> bool {
+    let bits = |recording: &Recording| -> Vec<u64> {
+        let values = recording.drive().iter().chain(recording.output());
+        values.map(|value| value.to_bits()).collect()
+    };
+    one.len() == other.len() && bits(one) == bits(other)
 }
 
 fn read_all(rod: &Rod, paths: &[PathBuf]) -> anyhow::Result<Vec<Recording>> {

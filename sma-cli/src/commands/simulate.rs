@@ -81,7 +81,24 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
             .then_some(prediction.temperature_degc),
         ambient_degc: recording.ambient_degc().map(<[f64]>::to_vec),
     })?;
+    let largest = recording
+        .drive()
+        .iter()
+        .fold(0.0_f64, |a, b| a.max(b.abs()));
     if !args.quiet {
+        if !saved.scores().converged {
+            let note = "the model was NOT CONVERGED when it was identified: do not trust this";
+            writeln!(io::stderr(), "note: {note}")?;
+        }
+        if largest > 1.02 * saved.largest_drive() {
+            writeln!(
+                io::stderr(),
+                "note: the drive reaches {} {unit}, the model was fitted to at most {} {unit}: beyond, it is a guess",
+                significant(largest),
+                significant(saved.largest_drive()),
+                unit = recording.drive_unit(),
+            )?;
+        }
         writeln!(io::stderr(), "note: {note}")?;
         if !saved.model().knows_temperature() {
             let note = "temperatures are arbitrary: the model does not know their scale";

@@ -56,8 +56,11 @@ pub(crate) struct TuneArgs {
     #[arg(long, value_name = "Y", allow_negative_numbers = true)]
     step_output: f64,
     /// Largest drive, in its unit [default: that of the model's [limits]].
-    #[arg(long, value_name = "U")]
+    #[arg(long, value_name = "U", allow_negative_numbers = true)]
     drive_max: Option<f64>,
+    /// Gains of your own, to stand beside the others.
+    #[arg(long, num_args = 3, value_names = ["KP", "KI", "KD"])]
+    gains: Option<Vec<f64>>,
     /// Length of the run, s [default: twenty time constants].
     #[arg(long, value_name = "S")]
     duration_s: Option<f64>,
@@ -179,7 +182,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     })?;
     bar.finish_and_clear();
     let opinion = second_opinion(&task, member, &weights, &config, &found)?;
-    let candidates = [
+    let mut candidates = vec![
         ("paper", PAPER, of_paper),
         ("tuned", found.gains, found.terms),
         (
@@ -192,13 +195,21 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
             opinion.from_elsewhere.gains,
             opinion.from_elsewhere.terms,
         ),
-    ]
-    .map(|(name, gains, terms)| Candidate {
-        name,
-        gains,
-        terms,
-        cost: weights.cost(&terms),
-    });
+    ];
+    if let Some(&[kp, ki, kd]) = args.gains.as_deref() {
+        let gains = PidGains { kp, ki, kd };
+        let terms = task.evaluate(&[(member, gains)])?[0];
+        candidates.push(("yours", gains, terms));
+    }
+    let candidates = candidates
+        .into_iter()
+        .map(|(name, gains, terms)| Candidate {
+            name,
+            gains,
+            terms,
+            cost: weights.cost(&terms),
+        })
+        .collect();
     let draws = rig.draws(&saved, args.draws, args.seed);
     let report = TunedReport {
         rig: &rig,

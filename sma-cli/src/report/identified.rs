@@ -15,11 +15,21 @@ use super::number::{count, percent, significant};
 /// twice is more than a few parameters fitted to thousands of samples explain.
 const SUSPICIOUS_RATIO: f64 = 2.0;
 
+/// Temperature above which what is said of a rod cannot be, °C: its alloy would long be annealed.
+const HOTTEST_DEGC: f64 = 500.0;
+
+/// Rise below which a rod does not transform, K.
+const LEAST_RISE_K: f64 = 3.0;
+
 /// The result of `sma identify`.
 #[derive(Debug)]
 pub(crate) struct Identified<'a> {
     pub(crate) fit: &'a Fit,
     pub(crate) validated: &'a [Validated],
+    /// Which of them hold the data of a training recording.
+    pub(crate) seen: Vec<bool>,
+    /// Temperature of the surroundings, °C, where the rod file gives it.
+    pub(crate) ambient_degc: Option<f64>,
     /// Where argmin ended, if it was asked.
     pub(crate) cross_check: Option<&'a CrossCheck>,
     /// Keys of the rod file without which temperatures are arbitrary.
@@ -37,7 +47,12 @@ pub(crate) struct Identified<'a> {
 impl Identified<'_> {
     /// Root mean square over all unseen samples; `None` if there are none.
     fn validate_rmse(&self) -> Option<f64> {
-        Validated::rmse_of_all(self.validated)
+        let pairs = self.validated.iter().zip(&self.seen);
+        let unseen: Vec<Validated> = pairs
+            .filter(|(_, seen)| !**seen)
+            .map(|(one, _)| one.clone())
+            .collect();
+        Validated::rmse_of_all(&unseen)
     }
 
     /// Unit of the output behind a number: nothing where it has none.
@@ -64,12 +79,17 @@ impl Identified<'_> {
 
     fn verdict(&self) -> String {
         let (fit, unit) = (self.fit, self.unit());
-        let mut text = format!(
+        let mut text = self.warnings();
+        let _ = write!(
+            text,
             "The model meets the training recordings to {}{unit} RMS (fit {})",
             significant(fit.train_rmse),
             percent(fit.fit_fraction),
         );
         match self.validate_rmse() {
+            None if !self.validated.is_empty() => text.push_str(
+                ".\nWhat was given as unseen is training data: this is not yet a test.\n",
+            ),
             None => text.push_str(
                 ".\nNo unseen recording was given (--validate): this is not yet a test.\n",
             ),
@@ -101,6 +121,16 @@ impl Identified<'_> {
                 at_bound.join(", ")
             );
         }
+        if let Some(check) = self.cross_check {
+            let _ = writeln!(text, "{}", self.checked(check));
+        }
+        text
+    }
+
+    /// Why not to believe what follows.
+    fn warnings(&self) -> String {
+        let fit = self.fit;
+        let mut text = String::new();
         if !fit.converged() {
             text.push_str("NOT CONVERGED: do not trust these values. ");
             let _ = if fit.termination.is_minimum() {
@@ -116,8 +146,23 @@ impl Identified<'_> {
                 )
             };
         }
-        if let Some(check) = self.cross_check {
-            let _ = writeln!(text, "{}", self.checked(check));
+        let peaks = fit.recordings.iter().map(|one| one.peak_temperature_degc);
+        let peak_degc = peaks.fold(f64::NEG_INFINITY, f64::max);
+        if self.knows_temperature && !self.is_static {
+            if peak_degc > HOTTEST_DEGC {
+                let _ = writeln!(
+                    text,
+                    "IMPLAUSIBLE: the rod would reach {peak_degc:.0} °C. Look at the units in [rod] and [drive]."
+                );
+            } else if self
+                .ambient_degc
+                .is_some_and(|ambient_degc| peak_degc < ambient_degc + LEAST_RISE_K)
+            {
+                let _ = writeln!(
+                    text,
+                    "IMPLAUSIBLE: the rod would not get warmer than {peak_degc:.1} °C. Look at the units of the drive."
+                );
+            }
         }
         text
     }
@@ -202,10 +247,10 @@ impl Identified<'_> {
                 Cell::new(""),
             ]);
         }
-        for one in self.validated {
+        for (one, seen) in self.validated.iter().zip(&self.seen) {
             table.add_row([
                 Cell::new(self.label(&one.name)),
-                Cell::new("unseen"),
+                Cell::new(if *seen { "trained on" } else { "unseen" }),
                 right(count(one.n_samples)),
                 right(significant(one.rmse)),
                 right(of_range(one.rmse, one.output_range)),
@@ -298,10 +343,11 @@ impl Identified<'_> {
         let trained = self.fit.recordings.iter().map(|one| {
             json!({"name": one.name, "role": "train", "n_samples": one.n_samples, "rmse": one.rmse})
         });
-        let unseen = self.validated.iter().map(|one| {
+        let unseen = self.validated.iter().zip(&self.seen).map(|(one, seen)| {
             json!({
                 "name": one.name,
                 "role": "validate",
+                "is_training_data": seen,
                 "n_samples": one.n_samples,
                 "rmse": one.rmse,
                 "fit_percent": one.fit_fraction.map(|fraction| 100.0 * fraction),

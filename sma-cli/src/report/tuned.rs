@@ -15,6 +15,12 @@ use super::number::{percent, significant};
 use crate::rig::Rig;
 use crate::track::Track;
 
+/// Rows of the front that a person reads; JSON has all.
+const FRONT_ROWS: usize = 16;
+
+/// Largest drive over that of the training from which the text warns.
+const BEYOND: f64 = 1.02;
+
 /// Names of the gains.
 const GAINS: [&str; 3] = ["kp", "ki", "kd"];
 
@@ -30,7 +36,7 @@ pub(crate) struct TunedReport<'a> {
     pub(crate) found: Tuned,
     pub(crate) opinion: SecondOpinion,
     /// The paper's gains, those found, and where somebody else's optimizer ended.
-    pub(crate) candidates: [Candidate; 4],
+    pub(crate) candidates: Vec<Candidate>,
     /// Limit cycles under the paper's gains and under those found.
     pub(crate) analyses: [LoopAnalysis; 2],
     pub(crate) robust: Option<Robustness>,
@@ -95,20 +101,38 @@ impl TunedReport<'_> {
             .zip(GAINS.iter().zip(&units))
             .map(|(value, (name, unit))| format!("{name} {} {unit}", significant(*value)))
             .collect();
-        let mut text = format!("{}\n", gains.join(", "));
+        let mut text = String::new();
+        if !self.rig.converged {
+            text +=
+                "The model was NOT CONVERGED when it was identified: do not trust what follows.\n";
+        }
+        if self.rig.drive_max > BEYOND * self.rig.largest_drive {
+            let _ = writeln!(
+                text,
+                "The drive may reach {} {unit}; the model was fitted to at most {} {unit}: beyond, it is a guess.",
+                significant(self.rig.drive_max),
+                significant(self.rig.largest_drive),
+                unit = self.rig.drive_unit,
+            );
+        }
+        let _ = writeln!(text, "{}", gains.join(", "));
+        let _ = writeln!(text, "{}", self.form());
         if let Some(step) = found.terms.step {
             let left_s = self.duration_s - self.pid.dt_s;
-            let settles = if step.settling_time_s >= left_s {
-                format!("does not settle within {} s", significant(left_s))
-            } else {
-                format!("settles within {} s", significant(step.settling_time_s))
+            let within = |verb: &str, time_s: f64| {
+                if time_s >= left_s {
+                    format!("does not {verb} within {} s", significant(left_s))
+                } else {
+                    format!("{verb}s within {} s", significant(time_s))
+                }
             };
             let _ = writeln!(
                 text,
-                "The step to {} {} rises in {} s, {settles} and overshoots {}.",
+                "The step to {} {} {}, {} and overshoots {}.",
                 significant(self.set_point),
                 self.rig.output_unit,
-                significant(step.rise_time_s),
+                within("rise", step.rise_time_s),
+                within("settle", step.settling_time_s),
                 percent(step.overshoot)
             );
         }
@@ -119,7 +143,7 @@ impl TunedReport<'_> {
             Some(cycle) => {
                 let _ = write!(
                     text,
-                    "THE LOOP CYCLES: ±{} {} at {} Hz.",
+                    "THE LOOP CYCLES: ±{} {} peak, at {} Hz.",
                     significant(cycle.amplitude),
                     self.rig.output_unit,
                     significant(cycle.frequency_hz)
@@ -129,13 +153,30 @@ impl TunedReport<'_> {
         if let Some(Some(step)) = self.robust.map(|robust| robust.step) {
             let _ = write!(
                 text,
-                "\nOf {} rods as likely as the identified one, {} oscillate and {} do not settle.",
+                "\nOf {} rods as likely as the identified one, {} oscillate by more than 2 % of the step and {} do not settle.",
                 self.robust.map_or(0, |robust| robust.draws),
                 percent(step.oscillating_share),
                 percent(step.unsettled_share)
             );
         }
         text + "\n"
+    }
+
+    /// The controller as one would write it down for firmware.
+    fn form(&self) -> String {
+        let sign = if self.rig.is_turned() {
+            ", signs of output and reference changed"
+        } else {
+            ""
+        };
+        format!(
+            "parallel form every {} s, drive 0 to {} {}, integral clamped at the limits, derivative of the measurement \
+             filtered over {} s{sign}",
+            significant(self.pid.dt_s),
+            significant(self.rig.drive_max),
+            self.rig.drive_unit,
+            significant(self.pid.derivative_filter_s),
+        )
     }
 
     /// Drive per error, per error and second, and drive seconds per error.
@@ -197,7 +238,13 @@ impl TunedReport<'_> {
     /// What was foreseen of limit cycles and what simulation says.
     fn cycles_text(&self) -> String {
         let unit = &self.rig.output_unit;
-        let mut table = table(["limit cycles", "start", "foreseen", "simulated", ""]);
+        let mut table = table([
+            "limit cycles",
+            "start",
+            "foreseen (first harmonic)",
+            "simulated (first harmonic)",
+            "",
+        ]);
         for (name, analysis) in ["paper", "tuned"].iter().zip(&self.analyses) {
             for outcome in &analysis.outcomes {
                 let foreseen = outcome.forecast.map_or("rest".to_owned(), |forecast| {
@@ -231,17 +278,26 @@ impl TunedReport<'_> {
         let mut text = table.to_string();
         for (name, analysis) in ["paper", "tuned"].iter().zip(&self.analyses) {
             if let Some(margins) = analysis.margins {
-                let _ = write!(
-                    text,
-                    "\n{name}, at the steepest slope of the loop: {}gain margin {}, phase margin {}°, delay margin {} s, \
-                     peak sensitivity {}",
-                    if margins.stable { "" } else { "UNSTABLE; " },
-                    significant(margins.gain_margin),
-                    significant(margins.phase_margin_rad.to_degrees()),
-                    significant(margins.delay_margin_s),
-                    significant(margins.peak_sensitivity),
-                );
+                let said = if margins.stable {
+                    format!(
+                        "gain margin {}, phase margin {}°, delay margin {} s, peak sensitivity {}",
+                        significant(margins.gain_margin),
+                        significant(margins.phase_margin_rad.to_degrees()),
+                        significant(margins.delay_margin_s),
+                        significant(margins.peak_sensitivity),
+                    )
+                } else {
+                    "small swings would grow there; what becomes of them the simulations above say"
+                        .to_owned()
+                };
+                let _ = write!(text, "\n{name}, at the steepest slope of the loop: {said}");
             }
+        }
+        let delay_s = self.analyses[1]
+            .margins
+            .map(|margins| margins.delay_margin_s);
+        if delay_s.is_some_and(|delay_s| delay_s < self.pid.dt_s) {
+            text += "\nThe delay margin is less than a sample: try --dead-time-samples 1, as most rigs have it.";
         }
         text
     }
@@ -255,7 +311,11 @@ impl TunedReport<'_> {
                 Cell::new(&track.name),
                 Cell::new(track.controller),
                 right(significant(track.rmse())),
-                right(significant(track.steady_state_error())),
+                right(
+                    track
+                        .steady_state_error()
+                        .map_or("-".to_owned(), significant),
+                ),
                 right(percent(track.saturated_share())),
                 Cell::new(track.recorded_rmse.map_or(String::new(), |rmse| {
                     format!("recorded under its own controller: {}", significant(rmse))
@@ -312,7 +372,11 @@ impl TunedReport<'_> {
         let mse = format!("MSE ({}²)", self.rig.output_unit);
         let energy = format!("energy ({}² s)", self.rig.drive_unit);
         let mut table = table(["kp", "ki", "kd", &mse, &energy]);
-        for point in &self.front {
+        for point in self
+            .front
+            .iter()
+            .step_by(self.front.len().div_ceil(FRONT_ROWS))
+        {
             let numbers = gains(&point.gains)
                 .into_iter()
                 .chain([point.terms.mse, point.terms.energy]);
@@ -336,12 +400,6 @@ impl TunedReport<'_> {
             self.found.evaluations,
             self.found.seed
         )];
-        if self.rig.is_turned() {
-            notes.push(
-                "the output falls with heat: the controller needs the signs of output and reference changed"
-                    .to_owned(),
-            );
-        }
         for (name, end) in GAINS.iter().zip(self.found.at_bound) {
             if end == Some(BoundEnd::Upper) {
                 notes.push(format!("{name} is the largest that was looked for"));
@@ -521,6 +579,6 @@ fn agreement(outcome: &Outcome) -> &'static str {
     match outcome.agreement {
         Agreement::Confirmed => "confirmed",
         Agreement::Inaccurate => "cycles, but otherwise",
-        Agreement::Refuted => "refuted",
+        Agreement::Refuted => "refuted: the simulation counts",
     }
 }
