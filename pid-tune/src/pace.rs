@@ -1,20 +1,22 @@
 use crate::{CostWeights, TuneError};
 
-/// Decades by which [`Pace`] shifts a weight from its middle to an end.
-const DECADES: f64 = 0.5;
+/// Decades by which the weights are shifted at the gentle end, and at the fast one.
+const DECADES: [f64; 2] = [0.5, 1.0];
 
-/// A knob from gentle (0) over balanced (½) to fast (1).
-///
-/// It shifts the weights of eq. 13 by up to half a decade, and so the two kinds by a decade against each other:
+/// A knob from gentle (0) over balanced (½) to fast (1): how much more than balanced do time and error count?
 ///
 /// ```text
-/// MSE, rise time, settling time:  w 10^(pace - ½)
-/// energy, overshoot:              w 10^(½ - pace)
+/// MSE, rise time, settling time:  w 10^s     s = ½ (2 pace - 1) below ½, 2 pace - 1 above
+/// energy, overshoot:              w 10^-s
 /// ```
 ///
-/// Half a decade is our own choice. Most of the energy is what holds the output where it shall be: with weights
-/// another half decade apart, standing still is the cheapest response of a slow rod (`examples/paper_rods.rs`),
-/// and with any weights it gets cheap in a run that is not long compared with the rise.
+/// The faster, the less the best controller has of the first three terms of eq. 13, weighed and summed, and the
+/// more of the other two; one term by itself may go the other way. A response that starts with a saturated
+/// drive and ends without an overshoot can hardly be better in either: then the knob has little to choose from.
+///
+/// The decades are our own choice. Most of the energy is what holds the output where it shall be: with a whole
+/// decade at the gentle end, standing still is the cheapest response of a slow rod
+/// (`examples/paper_rods.rs`), and with any weights it gets cheap in a run that is not long compared with the rise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pace(f64);
 
@@ -38,7 +40,9 @@ impl Pace {
     /// The weights for this pace, from balanced ones.
     #[must_use]
     pub fn weigh(self, balanced: &CostWeights) -> CostWeights {
-        let faster = libm::exp10(DECADES * (2.0 * self.0 - 1.0));
+        let [gentle, fast] = DECADES;
+        let decades = if self.0 < 0.5 { gentle } else { fast };
+        let faster = libm::exp10(decades * (2.0 * self.0 - 1.0));
         CostWeights {
             mse: balanced.mse * faster,
             rise_time: balanced.rise_time * faster,

@@ -511,34 +511,58 @@ fn an_observer_sees_every_move_and_may_end_the_search() {
 #[test]
 fn pace_leads_from_gentle_to_fast() {
     let task = step_task();
-    let member = at_rest(rod(10.0));
-    let balanced = balanced(&task, member);
+    let config = TunerConfig::for_task(&task, STROKE_MM).unwrap();
+    let calm = gains(6.0, 1.2, 0.0);
+    for (tau_s, reference) in [(3.0, calm), (6.0, calm), (10.0, PAPER)] {
+        let member = at_rest(rod(tau_s));
+        let terms = task.evaluate(&[(member, reference)]).unwrap()[0];
+        let balanced = CostWeights::balancing(&terms);
+        let speed = CostWeights {
+            energy: 0.0,
+            overshoot: 0.0,
+            ..balanced
+        };
+        let found: Vec<_> = [0.0, 0.25, 0.5, 0.75, 1.0]
+            .into_iter()
+            .map(|pace| {
+                let weights = Pace::new(pace).unwrap().weigh(&balanced);
+                let terms = tuned(&task, member, &weights, &config).terms;
+                let slowness = speed.cost(&terms);
+                let effort = balanced.cost(&terms) - slowness;
+                (slowness, effort, terms.step.unwrap().rise_time_s)
+            })
+            .collect();
+        // A search ends within a per cent or so of the lowest cost.
+        for pair in found.windows(2) {
+            let ((slowness, effort, rise_s), faster) = (pair[0], pair[1]);
+            assert!(faster.0 <= 1.02 * slowness, "{tau_s} s: {found:?}");
+            assert!(faster.1 >= 0.98 * effort, "{tau_s} s: {found:?}");
+            assert!(faster.2 <= 1.02 * rise_s, "{tau_s} s: {found:?}");
+        }
+        assert!(found[4].0 < found[0].0, "{tau_s} s: {found:?}");
+        assert!(found[4].1 > found[0].1, "{tau_s} s: {found:?}");
+    }
+}
+
+#[test]
+fn pace_moves_two_kinds_of_terms_against_each_other() {
+    let balanced = CostWeights {
+        mse: 2.0,
+        energy: 3.0,
+        rise_time: 5.0,
+        settling_time: 7.0,
+        overshoot: 11.0,
+    };
     assert_eq!(Pace::BALANCED, Pace::new(0.5).unwrap());
     assert_eq!(Pace::BALANCED.weigh(&balanced), balanced);
-    let config = TunerConfig::for_task(&task, STROKE_MM).unwrap();
-    let found: Vec<_> = [0.0, 0.25, 0.5, 0.75, 1.0]
-        .into_iter()
-        .map(|pace| {
-            let weights = Pace::new(pace).unwrap().weigh(&balanced);
-            tuned(&task, member, &weights, &config).terms
-        })
-        .collect();
-    // A search ends within a per cent or so of the lowest cost.
-    for pair in found.windows(2) {
-        let (gentler, faster) = (pair[0].step.unwrap(), pair[1].step.unwrap());
-        assert!(
-            faster.rise_time_s <= 1.02 * gentler.rise_time_s,
-            "{found:?}"
-        );
-        assert!(faster.overshoot >= gentler.overshoot - 0.02, "{found:?}");
-        assert!(pair[1].energy >= 0.98 * pair[0].energy, "{found:?}");
+    for (pace, faster) in [(0.0, 0.1_f64.sqrt()), (0.75, 10_f64.sqrt()), (1.0, 10.0)] {
+        let found = Pace::new(pace).unwrap().weigh(&balanced);
+        assert_near(found.mse, 2.0 * faster, 1e-12);
+        assert_near(found.rise_time, 5.0 * faster, 1e-12);
+        assert_near(found.settling_time, 7.0 * faster, 1e-12);
+        assert_near(found.energy, 3.0 / faster, 1e-12);
+        assert_near(found.overshoot, 11.0 / faster, 1e-12);
     }
-    let (gentle, fast) = (&found[0], &found[4]);
-    assert!(
-        fast.step.unwrap().rise_time_s < gentle.step.unwrap().rise_time_s,
-        "{found:?}"
-    );
-    assert!(fast.energy > gentle.energy, "{found:?}");
 }
 
 #[test]

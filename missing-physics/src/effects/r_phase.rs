@@ -1,0 +1,95 @@
+use crate::EffectValues;
+use crate::effect::{Base, Before, Effect, Standing, Trial, ZoneStart, without_memory_of_the_rod};
+use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::loop_scale::LoopScale;
+use crate::play::{play, play_at};
+
+/// Half of the width of the R-phase's own loop, K: 3 K in all, of 1.5 to 5 K in the literature (unchecked).
+const HALF_WIDTH_K: f64 = 1.5;
+/// Half of the range of temperatures over which it forms, K: as narrow as its loop is (our choice).
+const HALF_RANGE_K: f64 = 3.0;
+
+parameters! {
+    /// Austenite first becomes R-phase on cooling, and gives back a part of the stroke.
+    ///
+    /// ```text
+    /// stroke share = p (1 - r (1 - ρ(v))),   v = play of ±1.5 K on T
+    /// ρ = s²(3 - 2s),   s = (v - T_R)/(6 K) + ½ clamped to [0, 1]
+    /// T_R = T_mid - T_c + d
+    /// ```
+    ///
+    /// Only what is austenite can be R-phase, so the step shows where austenite is cold: on cooling, d
+    /// above the middle of the martensite curve, and on heating from an incomplete cooling. Its loop is
+    /// narrow, smooth and without memory of inner reversals. Left out: its heat, its resistance, its
+    /// own dependence on stress.
+    RPhase {
+        /// Share of the stroke that the R-phase gives back r; 0 to 0.5.
+        r_phase_share: EffectParameter::size("1", 0.1, [0.0, 0.5])
+            .unchecked([0.1, 0.25], "0.5 to 1 % of strain, of some 4 %"),
+        /// Its temperature above the middle of the cooling curve d, K; -10 to 60. A partner: without a
+        /// share it does nothing.
+        r_phase_above_k: EffectParameter::partner("K", 15.0, [-10.0, 60.0], &[2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0]),
+    }
+}
+
+pub(super) const INFO: EffectInfo = EffectInfo {
+    id: "r-phase",
+    name: "R-phase",
+    block: EffectBlock::Transformation,
+    flexible: false,
+    smoothness: Smoothness::Smooth,
+    needs: &[],
+    parameters: PARAMETERS,
+    sentence: "on cooling, {value} of the stroke is given back early, {partner} above the main transformation",
+};
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Lanes<const L: usize> {
+    share: [f64; L],
+    middle_degc: [f64; L],
+    scale: LoopScale<L>,
+}
+
+impl<const L: usize> Effect<L> for Lanes<L> {
+    without_memory_of_the_rod!();
+    const STANDS_IN_ZONE: bool = true;
+    type Zone = [f64; L];
+    const SHOWS: bool = true;
+
+    fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
+        let mut middle_degc = [0.0; L];
+        for l in 0..L {
+            let of_loop = &base.params[l].limiting_loop;
+            middle_degc[l] = of_loop.loop_center_degc - of_loop.loop_half_width_k
+                + values[l].r_phase.r_phase_above_k;
+        }
+        Self {
+            share: values.map(|lane| lane.r_phase.r_phase_share),
+            middle_degc,
+            scale: LoopScale::new(base.params),
+        }
+    }
+
+    fn zone(&self, start: &ZoneStart<L>) -> [f64; L] {
+        core::array::from_fn(|l| play_at(start.driving_degc[l], HALF_WIDTH_K, start.share[l]))
+    }
+
+    #[inline(always)]
+    fn commit(&self, zone: &mut [f64; L], _: &Before<L>, to: &Trial<L>) {
+        for l in 0..L {
+            zone[l] = play(zone[l], to.temperature_degc[l], HALF_WIDTH_K);
+        }
+    }
+
+    #[inline(always)]
+    fn stroke(&self, zone: &[f64; L], at: &Standing<L>, fraction: &mut [f64; L]) {
+        for l in 0..L {
+            let driven_degc = play(zone[l], at.temperature_degc[l], HALF_WIDTH_K);
+            let s = (driven_degc - self.middle_degc[l]) * (0.5 / HALF_RANGE_K) + 0.5;
+            let s = if s > 0.0 { s } else { 0.0 };
+            let s = if s < 1.0 { s } else { 1.0 };
+            let given_back = 1.0 - s * s * (3.0 - 2.0 * s);
+            fraction[l] -= self.share[l] * (self.scale.span[l] * at.transformed[l] * given_back);
+        }
+    }
+}

@@ -1,0 +1,111 @@
+use wiener::Drive;
+
+use crate::EffectValues;
+use crate::effect::{Base, Effect, Moment, without_memory_in_zones};
+use crate::elementary::mean_exponential;
+use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+
+parameters! {
+    /// The supply follows the drive with a time constant.
+    ///
+    /// ```text
+    /// θ da/dt + a = a_drive,   P = P_drive (a/a_drive)²   current, voltage: the amplitude lags
+    /// θ dP/dt + P = P_drive                               duty, power: the power lags
+    /// ```
+    ///
+    /// Exact for a drive that is constant over each sample: within it the amplitude is
+    /// a_1 + (a_0 - a_1) e^(-t/θ), so the power is a constant and two fading exponentials. A power
+    /// that fades with the rate k leaves at the end of the sample what this share of it would if constant:
+    ///
+    /// ```text
+    /// W(k) = φ(a - k dt)/φ(a),   φ(x) = (e^x - 1)/x,   a = dt/τ
+    /// ```
+    ///
+    /// Before the first sample the drive counts as off.
+    SupplyLag {
+        /// Time constant θ, s; 0 to 2.
+        supply_lag_s: EffectParameter::size("s", 0.02, [0.0, 2.0])
+            .unchecked([0.001, 0.02], "current amplifiers: milliseconds"),
+    }
+}
+
+pub(super) const INFO: EffectInfo = EffectInfo {
+    id: "supply-lag",
+    name: "lag of the supply",
+    block: EffectBlock::Drive,
+    flexible: false,
+    smoothness: Smoothness::Smooth,
+    needs: &[],
+    parameters: PARAMETERS,
+    sentence: "the supply follows the drive with a time constant of {value}",
+};
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Lanes<const L: usize> {
+    lag_s: [f64; L],
+    tau_s: [f64; L],
+    amplitude_lags: bool,
+}
+
+/// Where the supply is, and what fades over a sample.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Supply<const L: usize> {
+    /// Square root of the power if the amplitude lags, else the power.
+    level: [f64; L],
+    retained: [f64; L],
+    /// W(1/θ), W(2/θ).
+    weight: [f64; L],
+    double_weight: [f64; L],
+}
+
+impl<const L: usize> Effect<L> for Lanes<L> {
+    without_memory_in_zones!();
+    type Rod = Supply<L>;
+
+    fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
+        Self {
+            lag_s: values.map(|lane| lane.supply_lag.supply_lag_s),
+            tau_s: base.tau_s(),
+            amplitude_lags: matches!(base.drive(), Drive::Current | Drive::Voltage { .. }),
+        }
+    }
+
+    fn rod(&self) -> Supply<L> {
+        Supply {
+            level: [0.0; L],
+            retained: [0.0; L],
+            weight: [0.0; L],
+            double_weight: [0.0; L],
+        }
+    }
+
+    fn over(&self, supply: &mut Supply<L>, dt_s: f64) {
+        for l in 0..L {
+            // Not 0/0: in no time nothing fades, but without a lag all does.
+            let faded = dt_s.max(f64::MIN_POSITIVE) / self.lag_s[l];
+            let a = dt_s / self.tau_s[l];
+            supply.retained[l] = libm::exp(-faded);
+            supply.weight[l] = mean_exponential(a - faded) / mean_exponential(a);
+            supply.double_weight[l] = mean_exponential(a - 2.0 * faded) / mean_exponential(a);
+        }
+    }
+
+    #[inline(always)]
+    fn power(&self, supply: &mut Supply<L>, _: &Moment, power_w_per_m: &mut [f64; L]) {
+        for l in 0..L {
+            let wanted = power_w_per_m[l];
+            let level = if self.amplitude_lags {
+                wanted.sqrt()
+            } else {
+                wanted
+            };
+            let behind = supply.level[l] - level;
+            supply.level[l] = level + behind * supply.retained[l];
+            power_w_per_m[l] += if self.amplitude_lags {
+                2.0 * level * behind * supply.weight[l] + behind * behind * supply.double_weight[l]
+            } else {
+                behind * supply.weight[l]
+            };
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The Wiener model with some of the catalogue's effects, as a model to be fitted.
+
+use identify::{
+    Bounds, Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scale,
+    WienerModel,
+};
+use recording::Recording;
+use wiener::{Block, lockstep};
+
+use crate::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
+
+/// Factor by which a gain may leave that of the baseline, either way.
+const GAIN_FACTOR: f64 = 4.0;
+
+/// A rig's baseline and the effects that may have a size.
+///
+/// Parameters: those of the baseline, in their order, then those of each effect in the order of the
+/// catalogue. The gain is searched: effects behind it are in the unit of the output, so that it cannot be
+/// solved for. Offsets still are.
+#[derive(Debug, Clone)]
+pub struct ExtendedModel {
+    base: WienerModel,
+    setting: Setting,
+    /// Effect and number of the parameter, for each parameter after the baseline's.
+    slots: Vec<(EffectId, usize)>,
+    parameters: Vec<ParameterInfo>,
+}
+
+impl ExtendedModel {
+    /// The model around a fitted baseline; `setting` says what is common to all its plants, but for drive, rule
+    /// and run length, which the baseline and each recording have.
+    #[must_use]
+    pub fn new(base: &WienerModel, fit: &Fit, setting: Setting) -> Self {
+        let mut parameters = base.parameters().to_vec();
+        let gain = parameters
+            .iter()
+            .position(|info| info.enters == Enters::Gain)
+            .unwrap_or(0);
+        let fitted = fit.parameters[gain].values[0];
+        let ends = [fitted / GAIN_FACTOR, fitted * GAIN_FACTOR];
+        parameters[gain] = ParameterInfo {
+            enters: Enters::Nonlinear,
+            bounds: Bounds {
+                lower: ends[0].min(ends[1]),
+                upper: ends[0].max(ends[1]),
+            },
+            ..parameters[gain].clone()
+        };
+        let mut slots = Vec::new();
+        for effect in setting.active.iter() {
+            for (k, parameter) in effect.info().parameters.iter().enumerate() {
+                let [lower, upper] = parameter.bounds;
+                let bounds = Bounds { lower, upper };
+                parameters.push(ParameterInfo {
+                    admissible: bounds,
+                    state: ParameterState::Free,
+                    ..ParameterInfo::searched(parameter.name, parameter.unit, Scale::Linear, bounds)
+                });
+                slots.push((effect, k));
+            }
+        }
+        Self {
+            setting: Setting {
+                drive: base.drive(),
+                rule: base.rule(),
+                ..setting
+            },
+            base: base.clone(),
+            slots,
+            parameters,
+        }
+    }
+
+    /// The effects that may have a size.
+    #[must_use]
+    pub fn active(&self) -> EffectSet {
+        self.setting.active
+    }
+
+    /// Index of the first parameter of an effect; `None` if it is not active.
+    #[must_use]
+    pub fn first_parameter(&self, effect: EffectId) -> Option<usize> {
+        let slot = self
+            .slots
+            .iter()
+            .position(|&(active, _)| active == effect)?;
+        Some(self.parameters.len() - self.slots.len() + slot)
+    }
+
+    fn member(&self, point: &[f64], first_ambient_degc: f64) -> Member {
+        let (base, extra) = point.split_at(point.len() - self.slots.len());
+        let mut effects = EffectValues::default();
+        for (&(effect, index), &value) in self.slots.iter().zip(extra) {
+            if let Some(slot) = effects.slot(effect, index) {
+                *slot = value;
+            }
+        }
+        Member {
+            params: self.base.wiener_params(base),
+            start: self.base.start(base, first_ambient_degc),
+            effects,
+        }
+    }
+}
+
+impl ForwardModel for ExtendedModel {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let profile = self.base.profile(recording)?;
+        let members: Vec<Member> = points
+            .iter()
+            .map(|point| self.member(point, profile.first_ambient_degc()))
+            .collect();
+        let time_s = recording.time_s();
+        let fleet = Extended {
+            setting: Setting {
+                run_length_s: Some(time_s[time_s.len() - 1] - time_s[0]),
+                ..self.setting
+            },
+        };
+        lockstep(&fleet, &members, &profile, visit)
+            .map_err(|error| IdentifyError::Model(Box::new(error)))
+    }
+}

@@ -1,0 +1,47 @@
+#![doc = include_str!("../README.md")]
+
+mod advance;
+mod bracket;
+mod effect;
+mod effects;
+mod elementary;
+mod error;
+mod extended_model;
+mod fleet;
+mod heat;
+mod info;
+mod knots;
+mod lag;
+mod loop_scale;
+mod part;
+mod plant;
+mod play;
+mod projection;
+mod scores;
+mod screening;
+mod set;
+mod setting;
+mod shown;
+mod solve;
+mod start;
+mod state;
+mod tangent;
+mod whiten;
+
+pub use effects::{
+    AmbientDrift, Backlash, DeadTime, EffectId, EffectValues, EndConduction, EndStop,
+    FunctionalFatigue, LatentHeat, LoopAsymmetry, LoopShape, NaturalConvection, OutputLag,
+    PhaseDependentResistance, RPhase, Radiation, ReturnPointMemory, SensorDrift,
+    SensorNonlinearity, StressCoupling, SupplyLag, ThermalExpansion, ThermocoupleLag,
+};
+pub use error::PhysicsError;
+pub use extended_model::ExtendedModel;
+pub use fleet::{Extended, Member};
+pub use info::{
+    EffectBlock, EffectInfo, EffectParameter, Literature, Need, Role, Sign, Smoothness,
+};
+pub use plant::ExtendedPlant;
+pub use screening::{ScreenConfig, Screened, Screening, screen};
+pub use set::EffectSet;
+pub use setting::Setting;
+pub use state::ExtendedState;

@@ -1,0 +1,270 @@
+use wiener::hysteresis::{Branch, Hysteresis, Rule, SineProximity};
+use wiener::thermal::Heating;
+use wiener::{Drive, Input, Output, Plant, Wiener, WienerParams};
+
+use crate::effect::{Base, Instant, Mapped, Moment};
+use crate::effects::Effects;
+use crate::heat::ZoneHeat;
+use crate::loop_scale::LoopScale;
+use crate::{EffectId, EffectSet, EffectValues, ExtendedState, Need, PhysicsError, Setting};
+
+/// The Wiener cascade of `L` actuators side by side, with any of the effects.
+///
+/// ```text
+/// drive → P(·) → m C_p dT/dt = P - hA (T - T_a) + q(·) → ξ = loop(T - ΔT(·)) → y = gain ξ + offset + …
+/// ```
+///
+/// Over a sample the heat flow beyond the baseline's counts with one value q̄, and what is linear is
+/// exact:
+///
+/// ```text
+/// T_1 = B + S q̄(T_0, T_1, ξ_0, ξ_1),   S = (1 - e^(-dt/τ))/(hA)
+/// ```
+///
+/// with the baseline's temperature B. A fixed number of Newton iterations solves it together with the
+/// hysteresis. With all sizes 0 the outputs are the bits of [`Wiener`], whatever is active, because each
+/// effect adds an exact zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExtendedPlant<const L: usize = 1> {
+    drive: Drive,
+    pub(crate) middle: ZoneHeat<L>,
+    pub(crate) ends: ZoneHeat<L>,
+    pub(crate) hysteresis: Hysteresis<L>,
+    pub(crate) scale: LoopScale<L>,
+    pub(crate) gain: [f64; L],
+    pub(crate) offset: [f64; L],
+    pub(crate) effects: Effects<L>,
+    pub(crate) path: Path,
+    pub(crate) newton_iterations: usize,
+    sub_steps: usize,
+    start_s: f64,
+    /// 0 if the length of the run is unknown.
+    per_run_s: f64,
+}
+
+/// What the active effects ask of a step: decided once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Path {
+    /// A sample must be solved for its end.
+    pub(crate) implicit: bool,
+    /// A sample has two parts.
+    pub(crate) in_parts: bool,
+    pub(crate) wants_middle: bool,
+    pub(crate) changes_ambient: bool,
+    pub(crate) stands_in_zone: bool,
+    /// The displacement is more than gain and offset.
+    shows: bool,
+    /// The recorded temperature is not the rod's.
+    records: bool,
+}
+
+impl Path {
+    fn of<const L: usize>(active: EffectSet) -> Self {
+        Self {
+            implicit: active.meets(Effects::<L>::IMPLICIT),
+            in_parts: active.contains(EffectId::DeadTime),
+            wants_middle: active.meets(Effects::<L>::WANT_MIDDLE),
+            changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
+            stands_in_zone: active.meets(Effects::<L>::STAND_IN_ZONE),
+            shows: active.meets(Effects::<L>::SHOW.with(EffectId::EndConduction)),
+            records: active.meets(Effects::<L>::RECORD),
+        }
+    }
+
+    /// Whether a sample is one step after another: heat, then fraction.
+    #[inline(always)]
+    fn is_plain(self) -> bool {
+        !(self.implicit | self.in_parts | self.wants_middle | self.stands_in_zone)
+    }
+}
+
+impl<const L: usize> ExtendedPlant<L> {
+    /// The plants of `L` lanes: parameters of the baseline and of the effects for each, the setting in
+    /// common.
+    ///
+    /// # Errors
+    ///
+    /// [`PhysicsError`] naming the value that is out of range, the effect that is not active, or
+    /// what an active effect lacks.
+    pub fn new(
+        setting: &Setting,
+        params: &[WienerParams; L],
+        values: &[EffectValues; L],
+    ) -> Result<Self, PhysicsError> {
+        setting.checked()?;
+        for effect in setting.active.iter() {
+            provided(setting, effect)?;
+        }
+        for lane in values {
+            lane.checked(setting.active)?;
+        }
+        let baseline = Wiener::new(setting.drive, setting.rule, params)?;
+        let base = Base {
+            setting,
+            params,
+            other_memory: Hysteresis::new(
+                *baseline.hysteresis().limits(),
+                SineProximity::new(params.map(|lane| lane.zeta))?,
+                match setting.rule {
+                    Rule::LastReversal => Rule::Nested,
+                    Rule::Nested => Rule::LastReversal,
+                },
+            ),
+        };
+        let heat = params.map(|lane| lane.heat);
+        let loss_ratio = values.map(|lane| lane.end_conduction.end_loss_ratio);
+        Ok(Self {
+            drive: setting.drive,
+            middle: ZoneHeat::new(heat, [0.0; L])?,
+            ends: ZoneHeat::new(heat, loss_ratio)?,
+            hysteresis: *baseline.hysteresis(),
+            scale: LoopScale::new(params),
+            gain: params.map(|lane| lane.gain),
+            offset: params.map(|lane| lane.offset),
+            effects: Effects::new(values, &base),
+            path: Path::of::<L>(setting.active),
+            newton_iterations: setting.newton_iterations,
+            sub_steps: setting.sub_steps,
+            start_s: setting.start_s,
+            per_run_s: setting.run_length_s.map_or(0.0, |length_s| 1.0 / length_s),
+        })
+    }
+
+    /// The effects that may have a size.
+    #[must_use]
+    pub fn active(&self) -> EffectSet {
+        self.effects.active
+    }
+
+    #[inline(always)]
+    fn sub_step(&self, state: &mut ExtendedState<L>, input: &Input<L>, dt_s: f64) {
+        if !state.middle.sample.is_of(&self.middle.balance, dt_s) {
+            self.prepare(state, dt_s);
+        }
+        let moment = self.moment(state.time_s, dt_s);
+        let resistance_ohm_per_m = self.middle.balance.resistance_ohm_per_m();
+        let mut power_w_per_m = self.drive.power_w_per_m(input.drive, resistance_ohm_per_m);
+        self.effects
+            .power(&mut state.rod, &moment, &mut power_w_per_m);
+        state.time_s += dt_s;
+        if self.path.is_plain() {
+            self.advance_plainly(state, &moment, power_w_per_m, input.ambient_degc);
+        } else {
+            self.advance(state, &moment, power_w_per_m, input.ambient_degc);
+        }
+        if self.path.shows {
+            state.displacement = self.show(state, &moment, Instant::End);
+        }
+        if self.path.records {
+            state.recorded_degc = state.middle.temperature_degc;
+            self.effects.temperature(
+                &mut state.rod,
+                &state.middle.middle_degc,
+                &mut state.recorded_degc,
+            );
+        }
+    }
+
+    /// Coefficients for samples of another length.
+    #[inline(never)]
+    fn prepare(&self, state: &mut ExtendedState<L>, dt_s: f64) {
+        state.middle.sample = self.middle.balance.over(dt_s);
+        if let Some(ends) = &mut state.ends {
+            ends.sample = self.ends.balance.over(dt_s);
+        }
+        self.effects.over(&mut state.rod, dt_s);
+    }
+
+    #[inline(always)]
+    pub(crate) fn moment(&self, time_s: f64, dt_s: f64) -> Moment {
+        let run_share = |time_s: f64| (self.start_s + time_s) * self.per_run_s;
+        Moment {
+            dt_s,
+            run_share_middle: run_share(time_s + 0.5 * dt_s),
+            run_share_end: run_share(time_s + dt_s),
+        }
+    }
+
+    /// A sample of the baseline, but for power, surroundings and what becomes of the fraction.
+    #[inline(always)]
+    fn advance_plainly(
+        &self,
+        state: &mut ExtendedState<L>,
+        moment: &Moment,
+        power_w_per_m: [f64; L],
+        ambient_degc: f64,
+    ) {
+        let zone = &mut state.middle;
+        let heating = Heating {
+            power_w_per_m,
+            ambient_degc,
+        };
+        let heat = &self.middle;
+        let mut end_degc = heat
+            .balance
+            .step(zone.temperature_degc, &heating, &zone.sample);
+        if self.path.changes_ambient {
+            let mut warmer_k = [0.0; L];
+            self.effects.ambient(moment, &mut warmer_k);
+            heat.warm(&mut end_degc, &zone.sample, &warmer_k);
+        }
+        let mut mapped = Mapped {
+            fraction: self.hysteresis.commit(&mut zone.memory, end_degc),
+            slope_per_k: [0.0; L],
+        };
+        self.effects.fraction(&zone.effects, &end_degc, &mut mapped);
+        zone.temperature_degc = end_degc;
+        zone.fraction = mapped.fraction;
+    }
+}
+
+impl<const L: usize> Plant<L> for ExtendedPlant<L> {
+    type State = ExtendedState<L>;
+
+    fn rest(&self, ambient_degc: f64) -> ExtendedState<L> {
+        self.on_limiting_curve(Branch::Cooling, [ambient_degc; L])
+    }
+
+    #[inline(always)]
+    fn output(&self, state: &ExtendedState<L>) -> Output<L> {
+        Output {
+            displacement: if self.path.shows {
+                state.displacement
+            } else {
+                self.read_out(&state.middle.fraction)
+            },
+            temperature_degc: if self.path.records {
+                state.recorded_degc
+            } else {
+                state.middle.temperature_degc
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &mut ExtendedState<L>, input: &Input<L>, dt_s: f64) {
+        let part_s = dt_s / self.sub_steps as f64;
+        for _ in 0..self.sub_steps {
+            self.sub_step(state, input, part_s);
+        }
+    }
+}
+
+/// Whether the setting provides what an effect needs.
+fn provided(setting: &Setting, effect: EffectId) -> Result<(), PhysicsError> {
+    for &need in effect.info().needs {
+        let what = match need {
+            Need::MassPerMeter if setting.mass_kg_per_m.is_none() => "mass_kg_per_m",
+            Need::SurfacePerMeter if setting.surface_m2_per_m.is_none() => "surface_m2_per_m",
+            Need::Length if setting.length_output.is_none() => "length_output",
+            Need::RunLength if setting.run_length_s.is_none() => "run_length_s",
+            // The others are for those who interpret the output: it can be computed without.
+            _ => continue,
+        };
+        return Err(PhysicsError::Missing {
+            effect: effect.id(),
+            what,
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,108 @@
+use wiener::Drive;
+use wiener::hysteresis::Rule;
+
+use crate::{EffectSet, PhysicsError};
+
+/// Most sub-steps of a sample.
+const MOST_SUB_STEPS: usize = 64;
+/// Most Newton iterations: far more than a converging search needs.
+const MOST_ITERATIONS: usize = 50;
+
+/// What all plants of one kind have in common. What is unknown is left out, and effects that need it
+/// are refused.
+///
+/// Sub-steps and iterations are fixed, and belong to the baseline as to every candidate: then a
+/// difference between two outputs is physics, not integration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// Meaning of the drive.
+    pub drive: Drive,
+    /// Memory of the hysteresis in the baseline.
+    pub rule: Rule,
+    /// The effects that may have a size.
+    pub active: EffectSet,
+    /// Mass per meter of rod, kg/m; > 0. [`RodParams::mass_kg_per_m`](wiener::thermal::RodParams::mass_kg_per_m).
+    pub mass_kg_per_m: Option<f64>,
+    /// Surface per meter of rod, m²/m; > 0.
+    pub surface_m2_per_m: Option<f64>,
+    /// Length of the rod times its lever, in the unit of the displacement; > 0.
+    pub length_output: Option<f64>,
+    /// Length of the run over which drifts are spread, s; > 0.
+    pub run_length_s: Option<f64>,
+    /// Time on the clock of the drifts at which the recording starts, s; ≥ 0.
+    pub start_s: f64,
+    /// Full transformation cycles before the recording starts; ≥ 0.
+    pub cycles_before: f64,
+    /// Temperature at which the rod has its length, °C. It moves only the offset. 20 °C by default,
+    /// the reference temperature of ISO 1.
+    pub reference_degc: f64,
+    /// Parts into which every sample is divided; 1 to 64.
+    pub sub_steps: usize,
+    /// Newton iterations of each sub-step; 1 to 50.
+    pub newton_iterations: usize,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self {
+            drive: Drive::Current,
+            rule: Rule::LastReversal,
+            active: EffectSet::EMPTY,
+            mass_kg_per_m: None,
+            surface_m2_per_m: None,
+            length_output: None,
+            run_length_s: None,
+            start_s: 0.0,
+            cycles_before: 0.0,
+            reference_degc: 20.0,
+            sub_steps: 1,
+            newton_iterations: 3,
+        }
+    }
+}
+
+impl Setting {
+    /// Checks everything but the drive, which the baseline checks.
+    pub(crate) fn checked(&self) -> Result<(), PhysicsError> {
+        for (name, value, unit) in [
+            ("mass_kg_per_m", self.mass_kg_per_m, "kg/m"),
+            ("surface_m2_per_m", self.surface_m2_per_m, "m²/m"),
+            ("length_output", self.length_output, "(output unit)"),
+            ("run_length_s", self.run_length_s, "s"),
+        ] {
+            match value {
+                Some(value) if !(value > 0.0 && value.is_finite()) => {
+                    return Err(PhysicsError::NotPositive { name, value, unit });
+                }
+                _ => {}
+            }
+        }
+        for (name, value, unit) in [
+            ("start_s", self.start_s, "s"),
+            ("cycles_before", self.cycles_before, "cycles"),
+        ] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(PhysicsError::Negative { name, value, unit });
+            }
+        }
+        if !self.reference_degc.is_finite() {
+            return Err(PhysicsError::NotFinite {
+                name: "reference_degc",
+                value: self.reference_degc,
+            });
+        }
+        for (name, value, largest) in [
+            ("sub_steps", self.sub_steps, MOST_SUB_STEPS),
+            ("newton_iterations", self.newton_iterations, MOST_ITERATIONS),
+        ] {
+            if !(1..=largest).contains(&value) {
+                return Err(PhysicsError::Count {
+                    name,
+                    value,
+                    largest,
+                });
+            }
+        }
+        Ok(())
+    }
+}

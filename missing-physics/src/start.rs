@@ -1,0 +1,144 @@
+//! Where a run starts.
+
+use wiener::hysteresis::Branch;
+
+use crate::bracket::Bracket;
+use crate::effect::{Before, Instant, Mapped, Shift, Trial, ZoneStart};
+use crate::heat::ZoneHeat;
+use crate::plant::ExtendedPlant;
+use crate::state::Zone;
+use crate::{EffectId, ExtendedState};
+
+/// Newton iterations for the start, which is sought once a run.
+const START_ITERATIONS: usize = 30;
+/// Step of the difference quotient there, K.
+const START_STEP_K: f64 = 1e-4;
+
+impl<const L: usize> ExtendedPlant<L> {
+    /// A rod that came to `temperature_degc` along a limiting curve, the drive off before.
+    #[must_use]
+    pub fn on_limiting_curve(
+        &self,
+        branch: Branch,
+        temperature_degc: [f64; L],
+    ) -> ExtendedState<L> {
+        let share = match branch {
+            Branch::Heating => 0.0,
+            Branch::Cooling => 1.0,
+        };
+        self.between_limiting_curves(temperature_degc, [share; L])
+    }
+
+    /// A rod whose past is unknown: `share` = 0 on the heating curve, 1 on the cooling curve, as in
+    /// [`Hysteresis::between_limiting_curves`](wiener::hysteresis::Hysteresis::between_limiting_curves).
+    /// All of it has that temperature, all lags have settled and the drive was off before.
+    #[must_use]
+    pub fn between_limiting_curves(
+        &self,
+        temperature_degc: [f64; L],
+        share: [f64; L],
+    ) -> ExtendedState<L> {
+        let with_ends = self.effects.active.contains(EffectId::EndConduction);
+        let ends = || Box::new(self.start_zone(&self.ends, temperature_degc, share));
+        let mut state = ExtendedState {
+            middle: self.start_zone(&self.middle, temperature_degc, share),
+            ends: with_ends.then(ends),
+            rod: self.effects.rod(),
+            time_s: 0.0,
+            displacement: [0.0; L],
+            recorded_degc: temperature_degc,
+            residual_k: [0.0; L],
+        };
+        self.effects.over(&mut state.rod, 0.0);
+        let (mut displacement, seen) = self.stroke(&state, Instant::End);
+        let moment = self.moment(0.0, 0.0);
+        self.effects
+            .settle(&mut state.rod, &moment, &seen, &share, &mut displacement);
+        state.displacement = displacement;
+        self.effects
+            .settle_temperature(&mut state.rod, &mut state.recorded_degc);
+        state
+    }
+
+    /// A zone of a temperature: the one that drives the hysteresis is sought, θ + ΔT(θ) = T.
+    fn start_zone(
+        &self,
+        heat: &ZoneHeat<L>,
+        temperature_degc: [f64; L],
+        share: [f64; L],
+    ) -> Zone<L> {
+        let mut driving_degc = temperature_degc;
+        let mut bracket = Bracket::<L>::open();
+        for _ in 0..START_ITERATIONS {
+            let here = self.start_shift_k(driving_degc, share);
+            let beside = self.start_shift_k(driving_degc.map(|degc| degc + START_STEP_K), share);
+            let mut moved = false;
+            for l in 0..L {
+                let slope = (beside[l] - here[l]) / START_STEP_K;
+                let back_k = temperature_degc[l] - driving_degc[l];
+                let newton = temperature_degc[l] - (here[l] + slope * back_k) / (1.0 + slope);
+                let next = bracket.next(l, driving_degc[l], here[l] - back_k, newton);
+                moved |= next.to_bits() != driving_degc[l].to_bits();
+                driving_degc[l] = next;
+            }
+            if !moved {
+                break;
+            }
+        }
+        let mut zone = self.zone_at(heat, driving_degc, share);
+        zone.temperature_degc = temperature_degc;
+        zone.middle_degc = temperature_degc;
+        zone
+    }
+
+    fn start_shift_k(&self, driving_degc: [f64; L], share: [f64; L]) -> [f64; L] {
+        let zone = self.zone_at(&self.middle, driving_degc, share);
+        let before = Before {
+            temperature_degc: driving_degc,
+            transformed: zone.transformed,
+            mean: zone.transformed,
+            ..Before::ZERO
+        };
+        let trial = Trial {
+            driving_degc,
+            temperature_degc: driving_degc,
+            transformed: zone.transformed,
+            slope_per_k: zone.slope_per_k,
+            mean: zone.transformed,
+            ..Trial::ZERO
+        };
+        let mut shift = Shift::ZERO;
+        self.effects
+            .shift(&zone.effects, &before, &trial, &mut shift);
+        shift.kelvin
+    }
+
+    /// A zone whose temperature is the one that drives the hysteresis.
+    fn zone_at(&self, heat: &ZoneHeat<L>, driving_degc: [f64; L], share: [f64; L]) -> Zone<L> {
+        let memory = self.hysteresis.between_limiting_curves(driving_degc, share);
+        let effects = self.effects.zone(&ZoneStart {
+            driving_degc,
+            share,
+        });
+        let sensed = self.hysteresis.peek(&memory, driving_degc);
+        let mut mapped = Mapped {
+            fraction: sensed.fraction,
+            slope_per_k: sensed.slope_per_k,
+        };
+        self.effects.fraction(&effects, &driving_degc, &mut mapped);
+        let transformed = |l: usize| self.scale.transformed(l, mapped.fraction[l]);
+        let slope_per_k = |l: usize| self.scale.slope_per_k(l, mapped.slope_per_k[l]);
+        Zone {
+            temperature_degc: driving_degc,
+            driving_degc,
+            fraction: mapped.fraction,
+            transformed: core::array::from_fn(transformed),
+            slope_per_k: core::array::from_fn(slope_per_k),
+            middle_fraction: mapped.fraction,
+            middle_degc: driving_degc,
+            memory,
+            effects,
+            sample: heat.balance.over(0.0),
+        }
+    }
+}

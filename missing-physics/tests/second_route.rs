@@ -1,0 +1,687 @@
+//! Each effect by another route: a closed form, or a plain integration in steps a hundred times finer.
+
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+mod support;
+
+use std::f64::consts::PI;
+
+use approx::assert_abs_diff_eq;
+use missing_physics::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
+use support::{
+    AMBIENT_DEGC, DRIVES, Trace, current_a, drive_of, largest, params, rod, setting, trace,
+    with_effect,
+};
+use wiener::hysteresis::{
+    Branch, Hysteresis, LimitingLoop, LoopParams, Memory, Rule, SineProximity,
+};
+use wiener::thermal::HeatBalanceParams;
+use wiener::{Drive, Input, Plant, WienerParams};
+
+const DT_S: f64 = 0.2;
+
+fn operator(rule: Rule) -> Hysteresis<1> {
+    let params = params();
+    Hysteresis::new(
+        LimitingLoop::new([params.limiting_loop]).unwrap(),
+        SineProximity::new([params.zeta]).unwrap(),
+        rule,
+    )
+}
+
+fn baseline() -> Trace {
+    with_effect(EffectId::EndStop, &EffectValues::default(), DT_S)
+}
+
+fn tau_s() -> f64 {
+    params().heat.heat_capacity_j_per_m_k / params().heat.conductance_w_per_m_k
+}
+
+/// A rod of some zones integrated by Heun's rule in steps of `DT_S`/400, each zone with its own
+/// hysteresis. `net` gives the heat into each zone, W/m, from time, drive, temperatures and fractions.
+struct Fine<'a> {
+    shares: &'a [f64],
+    latent_j_per_m: f64,
+    net: &'a dyn Fn(f64, f64, &[f64], &[f64]) -> Vec<f64>,
+}
+
+impl Fine<'_> {
+    /// Displacement at every sample, and the temperature of the first zone.
+    fn run(&self, drive: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let parts = 400;
+        let h = DT_S / f64::from(parts);
+        let operator = operator(Rule::LastReversal);
+        let zones = self.shares.len();
+        let mut degc = vec![AMBIENT_DEGC; zones];
+        let mut memory: Vec<Memory<1>> = (0..zones)
+            .map(|_| operator.on_limiting_curve(Branch::Cooling, [AMBIENT_DEGC]))
+            .collect();
+        let (mut shown, mut first_degc) = (Vec::new(), Vec::new());
+        for (k, &drive) in drive.iter().enumerate() {
+            let fractions: Vec<f64> = (0..zones)
+                .map(|z| operator.peek(&memory[z], [degc[z]]).fraction[0])
+                .collect();
+            let mean: f64 = self.shares.iter().zip(&fractions).map(|(a, b)| a * b).sum();
+            shown.push(params().gain * mean + params().offset);
+            first_degc.push(degc[0]);
+            for part in 0..parts {
+                let time_s = k as f64 * DT_S + f64::from(part) * h;
+                let rate = |time_s: f64, degc: &[f64], towards: &[f64]| -> Vec<f64> {
+                    let sensed: Vec<_> = (0..zones)
+                        .map(|z| operator.peek(&memory[z], [degc[z] + 1e-6 * towards[z]]))
+                        .collect();
+                    let fractions: Vec<f64> = sensed.iter().map(|seen| seen.fraction[0]).collect();
+                    let net = (self.net)(time_s, drive, degc, &fractions);
+                    (0..zones)
+                        .map(|z| {
+                            let latent = self.latent_j_per_m * sensed[z].slope_per_k[0];
+                            net[z] / (params().heat.heat_capacity_j_per_m_k + latent)
+                        })
+                        .collect()
+                };
+                // Which way it goes decides the branch, and with it the latent heat.
+                let direction = rate(time_s, &degc, &vec![0.0; zones]);
+                let signs: Vec<f64> = direction.iter().map(|rate| rate.signum()).collect();
+                let first = rate(time_s, &degc, &signs);
+                let ahead: Vec<f64> = (0..zones).map(|z| degc[z] + h * first[z]).collect();
+                let second = rate(time_s + h, &ahead, &signs);
+                for z in 0..zones {
+                    degc[z] += 0.5 * h * (first[z] + second[z]);
+                    let _fraction = operator.commit(&mut memory[z], [degc[z]]);
+                }
+            }
+        }
+        (shown, first_degc)
+    }
+}
+
+fn compare(effect: EffectId, values: &EffectValues, fine: &Fine<'_>, limit: f64) {
+    let shown = with_effect(effect, values, DT_S);
+    let (expected, expected_degc) = fine.run(&current_a(DT_S));
+    let gap = largest(&shown.displacement, &expected) / params().gain;
+    assert!(gap < limit, "{effect}: {gap:e} of the stroke");
+    let gap_k = largest(&shown.temperature_degc, &expected_degc);
+    assert!(gap_k < 20.0 * limit, "{effect}: {gap_k:e} K");
+    // The effect is not what makes them agree by being nothing.
+    let size = largest(&shown.displacement, &baseline().displacement) / params().gain;
+    let size_k = largest(&shown.temperature_degc, &baseline().temperature_degc) / 50.0;
+    assert!(size.max(size_k) > 20.0 * limit, "{effect}: {size:e}");
+}
+
+fn loss(degc: f64) -> f64 {
+    params().heat.conductance_w_per_m_k * (degc - AMBIENT_DEGC)
+}
+
+fn joule(current_a: f64) -> f64 {
+    current_a * current_a * rod().resistance_ohm_per_m
+}
+
+#[test]
+fn the_fine_integration_is_that_of_the_baseline_without_effects() {
+    let fine = Fine {
+        shares: &[1.0],
+        latent_j_per_m: 0.0,
+        net: &|_, i, degc, _| vec![joule(i) - loss(degc[0])],
+    };
+    let (expected, _) = fine.run(&current_a(DT_S));
+    assert!(largest(&baseline().displacement, &expected) < 1e-6 * params().gain);
+}
+
+#[test]
+fn latent_heat_is_a_heat_capacity_where_the_fraction_changes() {
+    let mut values = EffectValues::default();
+    values.latent_heat.latent_heat_j_per_kg = 12e3;
+    let fine = Fine {
+        shares: &[1.0],
+        latent_j_per_m: 12e3 * rod().mass_kg_per_m(),
+        net: &|_, i, degc, _| vec![joule(i) - loss(degc[0])],
+    };
+    compare(EffectId::LatentHeat, &values, &fine, 2e-4);
+}
+
+#[test]
+fn radiation_is_a_loss_by_the_fourth_power() {
+    let mut values = EffectValues::default();
+    values.radiation.emissivity = 0.8;
+    let fine = Fine {
+        shares: &[1.0],
+        latent_j_per_m: 0.0,
+        net: &|_, i, degc, _| {
+            let (rod_k, ambient_k) = (degc[0] + 273.15, AMBIENT_DEGC + 273.15);
+            let radiated = 0.8 * 5.670_374_419e-8 * rod().surface_m2_per_m();
+            let radiated = radiated * (rod_k.powi(4) - ambient_k.powi(4));
+            vec![joule(i) - loss(degc[0]) - radiated]
+        },
+    };
+    compare(EffectId::Radiation, &values, &fine, 5e-5);
+}
+
+#[test]
+fn convection_is_a_power_of_the_rise() {
+    let mut values = EffectValues::default();
+    values.natural_convection.convection_exponent = 0.25;
+    let fine = Fine {
+        shares: &[1.0],
+        latent_j_per_m: 0.0,
+        net: &|_, i, degc, _| {
+            let power = ((degc[0] - AMBIENT_DEGC).abs() / 50.0).powf(0.25);
+            vec![joule(i) - loss(degc[0]) * power]
+        },
+    };
+    compare(EffectId::NaturalConvection, &values, &fine, 1e-4);
+}
+
+#[test]
+fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power() {
+    let mut values = EffectValues::default();
+    values.phase_dependent_resistance.resistance_change = 0.2;
+    for drive in DRIVES {
+        let setting = Setting {
+            drive,
+            ..setting(EffectSet::of(EffectId::PhaseDependentResistance))
+        };
+        let samples = drive_of(drive, &current_a(DT_S));
+        let shown = trace(&setting, &params(), &values, &samples, DT_S);
+        let of_share = |p: f64| match drive {
+            Drive::Current => 1.0 + 0.2 * (p - 0.5),
+            Drive::Duty { .. } | Drive::Voltage { .. } => 1.0 / (1.0 + 0.2 * (p - 0.5)),
+            Drive::Power { .. } => 1.0,
+        };
+        let fine = Fine {
+            shares: &[1.0],
+            latent_j_per_m: 0.0,
+            net: &|_, i, degc, p| vec![joule(i) * of_share(p[0]) - loss(degc[0])],
+        };
+        let (expected, _) = fine.run(&current_a(DT_S));
+        let gap = largest(&shown.displacement, &expected) / params().gain;
+        assert!(gap < 1e-4, "{drive:?} {gap:e}");
+    }
+}
+
+#[test]
+fn ambient_drift_is_straight_between_its_knots() {
+    let mut values = EffectValues::default();
+    values.ambient_drift.ambient_drift_1_k = 2.0;
+    values.ambient_drift.ambient_drift_2_k = -1.0;
+    values.ambient_drift.ambient_drift_3_k = 3.0;
+    values.ambient_drift.ambient_drift_4_k = 5.0;
+    let fine = Fine {
+        shares: &[1.0],
+        latent_j_per_m: 0.0,
+        net: &|time_s, i, degc, _| {
+            let drift_k = drift(time_s / 120.0, [2.0, -1.0, 3.0, 5.0]);
+            let hotter = params().heat.conductance_w_per_m_k * drift_k;
+            vec![joule(i) - loss(degc[0]) + hotter]
+        },
+    };
+    compare(EffectId::AmbientDrift, &values, &fine, 5e-5);
+}
+
+/// Between knots at quarters of the run, from 0.
+fn drift(run_share: f64, knots: [f64; 4]) -> f64 {
+    let knots = [0.0, knots[0], knots[1], knots[2], knots[3]];
+    let place = (4.0 * run_share).clamp(0.0, 4.0);
+    let k = (place.floor() as usize).min(3);
+    knots[k] + (knots[k + 1] - knots[k]) * (place - k as f64)
+}
+
+#[test]
+fn ends_exchange_heat_with_clamps_and_middle() {
+    let (share, ratio) = (0.3, 2.0);
+    let mut values = EffectValues::default();
+    values.end_conduction.end_share = share;
+    values.end_conduction.end_loss_ratio = ratio;
+    let fine = Fine {
+        shares: &[1.0 - share, share],
+        latent_j_per_m: 0.0,
+        net: &|_, i, degc, _| {
+            let inward = ratio * params().heat.conductance_w_per_m_k * (degc[0] - degc[1]);
+            vec![
+                joule(i) - loss(degc[0]) - inward * share / (1.0 - share),
+                joule(i) - loss(degc[1]) * (1.0 + ratio) + inward,
+            ]
+        },
+    };
+    compare(EffectId::EndConduction, &values, &fine, 1e-4);
+}
+
+#[test]
+fn the_longer_the_ends_the_more_they_lose() {
+    // Steady state, in closed form: two linear equations.
+    let (share, ratio) = (0.4, 3.0);
+    let mut values = EffectValues::default();
+    values.end_conduction.end_share = share;
+    values.end_conduction.end_loss_ratio = ratio;
+    let setting = setting(EffectSet::of(EffectId::EndConduction));
+    let plant = ExtendedPlant::new(&setting, &[params()], &[values]).unwrap();
+    let mut state = plant.rest(AMBIENT_DEGC);
+    let input = Input {
+        drive: [2.0],
+        ambient_degc: AMBIENT_DEGC,
+    };
+    for _ in 0..2000 {
+        plant.step(&mut state, &input, DT_S);
+    }
+    let rise_k = joule(2.0) / params().heat.conductance_w_per_m_k;
+    let middle_k = state.temperature_degc()[0] - AMBIENT_DEGC;
+    let end_k = state.end_temperature_degc().unwrap()[0] - AMBIENT_DEGC;
+    let leak = ratio * share / (1.0 - share);
+    assert_abs_diff_eq!(middle_k + leak * (middle_k - end_k), rise_k, epsilon = 1e-9);
+    let end_loss_k = end_k * (1.0 + 2.0 * ratio) - ratio * middle_k;
+    assert_abs_diff_eq!(end_loss_k, rise_k, epsilon = 1e-9);
+}
+
+#[test]
+fn dead_time_is_a_shift_of_the_drive() {
+    // 0.35 s in samples of 0.2 s: seven samples of 0.05 s.
+    let mut values = EffectValues::default();
+    values.dead_time.dead_time_s = 0.35;
+    let shown = with_effect(EffectId::DeadTime, &values, DT_S);
+    let mut shifted = vec![0.0; 7];
+    shifted.extend(current_a(DT_S).iter().flat_map(|&i| [i; 4]));
+    shifted.truncate(4 * shown.displacement.len());
+    let expected = trace(
+        &setting(EffectSet::EMPTY),
+        &params(),
+        &EffectValues::default(),
+        &shifted,
+        0.05,
+    );
+    let expected: Vec<f64> = expected.displacement.iter().step_by(4).copied().collect();
+    let gap = largest(&shown.displacement, &expected) / params().gain;
+    assert!(gap < 1e-6, "{gap:e}");
+}
+
+#[test]
+fn dead_time_of_whole_samples_is_exact_and_bounded() {
+    for (delay_s, samples) in [(0.4, 2), (0.6, 3), (1.0, 5)] {
+        let mut values = EffectValues::default();
+        values.dead_time.dead_time_s = delay_s;
+        let shown = with_effect(EffectId::DeadTime, &values, DT_S).displacement;
+        let expected = baseline().displacement;
+        for k in samples..shown.len() {
+            assert_abs_diff_eq!(shown[k], expected[k - samples], epsilon = 1e-9);
+        }
+    }
+    // Longer than the memory of 64 samples: as 64.
+    let mut values = EffectValues::default();
+    values.dead_time.dead_time_s = 1.0;
+    let current = current_a(0.01);
+    let active = setting(EffectSet::of(EffectId::DeadTime));
+    let shown = trace(&active, &params(), &values, &current, 0.01).displacement;
+    values.dead_time.dead_time_s = 0.64;
+    let expected = trace(&active, &params(), &values, &current, 0.01).displacement;
+    assert!(largest(&shown, &expected) < 1e-9);
+}
+
+#[test]
+fn supply_lag_is_that_of_the_amplitude_or_of_the_power() {
+    let mut values = EffectValues::default();
+    values.supply_lag.supply_lag_s = 0.1;
+    for drive in DRIVES {
+        let setting = Setting {
+            drive,
+            ..setting(EffectSet::of(EffectId::SupplyLag))
+        };
+        let samples = drive_of(drive, &current_a(DT_S));
+        let shown = trace(&setting, &params(), &values, &samples, DT_S);
+        // The lagged drive itself, in fine samples of the baseline.
+        let parts = 200;
+        let keeps = (-DT_S / parts as f64 / 0.1).exp();
+        let (mut level, mut fine) = (0.0, Vec::new());
+        for &sample in &samples {
+            for _ in 0..parts {
+                let next: f64 = sample + (level - sample) * keeps;
+                fine.push(0.5 * (level + next));
+                level = next;
+            }
+        }
+        let plain = Setting {
+            active: EffectSet::EMPTY,
+            ..setting
+        };
+        let expected = trace(&plain, &params(), &EffectValues::default(), &fine, 1e-3);
+        let expected: Vec<f64> = expected
+            .temperature_degc
+            .iter()
+            .step_by(parts)
+            .copied()
+            .collect();
+        let gap_k = largest(&shown.temperature_degc, &expected);
+        assert!(gap_k < 1e-4, "{drive:?} {gap_k:e} K");
+    }
+}
+
+#[test]
+fn stress_is_solved_for() {
+    let mut values = EffectValues::default();
+    values.stress_coupling.stress_shift_k = 15.0;
+    let shown = with_effect(EffectId::StressCoupling, &values, DT_S);
+    // The temperature does not depend on the fraction; the fraction by halving an interval.
+    let degc = baseline().temperature_degc;
+    assert_eq!(shown.temperature_degc, degc);
+    let operator = operator(Rule::LastReversal);
+    let mut memory = operator.on_limiting_curve(Branch::Cooling, [AMBIENT_DEGC]);
+    for (k, &degc) in degc.iter().enumerate() {
+        let (mut lower, mut upper) = (0.0, 1.0);
+        for _ in 0..60 {
+            let tried = 0.5 * (lower + upper);
+            let found = operator.peek(&memory, [degc - 15.0 * tried]).fraction[0];
+            (lower, upper) = if found > tried {
+                (tried, upper)
+            } else {
+                (lower, tried)
+            };
+        }
+        let _fraction = operator.commit(&mut memory, [degc - 15.0 * lower]);
+        // The start is a point of the limiting curve, reached without a history.
+        let limit = if k == 0 { 1e-2 } else { 1e-3 };
+        assert_abs_diff_eq!(shown.fraction[k], lower, epsilon = limit);
+    }
+}
+
+/// A rod that takes on the temperature of balance within a sample: the loop's own input.
+fn quick(limiting_loop: LoopParams) -> WienerParams {
+    WienerParams {
+        heat: HeatBalanceParams {
+            heat_capacity_j_per_m_k: 1e-3,
+            conductance_w_per_m_k: 1.0,
+            resistance_ohm_per_m: 1.0,
+        },
+        limiting_loop,
+        ..params()
+    }
+}
+
+/// Currents for temperatures up and down, °C, in such a rod.
+fn sweep(degc: &[f64]) -> Vec<f64> {
+    degc.iter()
+        .map(|degc| (degc - AMBIENT_DEGC).sqrt())
+        .collect()
+}
+
+fn up_and_down(highest_degc: f64) -> Vec<f64> {
+    let count = 400;
+    let at = |k: usize| AMBIENT_DEGC + (highest_degc - AMBIENT_DEGC) * k as f64 / count as f64;
+    (0..=count).chain((0..count).rev()).map(at).collect()
+}
+
+#[test]
+fn asymmetry_moves_the_limiting_curves_by_the_formula() {
+    let shape = params().limiting_loop;
+    let mut values = EffectValues::default();
+    values.loop_asymmetry.loop_asymmetry = 0.4;
+    let active = Setting {
+        newton_iterations: 20,
+        ..setting(EffectSet::of(EffectId::LoopAsymmetry))
+    };
+    let mut drive = sweep(&up_and_down(250.0));
+    drive.push(0.0);
+    let shown = trace(&active, &quick(shape), &values, &drive, 1.0);
+    let amplitude_k = 0.4 * (PI * shape.loop_spread_k / 2.0).min(shape.loop_half_width_k);
+    let mut compared = 0;
+    for (k, (&p, &degc)) in shown
+        .fraction
+        .iter()
+        .zip(&shown.temperature_degc)
+        .enumerate()
+    {
+        // On the limiting curves only: far from where each sweep began.
+        let side = match k {
+            0..=401 if degc > 52.0 => 1.0,
+            402.. if degc < 218.0 => -1.0,
+            _ => continue,
+        };
+        let symmetric_degc = shape.loop_center_degc
+            + side * shape.loop_half_width_k
+            + shape.loop_spread_k * (PI * (p - 0.5)).tan();
+        let expected_degc = symmetric_degc - side * amplitude_k * (2.0 * p - 1.0);
+        assert_abs_diff_eq!(degc, expected_degc, epsilon = 1e-6);
+        compared += 1;
+    }
+    assert!(compared > 600);
+}
+
+#[test]
+fn fatigue_shifts_the_loop_by_the_logarithm_of_the_cycles() {
+    let mut values = EffectValues::default();
+    values.functional_fatigue.fatigue_k = 3.0;
+    let setting = Setting {
+        cycles_before: 0.5,
+        ..setting(EffectSet::of(EffectId::FunctionalFatigue))
+    };
+    let shown = trace(&setting, &params(), &values, &current_a(DT_S), DT_S);
+    let operator = operator(Rule::LastReversal);
+    let mut memory = operator.on_limiting_curve(Branch::Cooling, [AMBIENT_DEGC]);
+    let mut cycles = 0.5;
+    for k in 0..shown.fraction.len() {
+        if k > 0 {
+            cycles += 0.5 * (shown.fraction[k] - shown.fraction[k - 1]).abs();
+        }
+        let shift_k = 3.0 * ((1.0 + cycles) / 1.5_f64).ln();
+        let [expected] = operator.commit(&mut memory, [shown.temperature_degc[k] - shift_k]);
+        assert_abs_diff_eq!(shown.fraction[k], expected, epsilon = 1e-10);
+    }
+    assert!(cycles > 2.0);
+}
+
+#[test]
+fn memory_is_blended() {
+    let mut values = EffectValues::default();
+    values.return_point_memory.return_point_share = 0.3;
+    let shown = with_effect(EffectId::ReturnPointMemory, &values, DT_S);
+    let degc = baseline().temperature_degc;
+    let fractions = [Rule::LastReversal, Rule::Nested].map(|rule| {
+        let operator = operator(rule);
+        let mut memory = operator.on_limiting_curve(Branch::Cooling, [AMBIENT_DEGC]);
+        let visit = |&degc: &f64| operator.commit(&mut memory, [degc])[0];
+        degc.iter().map(visit).collect::<Vec<f64>>()
+    });
+    assert!(largest(&fractions[0], &fractions[1]) > 1e-3);
+    for k in 0..degc.len() {
+        let expected = 0.7 * fractions[0][k] + 0.3 * fractions[1][k];
+        assert_abs_diff_eq!(shown.fraction[k], expected, epsilon = 1e-14);
+    }
+}
+
+#[test]
+fn the_shape_is_bent_by_polynomials_that_keep_the_ends_and_rise() {
+    let mut values = EffectValues::default();
+    values.loop_shape.loop_shape_1 = 0.3;
+    values.loop_shape.loop_shape_2 = -0.3;
+    values.loop_shape.loop_shape_3 = 0.3;
+    let shown = with_effect(EffectId::LoopShape, &values, DT_S);
+    let bent = |p: f64| {
+        p + 0.3 * (p - p * p) - 0.3 * (p - 3.0 * p * p + 2.0 * p.powi(3))
+            + 0.3 * (p - 6.0 * p * p + 10.0 * p.powi(3) - 5.0 * p.powi(4))
+    };
+    for (&shown, &p) in shown.fraction.iter().zip(&baseline().fraction) {
+        assert_abs_diff_eq!(shown, bent(p), epsilon = 1e-14);
+    }
+    assert_abs_diff_eq!(bent(1.0), 1.0, epsilon = 1e-14);
+    assert!((0..1000).all(|k| bent(f64::from(k) * 1e-3) < bent(f64::from(k + 1) * 1e-3)));
+}
+
+#[test]
+fn the_r_phase_gives_stroke_back_on_cooling_only() {
+    let shape = params().limiting_loop;
+    let mut values = EffectValues::default();
+    values.r_phase.r_phase_share = 0.2;
+    values.r_phase.r_phase_above_k = 20.0;
+    let mut drive = sweep(&up_and_down(150.0));
+    drive.push(0.0);
+    let run = |values: &EffectValues| {
+        let active = setting(EffectSet::of(EffectId::RPhase));
+        trace(&active, &quick(shape), values, &drive, 1.0)
+    };
+    let (shown, plain) = (run(&values), run(&EffectValues::default()));
+    let middle_degc = shape.loop_center_degc - shape.loop_half_width_k + 20.0;
+    let given_back = |k: usize| (plain.displacement[k] - shown.displacement[k]) / 5.0;
+    for (k, &degc) in shown.temperature_degc.iter().enumerate() {
+        // Its own loop: 1.5 K late to either side.
+        let side = if k <= 401 { 1.5 } else { -1.5 };
+        let s = ((degc - side - middle_degc) / 6.0 + 0.5).clamp(0.0, 1.0);
+        let expected = 0.2 * plain.fraction[k] * (1.0 - s * s * (3.0 - 2.0 * s));
+        // Above its temperature all is as without; the first K after a reversal are inside its loop.
+        if k > 0 && !(400..406).contains(&k) {
+            assert_abs_diff_eq!(given_back(k), expected, epsilon = 1e-9);
+        }
+    }
+    let most = |range: std::ops::Range<usize>| range.map(given_back).fold(0.0, f64::max);
+    assert!(most(402..800) > 0.15, "{}", most(402..800));
+    assert!(most(0..400) < 0.09, "{}", most(0..400));
+}
+
+#[test]
+fn output_lag_is_a_filter_of_the_output() {
+    let mut values = EffectValues::default();
+    values.output_lag.output_lag_s = 0.15;
+    let shown = with_effect(EffectId::OutputLag, &values, DT_S).displacement;
+    let parts = 200;
+    let fine: Vec<f64> = current_a(DT_S)
+        .iter()
+        .flat_map(|&i| vec![i; parts])
+        .collect();
+    let plain = EffectValues::default();
+    let plain = trace(&setting(EffectSet::EMPTY), &params(), &plain, &fine, 1e-3).displacement;
+    let mut value = plain[0];
+    let mut expected = Vec::new();
+    for k in 0..plain.len() {
+        if k > 0 {
+            let middle = 0.5 * (plain[k] + plain[k - 1]);
+            value = middle + (value - middle) * (-1e-3_f64 / 0.15).exp();
+        }
+        if k % parts == 0 {
+            expected.push(value);
+        }
+    }
+    let gap = largest(&shown, &expected) / params().gain;
+    assert!(gap < 1e-4, "{gap:e}");
+}
+
+#[test]
+fn the_thermocouple_is_a_filter_of_the_temperature() {
+    let mut values = EffectValues::default();
+    values.thermocouple_lag.thermocouple_lag_s = 0.5;
+    let shown = with_effect(EffectId::ThermocoupleLag, &values, DT_S);
+    assert_eq!(shown.displacement, baseline().displacement);
+    // A step from rest, in closed form: two exponentials.
+    let current: Vec<f64> = current_a(DT_S);
+    let first = current.iter().position(|&i| i > 0.0).unwrap();
+    let rise_k = joule(current[first]) / params().heat.conductance_w_per_m_k;
+    for k in first..first + 50 {
+        let t = (k - first) as f64 * DT_S;
+        let (slow, fast) = ((-t / tau_s()).exp(), (-t / 0.5).exp());
+        let expected_k = rise_k * (1.0 - (tau_s() * slow - 0.5 * fast) / (tau_s() - 0.5));
+        assert_abs_diff_eq!(
+            shown.recorded_degc[k] - AMBIENT_DEGC,
+            expected_k,
+            epsilon = 1e-4
+        );
+    }
+}
+
+#[test]
+fn backlash_waits_after_each_reversal() {
+    let mut values = EffectValues::default();
+    values.backlash.backlash_share = 0.1;
+    let shown = with_effect(EffectId::Backlash, &values, DT_S).displacement;
+    let half = 0.05 * params().gain;
+    let mut carried: Option<f64> = None;
+    for (&y, &shown) in baseline().displacement.iter().zip(&shown) {
+        // It came cooling: the output hangs above.
+        let before = carried.unwrap_or(y + half);
+        let gap = y - before;
+        let expected = if gap > half {
+            y - half
+        } else if gap < -half {
+            y + half
+        } else {
+            before
+        };
+        assert_abs_diff_eq!(shown, expected, epsilon = 1e-14);
+        carried = Some(expected);
+    }
+}
+
+#[test]
+fn a_hard_stop_is_a_minimum() {
+    let mut values = EffectValues::default();
+    values.end_stop.end_stop_share = 1.0;
+    values.end_stop.end_stop_position = 0.6;
+    let shown = with_effect(EffectId::EndStop, &values, DT_S).displacement;
+    let stop = params().offset + 0.6 * params().gain;
+    let plain = baseline().displacement;
+    assert!(plain.iter().any(|&y| y > stop));
+    for (&shown, &plain) in shown.iter().zip(&plain) {
+        assert_abs_diff_eq!(shown, plain.min(stop), epsilon = 1e-14);
+    }
+    // Of a sensor mounted the other way round it is a maximum.
+    let turned = WienerParams {
+        gain: -params().gain,
+        ..params()
+    };
+    let active = setting(EffectSet::of(EffectId::EndStop));
+    let current = current_a(DT_S);
+    let shown = trace(&active, &turned, &values, &current, DT_S).displacement;
+    let plain = trace(&active, &turned, &EffectValues::default(), &current, DT_S).displacement;
+    let stop = turned.offset + 0.6 * turned.gain;
+    for (&shown, &plain) in shown.iter().zip(&plain) {
+        assert_abs_diff_eq!(shown, plain.max(stop), epsilon = 1e-14);
+    }
+}
+
+#[test]
+fn the_sensor_is_bent_between_the_ends_of_the_stroke() {
+    let mut values = EffectValues::default();
+    values.sensor_nonlinearity.sensor_nonlinearity_quadratic = 0.02;
+    values.sensor_nonlinearity.sensor_nonlinearity_cubic = -0.01;
+    let shown = with_effect(EffectId::SensorNonlinearity, &values, DT_S).displacement;
+    for (&shown, &p) in shown.iter().zip(&baseline().fraction) {
+        let cubic = -0.01 * p * (1.0 - p) * (1.0 - 2.0 * p) * 6.0 * 3f64.sqrt();
+        let share = p + 0.02 * 4.0 * p * (1.0 - p) + cubic;
+        assert_abs_diff_eq!(
+            shown,
+            params().offset + params().gain * share,
+            epsilon = 1e-13
+        );
+    }
+}
+
+#[test]
+fn the_sensor_drifts_with_the_clock() {
+    let mut values = EffectValues::default();
+    values.sensor_drift.sensor_drift_1 = 0.1;
+    values.sensor_drift.sensor_drift_2 = -0.05;
+    values.sensor_drift.sensor_drift_4 = 0.2;
+    let setting = Setting {
+        start_s: 20.0,
+        ..setting(EffectSet::of(EffectId::SensorDrift))
+    };
+    let shown = trace(&setting, &params(), &values, &current_a(DT_S), DT_S).displacement;
+    for (k, (&shown, &plain)) in shown.iter().zip(&baseline().displacement).enumerate() {
+        let run_share = (20.0 + k as f64 * DT_S) / 120.0;
+        let drifted = params().gain * drift(run_share, [0.1, -0.05, 0.0, 0.2]);
+        assert_abs_diff_eq!(shown, plain + drifted, epsilon = 1e-10);
+    }
+}
+
+#[test]
+fn expansion_acts_against_the_stroke_whatever_its_sign() {
+    let mut values = EffectValues::default();
+    values.thermal_expansion.expansion_per_k = 1e-5;
+    for sign in [1.0, -1.0] {
+        let params = WienerParams {
+            gain: sign * params().gain,
+            ..params()
+        };
+        let active = setting(EffectSet::of(EffectId::ThermalExpansion));
+        let run = |values| trace(&active, &params, values, &current_a(DT_S), DT_S);
+        let (shown, plain) = (run(&values), run(&EffectValues::default()));
+        for k in 0..shown.displacement.len() {
+            let expanded = 1e-5 * 125.0 * (plain.temperature_degc[k] - 20.0);
+            let expected = plain.displacement[k] - sign * expanded;
+            assert_abs_diff_eq!(shown.displacement[k], expected, epsilon = 1e-12);
+        }
+    }
+}
