@@ -361,7 +361,12 @@ fn stress_is_solved_for() {
     let degc = baseline().temperature_degc;
     assert_eq!(shown.temperature_degc, degc);
     let operator = operator(Rule::LastReversal);
-    let mut memory = operator.on_limiting_curve(Branch::Cooling, [AMBIENT_DEGC]);
+    let mut start_degc = AMBIENT_DEGC;
+    for _ in 0..100 {
+        let [fraction] = operator.limits().fraction(Branch::Cooling, [start_degc]);
+        start_degc = AMBIENT_DEGC - 15.0 * fraction;
+    }
+    let mut memory = operator.on_limiting_curve(Branch::Cooling, [start_degc]);
     for (k, &degc) in degc.iter().enumerate() {
         let (mut lower, mut upper) = (0.0, 1.0);
         for _ in 0..60 {
@@ -374,9 +379,7 @@ fn stress_is_solved_for() {
             };
         }
         let _fraction = operator.commit(&mut memory, [degc - 15.0 * lower]);
-        // The start is a point of the limiting curve, reached without a history.
-        let limit = if k == 0 { 1e-2 } else { 1e-3 };
-        assert_abs_diff_eq!(shown.fraction[k], lower, epsilon = limit);
+        assert_abs_diff_eq!(shown.fraction[k], lower, epsilon = 1e-10);
     }
 }
 
@@ -428,8 +431,8 @@ fn asymmetry_moves_the_limiting_curves_by_the_formula() {
     {
         // On the limiting curves only: far from where each sweep began.
         let side = match k {
-            0..=401 if degc > 52.0 => 1.0,
-            402.. if degc < 218.0 => -1.0,
+            0..=401 if degc > 57.0 => 1.0,
+            402.. if degc < 213.0 => -1.0,
             _ => continue,
         };
         let symmetric_degc = shape.loop_center_degc
@@ -503,11 +506,11 @@ fn the_shape_is_bent_by_polynomials_that_keep_the_ends_and_rise() {
 }
 
 #[test]
-fn the_r_phase_gives_stroke_back_on_cooling_only() {
+fn the_r_phase_gives_stroke_back_mostly_on_cooling() {
     let shape = params().limiting_loop;
     let mut values = EffectValues::default();
     values.r_phase.r_phase_share = 0.2;
-    values.r_phase.r_phase_above_k = 20.0;
+    values.r_phase.r_phase_above_k = 10.0;
     let mut drive = sweep(&up_and_down(150.0));
     drive.push(0.0);
     let run = |values: &EffectValues| {
@@ -515,7 +518,7 @@ fn the_r_phase_gives_stroke_back_on_cooling_only() {
         trace(&active, &quick(shape), values, &drive, 1.0)
     };
     let (shown, plain) = (run(&values), run(&EffectValues::default()));
-    let middle_degc = shape.loop_center_degc - shape.loop_half_width_k + 20.0;
+    let middle_degc = shape.loop_center_degc - shape.loop_half_width_k + 10.0;
     let given_back = |k: usize| (plain.displacement[k] - shown.displacement[k]) / 5.0;
     for (k, &degc) in shown.temperature_degc.iter().enumerate() {
         // Its own loop: 1.5 K late to either side.
@@ -528,7 +531,7 @@ fn the_r_phase_gives_stroke_back_on_cooling_only() {
         }
     }
     let most = |range: std::ops::Range<usize>| range.map(given_back).fold(0.0, f64::max);
-    assert!(most(402..800) > 0.15, "{}", most(402..800));
+    assert!(most(402..800) > 0.14, "{}", most(402..800));
     assert!(most(0..400) < 0.09, "{}", most(0..400));
 }
 

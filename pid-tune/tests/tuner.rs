@@ -532,12 +532,12 @@ fn pace_leads_from_gentle_to_fast() {
                 (slowness, effort, terms.step.unwrap().rise_time_s)
             })
             .collect();
-        // A search ends within a per cent or so of the lowest cost.
+        // A search ends within a per cent or so of the lowest cost, with terms a little further off.
         for pair in found.windows(2) {
             let ((slowness, effort, rise_s), faster) = (pair[0], pair[1]);
             assert!(faster.0 <= 1.02 * slowness, "{tau_s} s: {found:?}");
             assert!(faster.1 >= 0.98 * effort, "{tau_s} s: {found:?}");
-            assert!(faster.2 <= 1.02 * rise_s, "{tau_s} s: {found:?}");
+            assert!(faster.2 <= 1.05 * rise_s, "{tau_s} s: {found:?}");
         }
         assert!(found[4].0 < found[0].0, "{tau_s} s: {found:?}");
         assert!(found[4].1 > found[0].1, "{tau_s} s: {found:?}");

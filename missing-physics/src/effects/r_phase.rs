@@ -19,9 +19,9 @@ parameters! {
     /// ```
     ///
     /// Only what is austenite can be R-phase, so the step shows where austenite is cold: on cooling, d
-    /// above the middle of the martensite curve, and on heating from an incomplete cooling. Its loop is
-    /// narrow, smooth and without memory of inner reversals. Left out: its heat, its resistance, its
-    /// own dependence on stress.
+    /// above the middle of the martensite curve. On heating it shows only so far as austenite forms below
+    /// T_R, hardly at all while d is below 2 T_c. Its loop is narrow, smooth and without memory of inner
+    /// reversals. Left out: its heat, its resistance, its own dependence on stress.
     RPhase {
         /// Share of the stroke that the R-phase gives back r; 0 to 0.5.
         r_phase_share: EffectParameter::size("1", 0.1, [0.0, 0.5])
