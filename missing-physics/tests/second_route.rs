@@ -37,12 +37,15 @@ fn tau_s() -> f64 {
     params().heat.heat_capacity_j_per_m_k / params().heat.conductance_w_per_m_k
 }
 
+/// Heat into each zone, W/m, from time, drive, temperatures and fractions.
+type Net<'a> = dyn Fn(f64, f64, &[f64], &[f64]) -> Vec<f64> + 'a;
+
 /// A rod of some zones integrated by Heun's rule in steps of `DT_S`/400, each zone with its own
 /// hysteresis. `net` gives the heat into each zone, W/m, from time, drive, temperatures and fractions.
 struct Fine<'a> {
     shares: &'a [f64],
     latent_j_per_m: f64,
-    net: &'a dyn Fn(f64, f64, &[f64], &[f64]) -> Vec<f64>,
+    net: &'a Net<'a>,
 }
 
 impl Fine<'_> {
