@@ -422,7 +422,14 @@ fn samples_of_no_weight_are_left_out() {
         .map(|k| f64::from(u8::from(!(300..400).contains(&k))))
         .collect()];
     let config = LeastSquaresConfig::default();
-    let refined = refine(&model, &training, &[start.clone()], Some(&weights), &config).unwrap();
+    let refined = refine(
+        &model,
+        &training,
+        std::slice::from_ref(&start),
+        Some(&weights),
+        &config,
+    )
+    .unwrap();
     assert!(refined.mean_square < 1e-12, "{}", refined.mean_square);
     assert!((refined.points[0][0] / TRUE_TAU_S - 1.0).abs() < 1e-5);
     let all = refine(&model, &training, &[start], None, &config).unwrap();

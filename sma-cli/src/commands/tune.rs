@@ -55,7 +55,7 @@ pub(crate) struct TuneArgs {
     /// Set point of the step, as the sensor reads it; the rod starts at rest.
     #[arg(long, value_name = "Y", allow_negative_numbers = true)]
     step_output: f64,
-    /// Largest drive, in its unit [default: that of the model's [limits]].
+    /// Largest drive, in its unit [default: limits.drive_max of the model].
     #[arg(long, value_name = "U", allow_negative_numbers = true)]
     drive_max: Option<f64>,
     /// Gains of your own, to stand beside the others.
