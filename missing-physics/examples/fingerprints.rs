@@ -84,7 +84,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let largest = change.iter().map(|x| x.abs()).fold(0.0, f64::max);
         let heated = change.iter().zip(&current_a).filter(|&(_, &i)| i > 0.0);
         let heated: f64 = heated.map(|(x, _)| x * x).sum();
-        let share = if squares > 0.0 { heated / squares } else { 0.0 };
+        if largest <= 0.0 {
+            writeln!(out, "{:28} does not move the displacement", effect.id())?;
+            continue;
+        }
+        let share = heated / squares;
         writeln!(
             out,
             "{:28} {:9.4} {:9.4} {:5.0}% {:5.0}%",

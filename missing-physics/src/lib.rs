@@ -26,6 +26,7 @@ mod solve;
 mod start;
 mod state;
 mod tangent;
+mod values;
 mod whiten;
 
 pub use effects::{

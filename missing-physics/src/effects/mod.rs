@@ -5,7 +5,7 @@ use core::fmt;
 use crate::effect::{
     Acting, Base, Before, Effect, Flow, Mapped, Moment, Seen, Shift, Standing, Trial, ZoneStart,
 };
-use crate::info::{EffectInfo, EffectParameter};
+use crate::info::EffectInfo;
 use crate::{EffectSet, PhysicsError};
 
 /// Declares the parameters of an effect: a struct with one field each, and the table of what is known
@@ -340,74 +340,5 @@ impl EffectId {
 impl fmt::Display for EffectId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.id())
-    }
-}
-
-impl EffectValues {
-    /// The baseline with one effect at `multiple` times its typical sizes, and its partners at their
-    /// typical values.
-    #[must_use]
-    pub fn typical(effect: EffectId, multiple: f64) -> Self {
-        let mut values = Self::default();
-        for (index, parameter) in effect.info().parameters.iter().enumerate() {
-            if let (crate::Role::Size, Some(slot)) = (parameter.role, values.slot(effect, index)) {
-                *slot = multiple * parameter.typical;
-            }
-        }
-        values
-    }
-
-    /// The value of the parameter number `index` of an effect; `None` if it has fewer.
-    #[must_use]
-    pub fn get(mut self, effect: EffectId, index: usize) -> Option<f64> {
-        self.slot(effect, index).copied()
-    }
-
-    /// Whether every parameter of the active effects is within its bounds, and every size of the
-    /// others 0.
-    ///
-    /// # Errors
-    ///
-    /// [`PhysicsError::OutOfBounds`], [`PhysicsError::Inactive`].
-    pub fn checked(self, active: EffectSet) -> Result<Self, PhysicsError> {
-        for effect in EffectId::ALL {
-            for (index, parameter) in effect.info().parameters.iter().enumerate() {
-                if let Some(value) = self.get(effect, index) {
-                    check(effect, parameter, value, active)?;
-                }
-            }
-        }
-        Ok(self)
-    }
-}
-
-fn check(
-    effect: EffectId,
-    parameter: &EffectParameter,
-    value: f64,
-    active: EffectSet,
-) -> Result<(), PhysicsError> {
-    if active.contains(effect) {
-        if parameter.accepts(value) {
-            Ok(())
-        } else {
-            Err(PhysicsError::OutOfBounds {
-                effect: effect.id(),
-                name: parameter.name,
-                value,
-                unit: parameter.unit,
-                lower: parameter.bounds[0],
-                upper: parameter.bounds[1],
-            })
-        }
-    } else if matches!(parameter.role, crate::Role::Partner { .. }) || value.abs() <= 0.0 {
-        Ok(())
-    } else {
-        Err(PhysicsError::Inactive {
-            effect: effect.id(),
-            name: parameter.name,
-            value,
-            unit: parameter.unit,
-        })
     }
 }

@@ -9,10 +9,10 @@ parameters! {
     ///
     /// ```text
     /// ξ = (1 - w) ξ_rule + w ξ_other
+    /// last reversal [Sadeghi, eqs 4-12], nested with wiping-out [Madelung1905]
     /// ```
     ///
-    /// The baseline's rule is that of the setting; the other one is nested memory if that remembers the last
-    /// reversal [Sadeghi], and the other way round [Madelung1905]. Both operators see the same
+    /// The rule is that of the setting, the other one the one it is not. Both operators see the same
     /// temperature, so they differ only after inner reversals.
     ReturnPointMemory {
         /// Share of the rod with the other rule w; 0 to 1.
