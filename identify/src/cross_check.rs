@@ -134,10 +134,7 @@ fn at_the_end<'a, M: ForwardModel>(
     fit: &Fit,
 ) -> Result<(Problem<'a, M>, Vec<f64>), IdentifyError> {
     let mut problem = Problem::new(model, training)?;
-    let fitted = problem.vector().coordinates(|parameter, r| {
-        let values = &fit.parameters.get(parameter)?.values;
-        values.get(r).or(values.first()).copied()
-    });
+    let fitted = fit.coordinates(problem.vector());
     if let Some(rmse_k) = fit.temperature_rmse_k.filter(|&rmse_k| rmse_k > 0.0) {
         problem.weigh_temperature((fit.train_rmse / rmse_k).powi(2));
     }

@@ -7,8 +7,8 @@ use crate::moments::Solved;
 use crate::problem::Problem;
 use crate::uncertainty::Covariance;
 use crate::{
-    Bounds, Enters, ForwardModel, Loss, ParameterInfo, ResidualNoise, Scale, Scope, Termination,
-    UnfixedDirection,
+    Bounds, Enters, ForwardModel, Loss, ParameterInfo, ParameterVector, ResidualNoise, Scale,
+    Scope, Termination, UnfixedDirection,
 };
 
 /// A parameter and what became of it.
@@ -133,6 +133,15 @@ impl Fit {
     #[must_use]
     pub fn point(&self, recording: usize) -> Vec<f64> {
         point(&self.parameters, recording)
+    }
+
+    /// Coordinates of the fit in a vector of its parameters.
+    #[must_use]
+    pub fn coordinates(&self, vector: &ParameterVector) -> Vec<f64> {
+        vector.coordinates(|parameter, r| {
+            let values = &self.parameters.get(parameter)?.values;
+            values.get(r).or(values.first()).copied()
+        })
     }
 
     /// The parameter of a name.

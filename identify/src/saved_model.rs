@@ -135,10 +135,7 @@ impl SavedModel {
             name: recording.name().to_owned(),
             role,
             n_samples: recording.len(),
-            largest_drive: recording
-                .drive()
-                .iter()
-                .fold(0.0, |largest, drive| largest.max(drive.abs())),
+            largest_drive: recording.largest_drive(),
             sample_time_s: match recording.sampling() {
                 Sampling::Uniform { dt_s } => Some(dt_s),
                 Sampling::Jittered { median_dt_s, .. } => Some(median_dt_s),

@@ -50,12 +50,12 @@ pub struct Validated {
 impl Validated {
     /// Root mean square over all samples of several recordings, in the output unit; `None` if there are none.
     #[must_use]
-    pub fn rmse_of_all(validated: &[Self]) -> Option<f64> {
-        let n: usize = validated.iter().map(|one| one.n_samples).sum();
-        let sum: f64 = validated
-            .iter()
-            .map(|one| one.rmse * one.rmse * one.n_samples as f64)
-            .sum();
+    pub fn rmse_of_all<'a>(validated: impl IntoIterator<Item = &'a Self>) -> Option<f64> {
+        let (mut n, mut sum) = (0, 0.0);
+        for one in validated {
+            n += one.n_samples;
+            sum += one.rmse * one.rmse * one.n_samples as f64;
+        }
         (n > 0).then(|| (sum / n as f64).sqrt())
     }
 }

@@ -314,10 +314,8 @@ pub(crate) fn start_share() -> ParameterInfo {
 /// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of
 /// the training data heats by [`ASSUMED_RISE_K`] in the end.
 fn rise(drive: Drive, unit_power_w_per_m: f64, training: &[Recording]) -> ParameterInfo {
-    let largest = training
-        .iter()
-        .flat_map(Recording::drive)
-        .fold(0.0_f64, |largest, drive| largest.max(drive.abs()));
+    let drives = training.iter().map(Recording::largest_drive);
+    let largest = drives.fold(0.0, f64::max);
     let [power_w_per_m] = drive.power_w_per_m([largest], [1.0]);
     let value = ASSUMED_RISE_K * unit_power_w_per_m / power_w_per_m;
     let (name, unit) = match drive {

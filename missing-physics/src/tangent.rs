@@ -75,10 +75,7 @@ fn fitted_columns(
     at_fit: &[f64],
 ) -> Result<Vec<Vec<f64>>, IdentifyError> {
     let vector = ParameterVector::new(base.parameters(), training.len());
-    let coordinates = vector.coordinates(|parameter, r| {
-        let values = &fit.parameters[parameter].values;
-        values.get(r).or(values.first()).copied()
-    });
+    let coordinates = fit.coordinates(&vector);
     let mut columns = Vec::new();
     for (j, bound) in vector.bounds().iter().enumerate() {
         let step = DIFFERENCE * (bound.upper - bound.lower);

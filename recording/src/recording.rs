@@ -196,6 +196,13 @@ impl Recording {
         self.parts.drive_unit.clone()
     }
 
+    /// Largest magnitude of the drive, in its unit.
+    #[must_use]
+    pub fn largest_drive(&self) -> f64 {
+        let drives = self.drive().iter();
+        drives.fold(0.0, |largest, drive| largest.max(drive.abs()))
+    }
+
     /// What the drive is.
     #[must_use]
     pub fn drive_quantity(&self) -> Quantity {

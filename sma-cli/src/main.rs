@@ -6,6 +6,7 @@ mod provenance;
 mod report;
 mod rig;
 mod sink;
+mod terminal;
 mod track;
 
 use std::process::ExitCode;

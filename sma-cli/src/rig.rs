@@ -6,6 +6,9 @@ use recording::Quantity;
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Ensemble, Member, Plant, Start, Wiener, WienerError, WienerParams};
 
+/// Largest drive over that of the training from which a prediction is called a guess.
+pub(crate) const BEYOND: f64 = 1.02;
+
 /// By how much a parameter is varied to see what depends on it.
 const VARIATION: f64 = 0.2;
 

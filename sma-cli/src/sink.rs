@@ -6,7 +6,10 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use serde_json::Value;
 use tempfile::{Builder, NamedTempFile};
+
+use crate::terminal::write_stdout;
 
 /// Permissions that the user's mask is taken from, as any new file has.
 const ANY_FILE: u32 = 0o666;
@@ -71,10 +74,15 @@ impl Sink {
         Ok(Self::File { temporary, place })
     }
 
+    /// Opens a place that may not be wanted.
+    pub(crate) fn open_if(path: Option<&Path>, inputs: &[&Path]) -> anyhow::Result<Option<Self>> {
+        path.map(|path| Self::open(path, inputs)).transpose()
+    }
+
     /// Writes the result.
     pub(crate) fn write(self, text: &str) -> anyhow::Result<()> {
         match self {
-            Self::Stdout => std::io::stdout().write_all(text.as_bytes())?,
+            Self::Stdout => write_stdout(text)?,
             Self::File {
                 mut temporary,
                 place,
@@ -97,4 +105,18 @@ impl Sink {
         }
         Ok(())
     }
+}
+
+/// Gives the result to people on stdout and to programs where they want it; both on stdout is the latter.
+pub(crate) fn deliver(text: &str, json: &Value, place: Option<Sink>) -> anyhow::Result<()> {
+    let json = || Ok::<_, serde_json::Error>(serde_json::to_string_pretty(json)? + "\n");
+    match place {
+        Some(Sink::Stdout) => write_stdout(&json()?)?,
+        Some(file) => {
+            write_stdout(text)?;
+            file.write(&json()?)?;
+        }
+        None => write_stdout(text)?,
+    }
+    Ok(())
 }

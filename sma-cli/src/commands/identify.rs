@@ -1,24 +1,23 @@
 //! `sma identify`: recordings in, an identified model out.
 
-use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use identify::{
     CrossVerdict, Fit, FitConfig, Identification, Loss, RigModel, Rod, SadeghiModel, SavedModel,
     Validated, cross_check, fit, predict, validate,
 };
-use indicatif::{ProgressBar, ProgressStyle};
 use recording::Recording;
 use wiener::hysteresis::Rule;
 
+use crate::commands::on_threads;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
 use crate::report::identified::Identified;
 use crate::report::plot;
-use crate::sink::Sink;
+use crate::sink::{Sink, deliver};
+use crate::terminal::{bar, say};
 
 /// Fit the grey-box model to recordings, and check it on recordings it has not seen.
 ///
@@ -121,21 +120,14 @@ impl Memory {
 
 /// Runs the command.
 pub(crate) fn run(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
-    let threads = rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(args.threads))
-        .build()?;
-    threads.install(|| identify(args))
+    on_threads(args.threads, || identify(args))
 }
 
 fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     // Before the long run: a place that cannot be written to is found out now.
     let inputs = args.inputs();
-    let open = |path: &Option<PathBuf>| {
-        path.as_deref()
-            .map(|path| Sink::open(path, &inputs))
-            .transpose()
-    };
-    let (json, save_model) = (open(&args.json)?, open(&args.save_model)?);
+    let json = Sink::open_if(args.json.as_deref(), &inputs)?;
+    let save_model = Sink::open_if(args.save_model.as_deref(), &inputs)?;
     let rod = Rod::read(&args.rod)?;
     let training = read_all(&rod, &args.train)?;
     let unseen = read_all(&rod, &args.validate)?;
@@ -170,13 +162,9 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         is_static: matches!(model, RigModel::Loop(_)),
         memory: args.memory.name(),
     };
-    if !args.quiet {
-        let mut notes = identified.notes();
-        notes.extend(input_notes(&training, &unseen));
-        for note in notes {
-            writeln!(io::stderr(), "note: {note}")?;
-        }
-    }
+    let mut notes = identified.notes();
+    notes.extend(input_notes(&training, &unseen));
+    say(args.quiet, &notes)?;
     let mut text = identified.text();
     if !args.no_plot {
         let (recording, point) = met_worst(&fit, &training, &validated, &unseen);
@@ -196,15 +184,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         let made = provenance(fit.seed, &inputs)?;
         sink.write(&SavedModel::of(&identification, made).to_toml()?)?;
     }
-    let json_text = serde_json::to_string_pretty(&identified.json())? + "\n";
-    match json {
-        Some(Sink::Stdout) => write_stdout(&json_text)?,
-        Some(file) => {
-            write_stdout(&text)?;
-            file.write(&json_text)?;
-        }
-        None => write_stdout(&text)?,
-    }
+    deliver(&text, &identified.json(), json)?;
     let beaten = checked.is_some_and(|one| one.verdict == CrossVerdict::EndedLower);
     Ok(if fit.converged() && !beaten {
         Outcome::Done
@@ -252,7 +232,8 @@ fn fitted(
     training: &[Recording],
     config: &FitConfig,
 ) -> anyhow::Result<Fit> {
-    let bar = progress(args, config.starts);
+    let template = "identify {bar:20} start {pos}/{len}  {msg}";
+    let bar = bar(args.quiet, config.starts, template);
     let fit = fit(model, training, config, &mut |progress| {
         bar.set_length(progress.of);
         bar.set_position(progress.starts);
@@ -337,23 +318,4 @@ fn read_all(rod: &Rod, paths: &[PathBuf]) -> anyhow::Result<Vec<Recording>> {
         .iter()
         .map(|path| Ok(recording::read_csv(path, &options)?))
         .collect()
-}
-
-/// A closed pipe comes back as an `io::Error` and ends the program quietly.
-fn write_stdout(text: &str) -> io::Result<()> {
-    io::stdout().write_all(text.as_bytes())?;
-    io::stdout().flush()
-}
-
-/// A bar on a terminal, nothing elsewhere.
-fn progress(args: &IdentifyArgs, starts: u64) -> ProgressBar {
-    if args.quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(starts);
-    if let Ok(style) = ProgressStyle::with_template("identify {bar:20} start {pos}/{len}  {msg}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
 }

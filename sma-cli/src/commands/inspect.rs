@@ -1,6 +1,5 @@
 //! `sma inspect`: what is in a recording, before anybody fits anything to it.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -10,6 +9,7 @@ use serde_json::json;
 
 use crate::outcome::Outcome;
 use crate::report::inspected;
+use crate::terminal::write_stdout;
 
 /// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
 /// the way of identification.
@@ -56,7 +56,6 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
             .collect::<Vec<_>>()
             .join("\n")
     };
-    io::stdout().write_all(text.as_bytes())?;
-    io::stdout().flush()?;
+    write_stdout(&text)?;
     Ok(Outcome::Done)
 }

@@ -1,6 +1,19 @@
 //! One file a subcommand.
 
+use crate::outcome::Outcome;
+
 pub(crate) mod identify;
 pub(crate) mod inspect;
 pub(crate) mod simulate;
 pub(crate) mod tune;
+
+/// Runs a command on so many threads, 0 for all; its result does not depend on them.
+fn on_threads(
+    threads: u16,
+    command: impl FnOnce() -> anyhow::Result<Outcome> + Send,
+) -> anyhow::Result<Outcome> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build()?;
+    pool.install(command)
+}

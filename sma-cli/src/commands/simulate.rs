@@ -1,6 +1,5 @@
 //! `sma simulate`: what an identified model says of a drive.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -12,7 +11,9 @@ use recording::{
 
 use crate::outcome::Outcome;
 use crate::report::number::significant;
+use crate::rig::BEYOND;
 use crate::sink::Sink;
+use crate::terminal::say;
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
 ///
@@ -40,25 +41,25 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let sink = Sink::open(&args.output, &[&args.model, &args.drive])?;
     let saved = SavedModel::read(&args.model)?;
     let options = saved.rod().read_options();
-    let (recording, point, note) = match read_csv(&args.drive, &options) {
+    let (recording, point, met) = match read_csv(&args.drive, &options) {
         Ok(recording) => {
             let validated = saved.validate(&recording)?;
-            let note = format!(
+            let met = format!(
                 "{} has an output too: the prediction meets it to {} {} RMS",
                 recording.name(),
                 significant(validated.rmse),
                 saved.output_unit(),
             );
-            (recording, validated.point, note)
+            (recording, validated.point, met)
         }
         Err(RecordingError::MissingColumn { role: "output", .. }) => {
             let recording = read_drive_csv(&args.drive, &options)?;
             let first = saved.recordings().first();
-            let note = format!(
+            let met = format!(
                 "start and offset are those of {}",
                 first.map_or("the model", |one| one.name.as_str())
             );
-            (recording, saved.point(0), note)
+            (recording, saved.point(0), met)
         }
         Err(other) => return Err(IdentifyError::from(other).into()),
     };
@@ -81,32 +82,33 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
             .then_some(prediction.temperature_degc),
         ambient_degc: recording.ambient_degc().map(<[f64]>::to_vec),
     })?;
-    let largest = recording
-        .drive()
-        .iter()
-        .fold(0.0_f64, |a, b| a.max(b.abs()));
-    if !args.quiet {
-        if !saved.scores().converged {
-            let note = "the model was NOT CONVERGED when it was identified: do not trust this";
-            writeln!(io::stderr(), "note: {note}")?;
-        }
-        if largest > 1.02 * saved.largest_drive() {
-            writeln!(
-                io::stderr(),
-                "note: the drive reaches {} {unit}, the model was fitted to at most {} {unit}: beyond, it is a guess",
-                significant(largest),
-                significant(saved.largest_drive()),
-                unit = recording.drive_unit(),
-            )?;
-        }
-        writeln!(io::stderr(), "note: {note}")?;
-        if !saved.model().knows_temperature() {
-            let note = "temperatures are arbitrary: the model does not know their scale";
-            writeln!(io::stderr(), "note: {note}")?;
-        }
-    }
+    say(args.quiet, &notes(&saved, &recording, met))?;
     let mut csv = Vec::new();
     write_csv(&predicted, &mut csv)?;
     sink.write(&String::from_utf8(csv)?)?;
     Ok(Outcome::Done)
+}
+
+/// What to know before believing a prediction; `met` says how it compares, or where it starts.
+fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !saved.scores().converged {
+        notes.push(
+            "the model was NOT CONVERGED when it was identified: do not trust this".to_owned(),
+        );
+    }
+    let (largest, fitted) = (recording.largest_drive(), saved.largest_drive());
+    if largest > BEYOND * fitted {
+        notes.push(format!(
+            "the drive reaches {} {unit}, the model was fitted to at most {} {unit}: beyond, it is a guess",
+            significant(largest),
+            significant(fitted),
+            unit = recording.drive_unit(),
+        ));
+    }
+    notes.push(met);
+    if !saved.model().knows_temperature() {
+        notes.push("temperatures are arbitrary: the model does not know their scale".to_owned());
+    }
+    notes
 }

@@ -1,13 +1,10 @@
 //! `sma tune`: a controller for an identified model.
 
-use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use identify::SavedModel;
-use indicatif::{ProgressBar, ProgressStyle};
 use pid_tune::{
     AntiWindup, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances, DriveLimits,
     LoopAnalysis, Pace, Pid, PidGains, PidParams, Reference, RodLoop, RodLoopParams, Task, Terms,
@@ -16,10 +13,12 @@ use pid_tune::{
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
 use wiener::Ensemble;
 
+use crate::commands::on_threads;
 use crate::outcome::Outcome;
 use crate::report::tuned::{Candidate, TunedReport};
 use crate::rig::{Rig, RigError};
-use crate::sink::Sink;
+use crate::sink::{Sink, deliver};
+use crate::terminal::{bar, say};
 use crate::track::{Followed, Track, track};
 
 /// Gains that ran on the rig of the paper: A/mm, A/(mm s), A s/mm there.
@@ -126,7 +125,7 @@ pub(crate) struct TuneArgs {
 /// How is searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Preset {
-    /// A reliable swarm over six decades of each gain.
+    /// Several reliable swarms over decades of each gain.
     Default,
     /// The paper's swarm, 50 particles and 150 moves, in [0, 0, 0] to [500, 1, 1].
     Sadeghi,
@@ -134,21 +133,14 @@ enum Preset {
 
 /// Runs the command.
 pub(crate) fn run(args: &TuneArgs) -> anyhow::Result<Outcome> {
-    let threads = rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(args.threads))
-        .build()?;
-    threads.install(|| tuned(args))
+    on_threads(args.threads, || tuned(args))
 }
 
 fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let mut inputs = vec![args.model.as_path()];
     inputs.extend(args.reference.iter().map(PathBuf::as_path));
-    let open = |path: &Option<PathBuf>| {
-        path.as_deref()
-            .map(|path| Sink::open(path, &inputs))
-            .transpose()
-    };
-    let (json, responses) = (open(&args.json)?, open(&args.responses)?);
+    let json = Sink::open_if(args.json.as_deref(), &inputs)?;
+    let responses = Sink::open_if(args.responses.as_deref(), &inputs)?;
     let saved = SavedModel::read(&args.model)?;
     let rig = Rig::of(&saved, args.drive_max)?;
     rig.check_set_point(args.step_output)?;
@@ -175,7 +167,8 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
             Preset::Sadeghi => TunerConfig::sadeghi(),
         }
     };
-    let bar = progress(args, config.moves);
+    let template = "tune {bar:20} move {pos}/{len}  {eta} left";
+    let bar = bar(args.quiet, config.moves, template);
     let found = tune(&task, member, &weights, &config, |progress| {
         bar.set_position(progress.moves);
         ControlFlow::Continue(())
@@ -234,25 +227,11 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         tracks: job.tracks(&closed_loop, found.gains)?,
         candidates,
     };
-    if !args.quiet {
-        for note in report.notes() {
-            writeln!(io::stderr(), "note: {note}")?;
-        }
-    }
+    say(args.quiet, &report.notes())?;
     if let Some(sink) = responses {
         sink.write(&report.responses())?;
     }
-    let json_text = serde_json::to_string_pretty(&report.json())? + "\n";
-    let mut stdout = io::stdout();
-    match json {
-        Some(Sink::Stdout) => stdout.write_all(json_text.as_bytes())?,
-        Some(file) => {
-            stdout.write_all(report.text().as_bytes())?;
-            file.write(&json_text)?;
-        }
-        None => stdout.write_all(report.text().as_bytes())?,
-    }
-    stdout.flush()?;
+    deliver(&report.text(), &report.json(), json)?;
     Ok(Outcome::Done)
 }
 
@@ -505,17 +484,4 @@ impl ReferenceFile {
         let rmse = (squares / self.recording.len() as f64).sqrt();
         self.has_output.then_some(rmse)
     }
-}
-
-/// A bar on a terminal, nothing elsewhere.
-fn progress(args: &TuneArgs, moves: u64) -> ProgressBar {
-    if args.quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(moves);
-    if let Ok(style) = ProgressStyle::with_template("tune {bar:20} move {pos}/{len}  {eta} left") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
 }

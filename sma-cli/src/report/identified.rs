@@ -48,11 +48,8 @@ impl Identified<'_> {
     /// Root mean square over all unseen samples; `None` if there are none.
     fn validate_rmse(&self) -> Option<f64> {
         let pairs = self.validated.iter().zip(&self.seen);
-        let unseen: Vec<Validated> = pairs
-            .filter(|(_, seen)| !**seen)
-            .map(|(one, _)| one.clone())
-            .collect();
-        Validated::rmse_of_all(&unseen)
+        let unseen = pairs.filter(|(_, seen)| !**seen).map(|(one, _)| one);
+        Validated::rmse_of_all(unseen)
     }
 
     /// Unit of the output behind a number: nothing where it has none.

@@ -12,14 +12,11 @@ use serde_json::{Value, json};
 
 use super::identified::{right, table};
 use super::number::{percent, significant};
-use crate::rig::Rig;
+use crate::rig::{BEYOND, Rig};
 use crate::track::Track;
 
 /// Rows of the front that a person reads; JSON has all.
 const FRONT_ROWS: usize = 16;
-
-/// Largest drive over that of the training from which the text warns.
-const BEYOND: f64 = 1.02;
 
 /// Names of the gains.
 const GAINS: [&str; 3] = ["kp", "ki", "kd"];
