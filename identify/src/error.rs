@@ -78,6 +78,12 @@ pub enum IdentifyError {
         /// Recording.
         recording: String,
     },
+    /// A recording has no stress where one is needed.
+    #[error("{recording}: no stress; expected a column stress_mpa, or one named under [columns]")]
+    NoStress {
+        /// Recording.
+        recording: String,
+    },
     /// Recordings measure the output in different units.
     #[error("{recording}: output in {found}, but {first} is in {expected}: one unit is needed")]
     Units {

@@ -39,7 +39,7 @@ pub use least_squares::{LeastSquaresConfig, Termination};
 pub use loop_model::LoopModel;
 pub use parameter::{Bounds, Enters, ParameterInfo, ParameterState, ParameterVector, Scale, Scope};
 pub use predict::{Prediction, predict};
-pub use refine::{Refined, refine};
+pub use refine::{RefineConfig, Refined, refine};
 pub use residual_noise::ResidualNoise;
 pub use rig_model::RigModel;
 pub use rod::{Limits, Load, ModelEntry, Rod};

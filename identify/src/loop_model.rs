@@ -5,15 +5,24 @@ use wiener::hysteresis::{Hysteresis, LimitingLoop, LoopParams, Memory, Rule, Sin
 use wiener::{Block, Fleet, Input, Output, Plant, Profile, Started, WienerError, lockstep};
 
 use crate::wiener_model::{start_share, zeta};
-use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, Rod, Scale};
+use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale};
 
 /// Narrowest loop that is searched, as a share of the input's range: below, a width is that of a sample.
 const NARROWEST: f64 = 1e-3;
 
+/// Shifts that are searched, K/MPa, of either sign: the Clausius–Clapeyron coefficients of NiTi are 5 to 15
+/// MPa/K, a tenth of the upper end.
+const COUPLINGS_K_PER_MPA: Bounds = Bounds {
+    lower: -1.0,
+    upper: 1.0,
+};
+
+const PA_PER_MPA: f64 = 1e6;
+
 /// A static loop: input → hysteresis → output, eqs 4-12.
 ///
 /// ```text
-/// y = gain ξ(u) + offset
+/// y = gain ξ(u) + offset,   with a stress   y = gain ξ(u - k (σ - σ_ref)) + offset
 /// ```
 ///
 /// The input u is the temperature of the rod, or any other that the loop may have (a stress, the voltage of a
@@ -33,6 +42,8 @@ const ZETA: usize = 3;
 const GAIN: usize = 4;
 const OFFSET: usize = 5;
 const START_SHARE: usize = 6;
+const COUPLING: usize = 7;
+const REFERENCE: usize = 8;
 
 impl LoopModel {
     /// The loop of static recordings, with bounds wide enough for them.
@@ -57,6 +68,62 @@ impl LoopModel {
         let mut parameters = parameters(first.drive_unit(), first.output_unit(), range);
         rod.apply_model(&mut parameters)?;
         Ok(Self { rule, parameters })
+    }
+
+    /// The same loop with a center that rises with the recorded stress, by `stress_coupling_k_per_mpa` from where
+    /// it is at the mean stress of the training (Clausius–Clapeyron; the reciprocal is the coefficient C, MPa/K).
+    ///
+    /// The shift acts sample by sample. That a stress also changes the stroke is left out: the gain stays shared.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::NoStress`] for a recording without one.
+    pub fn with_stress_coupling(mut self, training: &[Recording]) -> Result<Self, IdentifyError> {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for recording in training {
+            let stress_pa = stress_pa(recording)?;
+            sum += stress_pa.iter().map(|pa| pa / PA_PER_MPA).sum::<f64>();
+            n += stress_pa.len() as f64;
+        }
+        let per_mpa = format!("{}/MPa", self.parameters[HALF_WIDTH].unit);
+        self.parameters.truncate(COUPLING);
+        self.parameters.extend([
+            ParameterInfo::searched(
+                "stress_coupling_k_per_mpa",
+                &per_mpa,
+                Scale::Linear,
+                COUPLINGS_K_PER_MPA,
+            ),
+            ParameterInfo {
+                state: ParameterState::Fixed(sum / n),
+                ..ParameterInfo::searched(
+                    "stress_reference_mpa",
+                    "MPa",
+                    Scale::Linear,
+                    Bounds::NONE,
+                )
+            },
+        ]);
+        Ok(self)
+    }
+
+    /// The transformed fraction at every sample of a recording, at a point of this model.
+    ///
+    /// # Errors
+    ///
+    /// As [`ForwardModel::simulate`].
+    pub fn fraction(
+        &self,
+        point: &[f64],
+        recording: &Recording,
+    ) -> Result<Vec<f64>, IdentifyError> {
+        let mut shape = point.to_vec();
+        (shape[GAIN], shape[OFFSET]) = (1.0, 0.0);
+        let mut fraction = Vec::with_capacity(recording.len());
+        self.simulate(&[shape], recording, &mut |block| {
+            fraction.extend(block.displacement.iter().step_by(block.stride));
+        })?;
+        Ok(fraction)
     }
 
     /// The loop before anything is known of recordings; see
@@ -85,6 +152,13 @@ impl ForwardModel for LoopModel {
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
         let input = recording.drive();
+        let loads: Vec<f64> = match points.first().and_then(|point| point.get(REFERENCE)) {
+            None => Vec::new(),
+            Some(reference_mpa) => stress_pa(recording)?
+                .iter()
+                .map(|pa| pa / PA_PER_MPA - reference_mpa)
+                .collect(),
+        };
         let members: Vec<LoopMember> = points
             .iter()
             .map(|point| LoopMember {
@@ -99,16 +173,33 @@ impl ForwardModel for LoopModel {
                 offset: point[OFFSET],
                 start: input[0],
                 share: point[START_SHARE],
+                coupling_k_per_mpa: point.get(COUPLING).copied().unwrap_or(0.0),
+                start_load_mpa: loads.first().copied().unwrap_or(0.0),
             })
             .collect();
         // A plant shows its output before the drive of the sample acts; here they belong together, so that
         // the drive of a sample is the input of the next.
-        let mut next: Vec<f64> = input[1..].to_vec();
-        next.extend(input.last());
-        let profile = Profile::uniform(&next, 1.0, 0.0)?;
+        let following = |values: &[f64]| {
+            let after = values.iter().skip(1).chain(values.last());
+            after.copied().collect::<Vec<f64>>()
+        };
+        let (next, next_loads) = (following(input), following(&loads));
+        let mut profile = Profile::uniform(&next, 1.0, 0.0)?;
+        if !loads.is_empty() {
+            profile = profile.with_ambient(&next_loads)?;
+        }
         let loops = Loops { rule: self.rule };
         Ok(lockstep(&loops, &members, &profile, visit)?)
     }
+}
+
+/// The stress of a recording that must have one.
+fn stress_pa(recording: &Recording) -> Result<&[f64], IdentifyError> {
+    recording
+        .stress_pa()
+        .ok_or_else(|| IdentifyError::NoStress {
+            recording: recording.name().to_owned(),
+        })
 }
 
 /// In kelvins for a temperature, else in the unit of the input.
@@ -155,14 +246,20 @@ struct LoopMember {
     start: f64,
     /// Place between the limiting curves there.
     share: f64,
+    /// Shift of the loop with the stress.
+    coupling_k_per_mpa: f64,
+    /// First stress from its reference.
+    start_load_mpa: f64,
 }
 
-/// A plant whose drive is the input of its loop.
+/// A plant whose drive is the input of its loop. What a profile has for its surroundings is the stress from its
+/// reference, MPa: the loop has no surroundings.
 #[derive(Debug, Clone, Copy)]
 struct StaticLoop<const L: usize> {
     hysteresis: Hysteresis<L>,
     gain: [f64; L],
     offset: [f64; L],
+    coupling_k_per_mpa: [f64; L],
 }
 
 #[derive(Debug, Clone)]
@@ -186,22 +283,35 @@ impl Fleet for Loops {
             hysteresis: Hysteresis::new(limits, proximity, self.rule),
             gain: members.map(|member| member.gain),
             offset: members.map(|member| member.offset),
+            coupling_k_per_mpa: members.map(|member| member.coupling_k_per_mpa),
         };
-        let start = members.map(|member| member.start);
         let share = members.map(|member| member.share);
-        let state = plant.between_limiting_curves(start, share);
+        // All members run over one recording.
+        let load_mpa = members[0].start_load_mpa;
+        let state = plant.started(members.map(|member| member.start), load_mpa, share);
         Ok(Started { plant, state })
     }
 }
 
 impl<const L: usize> StaticLoop<L> {
-    fn between_limiting_curves(&self, input: [f64; L], share: [f64; L]) -> LoopState<L> {
-        let memory = self.hysteresis.between_limiting_curves(input, share);
+    fn started(&self, input: [f64; L], load_mpa: f64, share: [f64; L]) -> LoopState<L> {
+        let shifted = self.shifted(input, load_mpa);
+        let memory = self.hysteresis.between_limiting_curves(shifted, share);
         LoopState {
             input,
-            fraction: self.hysteresis.peek(&memory, input).fraction,
+            fraction: self.hysteresis.peek(&memory, shifted).fraction,
             memory,
         }
+    }
+
+    /// The input as the loop at the reference stress would have it.
+    #[inline(always)]
+    fn shifted(&self, input: [f64; L], load_mpa: f64) -> [f64; L] {
+        let mut shifted = input;
+        for l in 0..L {
+            shifted[l] -= self.coupling_k_per_mpa[l] * load_mpa;
+        }
+        shifted
     }
 }
 
@@ -209,7 +319,7 @@ impl<const L: usize> Plant<L> for StaticLoop<L> {
     type State = LoopState<L>;
 
     fn rest(&self, ambient_degc: f64) -> LoopState<L> {
-        self.between_limiting_curves([ambient_degc; L], [1.0; L])
+        self.started([ambient_degc; L], 0.0, [1.0; L])
     }
 
     #[inline(always)]
@@ -227,6 +337,7 @@ impl<const L: usize> Plant<L> for StaticLoop<L> {
     #[inline(always)]
     fn step(&self, state: &mut LoopState<L>, input: &Input<L>, _dt_s: f64) {
         state.input = input.drive;
-        state.fraction = self.hysteresis.commit(&mut state.memory, input.drive);
+        let shifted = self.shifted(input.drive, input.ambient_degc);
+        state.fraction = self.hysteresis.commit(&mut state.memory, shifted);
     }
 }

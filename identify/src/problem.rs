@@ -1,6 +1,7 @@
 //! The sum of squares of several recordings together, gain and offsets solved for.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use pso::Bound;
 use rayon::prelude::*;
@@ -30,6 +31,8 @@ pub(crate) struct Problem<'a, M> {
     temperature_weight: f64,
     /// Points simulated so far.
     simulations: AtomicU64,
+    /// What was solved last: a search asks again for the best of its trials.
+    latest: Mutex<Vec<(Vec<f64>, Solved)>>,
 }
 
 /// What is left of one recording.
@@ -91,11 +94,13 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
             offset,
             temperature_weight: 0.0,
             simulations: AtomicU64::new(0),
+            latest: Mutex::default(),
         })
     }
 
     /// Weighs the samples of each recording anew.
     pub(crate) fn weigh_samples(&mut self, weights: Vec<Vec<f64>>) {
+        self.latest = Mutex::default();
         for (weighed, weights) in self.recordings.iter_mut().zip(weights) {
             *weighed = Weighed::new(weighed.recording, Some(weights));
         }
@@ -276,6 +281,12 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
 
     /// Solves for gain and offsets at one point.
     pub(crate) fn solve_one(&self, point: &[f64]) -> Result<Solved, IdentifyError> {
+        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = latest.iter().find(|(solved, _)| solved == point);
+        if let Some((_, solved)) = known {
+            return Ok(solved.clone());
+        }
+        drop(latest);
         let Some(solved) = self.solve(&[point.to_vec()])?.pop() else {
             unreachable!("one point gives one solution");
         };
@@ -296,14 +307,17 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
             .map(|&(r, batch)| self.moments(r, batch))
             .collect::<Result<Vec<_>, _>>()?;
         let n_recordings = self.recordings.len();
-        Ok((0..points.len())
+        let solved: Vec<Solved> = (0..points.len())
             .map(|p| {
                 let of_point: Vec<Moments> = (0..n_recordings)
                     .map(|r| moments[p / BATCH * n_recordings + r][p % BATCH])
                     .collect();
                 solve_linear(&self.recordings, &of_point, self.gain, self.offset)
             })
-            .collect())
+            .collect();
+        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) =
+            points.iter().cloned().zip(solved.iter().cloned()).collect();
+        Ok(solved)
     }
 
     fn moments(&self, r: usize, batch: &[Vec<f64>]) -> Result<[Moments; BATCH], IdentifyError> {

@@ -19,11 +19,22 @@ pub struct Refined {
     pub simulations: u64,
 }
 
+/// How a refinement counts what it is fitted to.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RefineConfig {
+    /// The search.
+    pub least_squares: LeastSquaresConfig,
+    /// A value for each sample of the output of each recording, if not all count the same: a sample of weight 0
+    /// is simulated and left out.
+    pub weights: Option<Vec<Vec<f64>>>,
+    /// Weight of recorded temperatures against the output, (output unit/K)²; 0 leaves them out.
+    pub temperature_weight: f64,
+}
+
 /// Fits a model by least squares alone, from each of the given starts; the lowest end counts, and of equal
 /// ends the first.
 ///
-/// `starts` are coordinates as [`ParameterVector`](crate::ParameterVector) has them. `weights` has a value for
-/// each sample of each recording: a sample of weight 0 is simulated and left out.
+/// `starts` are coordinates as [`ParameterVector`](crate::ParameterVector) has them.
 ///
 /// # Errors
 ///
@@ -33,16 +44,16 @@ pub fn refine<M: ForwardModel>(
     model: &M,
     training: &[Recording],
     starts: &[Vec<f64>],
-    weights: Option<&[Vec<f64>]>,
-    config: &LeastSquaresConfig,
+    config: &RefineConfig,
 ) -> Result<Refined, IdentifyError> {
     if training.is_empty() {
         return Err(IdentifyError::NoRecordings);
     }
     let mut problem = Problem::new(model, training)?;
-    if let Some(weights) = weights {
-        problem.weigh_samples(weights.to_vec());
+    if let Some(weights) = &config.weights {
+        problem.weigh_samples(weights.clone());
     }
+    problem.weigh_temperature(config.temperature_weight);
     let mut best: Option<Minimum> = None;
     for start in starts {
         if start.len() != problem.vector().len() {
@@ -51,7 +62,7 @@ pub fn refine<M: ForwardModel>(
                 expected: problem.vector().len(),
             });
         }
-        let end = minimize(&problem, problem.bounds(), start, config)?;
+        let end = minimize(&problem, problem.bounds(), start, &config.least_squares)?;
         if best
             .as_ref()
             .is_none_or(|best| end.sum_of_squares < best.sum_of_squares)
@@ -66,7 +77,7 @@ pub fn refine<M: ForwardModel>(
     let points = (0..training.len())
         .map(|r| problem.values(&best.point, &solved, r))
         .collect();
-    let total: f64 = match weights {
+    let total: f64 = match &config.weights {
         Some(weights) => weights.iter().flatten().sum(),
         None => problem.n_samples() as f64,
     };

@@ -28,7 +28,8 @@ pub struct ResidualNoise {
 
 impl ResidualNoise {
     /// Fits the model to segments of residuals, none of them continued by the next.
-    pub(crate) fn of(segments: &[&[f64]]) -> Self {
+    #[must_use]
+    pub fn of(segments: &[&[f64]]) -> Self {
         let n_samples: usize = segments.iter().map(|segment| segment.len()).sum();
         let n = n_samples.max(1) as f64;
         let covariance = |lag: usize| {

@@ -9,7 +9,7 @@ mod common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles, with_output};
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, Loss, OffsetSource,
+    Fit, FitConfig, ForwardModel, IdentifyError, RefineConfig, Loss, OffsetSource,
     ParameterVector, WienerModel, fit, refine, validate,
 };
 use recording::{Quantity, Recording, RecordingParts};
@@ -418,22 +418,19 @@ fn samples_of_no_weight_are_left_out() {
     let vector = ParameterVector::new(model.parameters(), 1);
     let near = [TRUE_TAU_S * 1.3, 75.0, 6.0, 7.0, 0.7];
     let start = vector.coordinates(|parameter, _| near.get(parameter).copied());
-    let weights = [(0..900)
+    let weights = (0..900)
         .map(|k| f64::from(u8::from(!(300..400).contains(&k))))
-        .collect()];
-    let config = LeastSquaresConfig::default();
-    let refined = refine(
-        &model,
-        &training,
-        std::slice::from_ref(&start),
-        Some(&weights),
-        &config,
-    )
-    .unwrap();
+        .collect();
+    let all = RefineConfig::default();
+    let config = RefineConfig {
+        weights: Some(vec![weights]),
+        ..all.clone()
+    };
+    let refined = refine(&model, &training, std::slice::from_ref(&start), &config).unwrap();
     assert!(refined.mean_square < 1e-12, "{}", refined.mean_square);
     assert!((refined.points[0][0] / TRUE_TAU_S - 1.0).abs() < 1e-5);
-    let all = refine(&model, &training, &[start], None, &config).unwrap();
-    assert!(all.mean_square > 0.1);
-    let none = refine(&model, &training, &[], None, &config).unwrap_err();
+    let spoiled = refine(&model, &training, &[start], &all).unwrap();
+    assert!(spoiled.mean_square > 0.1);
+    let none = refine(&model, &training, &[], &all).unwrap_err();
     assert!(matches!(none, IdentifyError::NothingFinite));
 }

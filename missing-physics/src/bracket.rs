@@ -15,8 +15,9 @@ impl<const L: usize> Bracket<L> {
         }
     }
 
-    /// Takes a tried point and the sign of the function there; returns the next one: that of Newton's
-    /// rule, or the middle of the bracket if Newton leaves it.
+    /// Takes a tried point and the value of the function there; returns the next one: that of Newton's
+    /// rule, or the middle of the bracket if Newton leaves it. While one side is open there is no middle, and
+    /// the way there is that of a function of slope 1.
     #[inline(always)]
     pub(crate) fn next(&mut self, lane: usize, tried: f64, value: f64, newton: f64) -> f64 {
         let below = value < 0.0;
@@ -24,12 +25,14 @@ impl<const L: usize> Bracket<L> {
         let upper = if below { self.upper[lane] } else { tried };
         self.lower[lane] = lower;
         self.upper[lane] = upper;
+        let middle = 0.5 * (lower + upper);
+        let inside = if middle.is_finite() {
+            middle
+        } else {
+            tried - value
+        };
         // Both comparisons fail on NaN, which is passed on.
         let leaves = (newton < lower) | (newton > upper);
-        if leaves {
-            0.5 * (lower + upper)
-        } else {
-            newton
-        }
+        if leaves { inside } else { newton }
     }
 }

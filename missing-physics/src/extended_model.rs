@@ -87,6 +87,12 @@ impl ExtendedModel {
         Some(self.parameters.len() - self.slots.len() + slot)
     }
 
+    /// The effect and the number of its parameter that a parameter of this model is; `None` for the baseline's.
+    pub(crate) fn slot(&self, parameter: usize) -> Option<(EffectId, usize)> {
+        let n_base = self.parameters.len() - self.slots.len();
+        self.slots.get(parameter.checked_sub(n_base)?).copied()
+    }
+
     fn member(&self, point: &[f64], first_ambient_degc: f64) -> Member {
         let (base, extra) = point.split_at(point.len() - self.slots.len());
         let mut effects = EffectValues::default();

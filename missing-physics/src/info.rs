@@ -22,6 +22,19 @@ pub struct EffectInfo {
     pub sentence: &'static str,
 }
 
+impl EffectInfo {
+    /// Values of its partner to try; `None` if it has none.
+    #[must_use]
+    pub fn partner_grid(&self) -> Option<&'static [f64]> {
+        self.parameters
+            .iter()
+            .find_map(|parameter| match parameter.role {
+                Role::Partner { grid } => Some(grid),
+                Role::Size => None,
+            })
+    }
+}
+
 /// Block of the cascade in which an effect sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum EffectBlock {

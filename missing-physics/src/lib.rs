@@ -2,6 +2,8 @@
 
 mod advance;
 mod bracket;
+mod case;
+mod diagnosis;
 mod effect;
 mod effects;
 mod elementary;
@@ -19,6 +21,7 @@ mod play;
 mod projection;
 mod scores;
 mod screening;
+mod series;
 mod set;
 mod setting;
 mod shown;
@@ -29,6 +32,10 @@ mod tangent;
 mod values;
 mod whiten;
 
+pub use diagnosis::{
+    Band, Cell, Curve, Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Floor, Mismatch,
+    NextExperiment, NoiseClass, Remainder, Run, Shape, Span, Stage, Status, Verdict,
+};
 pub use effects::{
     AmbientDrift, Backlash, DeadTime, EffectId, EffectValues, EndConduction, EndStop,
     FunctionalFatigue, LatentHeat, LoopAsymmetry, LoopShape, NaturalConvection, OutputLag,

@@ -1,39 +1,45 @@
-//! What the baseline cannot absorb: series with the span of its sensitivities taken out.
+//! What a model cannot absorb: series with the span of its sensitivities taken out.
 
-use faer::Mat;
-
-/// Singular value of the scaled sensitivities, relative to the largest, below which a direction is no
-/// direction.
-const SMALLEST_SINGULAR: f64 = 1e-9;
+/// Length of a column outside the others, relative to its own, below which it adds no direction.
+const SMALLEST_OUTSIDE: f64 = 1e-8;
 
 /// Orthonormal basis of the span of some columns.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Span {
-    basis: Mat<f64>,
+    basis: Vec<Vec<f64>>,
 }
 
 impl Span {
     /// The span of columns of one length; their scales do not matter, and columns of zeros count for nothing.
-    pub(crate) fn of(columns: &[Vec<f64>]) -> Self {
-        let rows = columns.first().map_or(0, Vec::len);
-        let norms: Vec<f64> = columns.iter().map(|column| norm(column)).collect();
-        let kept: Vec<usize> = (0..columns.len()).filter(|&j| norms[j] > 0.0).collect();
-        let scaled = Mat::from_fn(rows, kept.len(), |k, j| {
-            columns[kept[j]][k] / norms[kept[j]]
-        });
-        let Ok(svd) = scaled.thin_svd() else {
-            return Self {
-                basis: Mat::zeros(rows, 0),
-            };
-        };
-        let values = svd.S().column_vector();
-        let largest = (0..kept.len()).map(|j| values[j]).fold(0.0, f64::max);
-        let rank = (0..kept.len())
-            .filter(|&j| values[j] > SMALLEST_SINGULAR * largest)
-            .count();
-        Self {
-            basis: svd.U().get(.., ..rank).to_owned(),
+    pub(crate) fn of<'a>(columns: impl IntoIterator<Item = &'a Vec<f64>>) -> Self {
+        let mut span = Self::default();
+        for column in columns {
+            span.widen(column);
         }
+        span
+    }
+
+    /// Takes in one column more; whether it added a direction.
+    pub(crate) fn widen(&mut self, column: &[f64]) -> bool {
+        let own = norm(column);
+        let mut outside = self.outside(column);
+        let left = norm(&outside);
+        let adds = left > SMALLEST_OUTSIDE * own;
+        if adds {
+            outside.iter_mut().for_each(|value| *value /= left);
+            self.basis.push(outside);
+        }
+        adds
+    }
+
+    /// Number of directions.
+    pub(crate) fn dimension(&self) -> usize {
+        self.basis.len()
+    }
+
+    /// The directions, each of length 1.
+    pub(crate) fn basis(&self) -> &[Vec<f64>] {
+        &self.basis
     }
 
     /// The part of a series outside the span.
@@ -41,11 +47,10 @@ impl Span {
         let mut outside = series.to_vec();
         // Twice is enough: what rounding leaves of the span the first time is gone after the second.
         for _ in 0..2 {
-            for j in 0..self.basis.ncols() {
-                let column = self.basis.col(j);
-                let along: f64 = (0..outside.len()).map(|k| column[k] * outside[k]).sum();
-                for (k, value) in outside.iter_mut().enumerate() {
-                    *value -= along * column[k];
+            for direction in &self.basis {
+                let along = dot(direction, &outside);
+                for (value, direction) in outside.iter_mut().zip(direction) {
+                    *value -= along * direction;
                 }
             }
         }
@@ -53,8 +58,22 @@ impl Span {
     }
 }
 
+/// Sum of products, in eight strands that the processor takes side by side.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut strands = [0.0; 8];
+    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = chunks_a
+        .remainder()
+        .iter()
+        .zip(chunks_b.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
+    for (a, b) in chunks_a.zip(chunks_b) {
+        for l in 0..8 {
+            strands[l] += a[l] * b[l];
+        }
+    }
+    strands.iter().sum::<f64>() + rest
 }
 
 pub(crate) fn norm(a: &[f64]) -> f64 {
@@ -78,7 +97,7 @@ mod tests {
         with_twin.push(columns[1].iter().map(|value| -2.0 * value).collect());
         with_twin.push(vec![0.0; 50]);
         let span = Span::of(&with_twin);
-        assert_eq!(span.basis.ncols(), 4);
+        assert_eq!(span.dimension(), 4);
         let series: Vec<f64> = (0..50).map(|k| (k as f64).sqrt()).collect();
         let outside = span.outside(&series);
         for column in &columns {

@@ -1,15 +1,17 @@
-//! Which effects could explain what a fitted baseline leaves, before anything is refitted.
+//! Which effects could explain what a fitted model leaves, before anything is refitted.
 
 use identify::{Fit, IdentifyError, WienerModel};
+use rayon::prelude::*;
 use recording::Recording;
 
-use crate::scores::scores;
-use crate::tangent::tangent;
+use crate::case::{Case, Node};
+use crate::scores::{Ground, Scores, scores};
+use crate::tangent::{Sensitivity, Trace, sensitivities, traces};
 use crate::whiten::Whitener;
-use crate::{EffectId, Need, Setting};
+use crate::{EffectId, EffectSet, Need, Setting};
 
 /// Standard normal quantiles of the power with which a size counts as detectable: 95 %.
-const POWER: f64 = 1.645;
+pub(crate) const POWER: f64 = 1.645;
 
 /// Settings of a screening.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,12 +27,13 @@ pub struct ScreenConfig {
 pub struct Screened {
     /// The effect.
     pub effect: EffectId,
-    /// Score in standard deviations, whitened by the residuals' own memory: that of its best size and
-    /// partner. It hides large effects, whose trace is part of that memory.
+    /// Score in standard deviations, whitened by the residuals' own memory: that of its best value of the
+    /// partner; of several sizes together, the score of one that is as unlikely. It hides large effects,
+    /// whose trace is part of that memory.
     pub whitened: f64,
     /// The same of the series as they are, with the variance of correlated residuals.
     pub plain: f64,
-    /// Size to first order, in the unit of its parameter.
+    /// Size to first order, in the unit of its parameter: of several, the first.
     pub size: f64,
     /// Smallest size that this recording would show in 95 % of cases.
     pub minimum_detectable: f64,
@@ -66,68 +69,70 @@ pub fn screen(
     training: &[Recording],
     config: &ScreenConfig,
 ) -> Result<Screening, IdentifyError> {
-    let mut unknown = Vec::new();
-    let mut effects = Vec::new();
-    for effect in EffectId::ALL {
-        match missing(effect, base, &config.setting, training) {
-            Some(need) => unknown.push((effect, need)),
-            None => effects.push(effect),
-        }
-    }
-    let (tangent, origins) = tangent(base, fit, config.setting, &effects, training)?;
-    let lengths: Vec<usize> = training.iter().map(Recording::len).collect();
-    let whitener = Whitener::new(&fit.noise.coefficients, &lengths);
-    let deviation = fit.noise.innovation_variance.sqrt();
-    let found = scores(&tangent, &whitener, deviation, config.seed);
-    let screened = effects.iter().filter_map(|&effect| {
-        let own = (0..origins.len()).filter(|&k| origins[k].effect == effect);
-        // One that may only be positive counts for nothing if it would have to be negative.
-        let size = |k: usize| {
-            let score = found.scores[k].plain;
-            if tangent.candidates[k].one_sided {
-                score
-            } else {
-                score.abs()
-            }
-        };
-        let best = own.max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
-        let score = found.scores[best];
-        Some(Screened {
-            effect,
-            whitened: score.whitened,
-            plain: score.plain,
-            size: score.size,
-            minimum_detectable: (found.critical + POWER) * score.error,
-            absorbed: score.absorbed,
-            partner: origins[best].partner,
-        })
+    let case = Case::new(base, fit, training, config.setting);
+    let node = case.baseline()?;
+    let sifted = sift(&case, &node, EffectSet::all(), config.seed)?;
+    let screened = sifted.found.scores.iter().map(|score| Screened {
+        effect: score.effect,
+        whitened: score.whitened,
+        plain: score.plain,
+        size: score.sizes[0],
+        minimum_detectable: (sifted.found.critical + POWER) * score.errors[0],
+        absorbed: score.absorbed,
+        partner: score.partner,
     });
     Ok(Screening {
         effects: screened.collect(),
-        unknown,
-        critical: found.critical,
+        unknown: EffectId::ALL
+            .into_iter()
+            .filter_map(|effect| Some((effect, case.missing(effect)?)))
+            .collect(),
+        critical: sifted.found.critical,
     })
 }
 
-/// What an effect needs and is not known.
-fn missing(
-    effect: EffectId,
-    base: &WienerModel,
-    setting: &Setting,
-    training: &[Recording],
-) -> Option<Need> {
-    let electrical = !matches!(base.drive(), wiener::Drive::Power { .. });
-    let thermometer = training
+/// A node with the scores of what it does not have.
+#[derive(Debug)]
+pub(crate) struct Sifted {
+    pub(crate) found: Scores,
+    pub(crate) sensitivities: Vec<Sensitivity>,
+    pub(crate) traces: Vec<Trace>,
+}
+
+/// Scores the effects of a set that a node does not have and that can be computed.
+pub(crate) fn sift(
+    case: &Case<'_>,
+    node: &Node,
+    catalogue: EffectSet,
+    seed: u64,
+) -> Result<Sifted, IdentifyError> {
+    let wanted: Vec<EffectId> = catalogue
         .iter()
-        .any(|recording| recording.temperature_degc().is_some());
-    effect.info().needs.iter().copied().find(|need| match need {
-        Need::MassPerMeter => setting.mass_kg_per_m.is_none(),
-        Need::SurfacePerMeter => setting.surface_m2_per_m.is_none(),
-        Need::Length => setting.length_output.is_none(),
-        Need::ElectricalDrive => !electrical,
-        Need::TemperatureChannel => !thermometer,
-        // Each recording has its length, and without a load the loop shifts all the same.
-        Need::RunLength | Need::Load => false,
-        Need::AbsoluteTemperature => !base.knows_temperature(),
+        .filter(|&effect| !node.effects.contains(effect) && case.missing(effect).is_none())
+        .collect();
+    let traces: Vec<Trace> = wanted
+        .par_iter()
+        .map(|&effect| traces(case, node, effect))
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+        .collect();
+    let sensitivities = sensitivities(case, node)?;
+    let fitted: Vec<&Vec<f64>> = sensitivities
+        .iter()
+        .filter(|one| !one.held)
+        .map(|one| &one.column)
+        .collect();
+    let whitener = Whitener::new(&case.layout, &node.noise);
+    let ground = Ground {
+        residual: &node.residual,
+        fitted: &fitted,
+        whitener: &whitener,
+    };
+    let found = scores(&traces, &ground, seed);
+    Ok(Sifted {
+        found,
+        sensitivities,
+        traces,
     })
 }

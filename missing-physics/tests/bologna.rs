@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 use identify::{
-    Fit, FitConfig, ForwardModel, LeastSquaresConfig, ParameterVector, Rod, WienerModel, fit,
+    Fit, FitConfig, ForwardModel, ParameterVector, RefineConfig, Rod, WienerModel, fit,
     refine, validate, validate_at,
 };
 use missing_physics::{EffectId, ExtendedModel, Role, ScreenConfig, Setting, screen};
@@ -133,8 +133,8 @@ fn four_effects_explain_most_of_it_on_what_they_have_not_seen() {
     };
     // An end stop that starts far from its place stays there: from more than one size.
     let starts = [0.3, 1.0].map(|share| vector.coordinates(|parameter, _| at(share, parameter)));
-    let config = LeastSquaresConfig::default();
-    let refined = refine(&model, &rig.training, &starts, None, &config).unwrap();
+    let config = RefineConfig::default();
+    let refined = refine(&model, &rig.training, &starts, &config).unwrap();
     let point = &refined.points[0];
     let unseen = validate_at(&model, point, &rig.unseen).unwrap().rmse;
     let plain = validate(&rig.base, &rig.fit, &rig.unseen).unwrap().rmse;

@@ -16,6 +16,9 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 /// | `output` | `displacement_mm`, or else the one column called `displacement`, `position`, `displacement_*` or `position_*` |
 /// | `temperature` | `temperature_degc` (`_c`, `_k`), if it is there; never beside a drive that is a temperature |
 /// | `ambient` | `ambient_degc` (`_c`, `_k`), if it is there |
+/// | `stress` | `stress_mpa` or `stress_pa`, if it is there and neither drive nor output |
+/// | `resistance` | `resistance_ohm`, if it is there and neither drive nor output |
+/// | `then` | nothing |
 ///
 /// # Examples
 ///
@@ -42,6 +45,30 @@ pub struct Columns {
     pub temperature: Option<ColumnSpec>,
     /// Measured temperature of the surroundings.
     pub ambient: Option<ColumnSpec>,
+    /// Stress in the actuator.
+    pub stress: Option<ColumnSpec>,
+    /// Resistance of the actuator.
+    pub resistance: Option<ResistanceSpec>,
+    /// Columns whose rows follow the last row of these, of static data whose ways up and down stand side by
+    /// side; the same ones in the same units.
+    pub then: Option<Box<Columns>>,
+}
+
+/// Where the resistance of the actuator is found.
+///
+/// Deserializes from a column, as [`ColumnSpec`], or from two (`{ voltage = "voltage_v", current = 2 }`), either
+/// of which may be the drive, too.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ResistanceSpec {
+    /// In a column of its own.
+    Column(ColumnSpec),
+    /// As the voltage over the actuator and the current through it.
+    VoltageOverCurrent {
+        /// Voltage.
+        voltage: ColumnSpec,
+        /// Current.
+        current: ColumnSpec,
+    },
 }
 
 /// One column: where it stands and, if its name does not say it, its unit.
@@ -103,6 +130,24 @@ struct Table {
     unit: Option<String>,
 }
 
+impl Table {
+    fn spec<E: Error>(self) -> Result<ColumnSpec, E> {
+        let spec = match (self.name, self.number) {
+            (Some(name), None) => ColumnSpec::name(name),
+            (None, Some(number)) if number >= 1 => ColumnSpec::number(number),
+            (None, Some(number)) => {
+                let text = format!("column number {number}: columns are counted from 1");
+                return Err(E::custom(text));
+            }
+            _ => return Err(E::custom("a column needs either `name` or `number`")),
+        };
+        Ok(ColumnSpec {
+            unit: self.unit,
+            ..spec
+        })
+    }
+}
+
 // Written by hand: an untagged enum would answer every typing error with "did not match any
 // variant".
 struct SpecVisitor;
@@ -135,25 +180,73 @@ impl<'de> Visitor<'de> for SpecVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ColumnSpec, A::Error> {
-        let table = Table::deserialize(MapAccessDeserializer::new(map))?;
-        let spec = match (table.name, table.number) {
-            (Some(name), None) => ColumnSpec::name(name),
-            (None, Some(number)) if number >= 1 => ColumnSpec::number(number),
-            (None, Some(number)) => {
-                let text = format!("column number {number}: columns are counted from 1");
-                return Err(A::Error::custom(text));
-            }
-            _ => return Err(A::Error::custom("a column needs either `name` or `number`")),
-        };
-        Ok(ColumnSpec {
-            unit: table.unit,
-            ..spec
-        })
+        Table::deserialize(MapAccessDeserializer::new(map))?.spec()
     }
 }
 
 impl<'de> Deserialize<'de> for ColumnSpec {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(SpecVisitor)
+    }
+}
+
+/// The table form of a resistance.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ResistanceTable {
+    name: Option<String>,
+    number: Option<usize>,
+    unit: Option<String>,
+    voltage: Option<ColumnSpec>,
+    current: Option<ColumnSpec>,
+}
+
+struct ResistanceVisitor;
+
+impl<'de> Visitor<'de> for ResistanceVisitor {
+    type Value = ResistanceSpec;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        SpecVisitor.expecting(f)?;
+        f.write_str(" or { voltage, current }")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<ResistanceSpec, E> {
+        SpecVisitor.visit_str(name).map(ResistanceSpec::Column)
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<ResistanceSpec, E> {
+        SpecVisitor.visit_i64(number).map(ResistanceSpec::Column)
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<ResistanceSpec, E> {
+        SpecVisitor.visit_u64(number).map(ResistanceSpec::Column)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ResistanceSpec, A::Error> {
+        let ResistanceTable {
+            name,
+            number,
+            unit,
+            voltage,
+            current,
+        } = ResistanceTable::deserialize(MapAccessDeserializer::new(map))?;
+        match (voltage, current) {
+            (None, None) => Table { name, number, unit }
+                .spec()
+                .map(ResistanceSpec::Column),
+            (Some(voltage), Some(current)) if (&name, number, &unit) == (&None, None, &None) => {
+                Ok(ResistanceSpec::VoltageOverCurrent { voltage, current })
+            }
+            _ => Err(A::Error::custom(
+                "a resistance needs `voltage` and `current`, or a column of its own",
+            )),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ResistanceSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ResistanceVisitor)
     }
 }

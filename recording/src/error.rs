@@ -159,6 +159,20 @@ pub enum RecordingError {
         second: &'static str,
     },
 
+    /// Columns whose rows follow those of others are not the same ones.
+    #[error(
+        "{file}:{line}: [columns.then] and [columns] differ in {what}; expected the same columns in the same \
+         units, and no time"
+    )]
+    UnequalColumns {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// Key of the first that differs.
+        what: &'static str,
+    },
+
     /// A column has no unit and needs one.
     #[error(
         "{file}:{line}: {role} = {column}: no unit; expected {accepted} at the end of its name, \

@@ -30,7 +30,7 @@ pub(crate) const MOVING: f64 = 0.02;
 /// What is in one column of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// `drive`, `output`, `temperature` or `ambient`.
+    /// `drive`, `output`, `temperature`, `ambient`, `stress` or `resistance`.
     pub role: &'static str,
     /// Unit of the numbers below.
     pub unit: String,
@@ -85,6 +85,10 @@ pub struct Inspection {
     pub temperature: Option<Channel>,
     /// The measured temperature of the surroundings.
     pub ambient: Option<Channel>,
+    /// The measured stress in the actuator.
+    pub stress: Option<Channel>,
+    /// The measured resistance of the actuator, where a current flows.
+    pub resistance: Option<Channel>,
     /// Samples before the drive first leaves the lowest 5 % of its range; all, if it never changes.
     pub rest_samples: usize,
     /// Change of the output, as a share of its range, within the last fifth of a stretch in which
@@ -161,6 +165,13 @@ pub fn inspect(recording: &Recording) -> Inspection {
         gaps: recording.gaps(),
         temperature: recording.temperature_degc().map(degrees("temperature")),
         ambient: recording.ambient_degc().map(degrees("ambient")),
+        stress: recording
+            .stress_pa()
+            .map(|values| Channel::of("stress", "Pa", values)),
+        resistance: recording.resistance().and_then(|measured| {
+            let ohm: Vec<f64> = measured.ohm().flatten().collect();
+            (!ohm.is_empty()).then(|| Channel::of("resistance", "ohm", &ohm))
+        }),
         rest_samples: rest_samples(recording),
         motion_at_highest_drive: noise_floor
             .and_then(|floor| motion_at_highest_drive(recording, output.range(), &floor)),

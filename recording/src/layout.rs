@@ -1,6 +1,6 @@
 //! Which field of a row is what: the wanted columns, found in the first line of a file.
 
-use crate::columns::{ColumnKey, ColumnSpec};
+use crate::columns::{ColumnKey, ColumnSpec, Columns, ResistanceSpec};
 use crate::error::RecordingError;
 use crate::quantity::Quantity;
 use crate::read::ReadOptions;
@@ -32,6 +32,24 @@ pub(crate) struct Layout {
     pub(crate) output: Option<Column>,
     pub(crate) temperature: Option<Column>,
     pub(crate) ambient: Option<Column>,
+    pub(crate) stress: Option<Column>,
+    pub(crate) resistance: Option<ResistanceColumns>,
+}
+
+/// The columns of a resistance.
+pub(crate) enum ResistanceColumns {
+    Ohm(Column),
+    VoltageOverCurrent { voltage: Column, current: Column },
+}
+
+impl ResistanceColumns {
+    /// The column of its own, if it has one.
+    fn own(&self) -> Option<&Column> {
+        match self {
+            Self::Ohm(column) => Some(column),
+            Self::VoltageOverCurrent { .. } => None,
+        }
+    }
 }
 
 /// The first line of a file.
@@ -97,6 +115,20 @@ impl Role {
         TEMPERATURE_UNITS,
     );
 
+    const STRESS: Self = Self::new(
+        "stress",
+        &["stress_mpa", "stress_pa"],
+        (&[Unit::Megapascal, Unit::Pascal], "mpa or pa"),
+    );
+    const RESISTANCE: Self = Self::new("resistance", &["resistance_ohm"], (&[Unit::Ohm], "ohm"));
+    const RESISTANCE_VOLTAGE: Self =
+        Self::new("resistance.voltage", &["voltage_v"], (&[Unit::Volt], "v"));
+    const RESISTANCE_CURRENT: Self = Self::new(
+        "resistance.current",
+        &["current_a", "current_ma"],
+        (&[Unit::Ampere, Unit::Milliampere], "a or ma"),
+    );
+
     const fn drive(quantity: Quantity) -> Self {
         let (defaults, units): (&'static [&'static str], _) = match quantity {
             Quantity::Current => {
@@ -131,13 +163,60 @@ pub(crate) enum Wanted {
 }
 
 impl Layout {
-    /// Finds the columns that `options` ask for.
-    pub(crate) fn new(
+    /// The columns that `options` ask for, and those whose rows follow theirs.
+    pub(crate) fn all(
         header: &Header<'_>,
         options: &ReadOptions,
         wanted: Wanted,
+    ) -> Result<Vec<Self>, RecordingError> {
+        let ways = std::iter::successors(Some(&options.columns), |way| way.then.as_deref());
+        let layouts = ways
+            .map(|columns| Self::new(header, options, columns, wanted))
+            .collect::<Result<Vec<_>, _>>()?;
+        let differs = layouts[1..]
+            .iter()
+            .find_map(|then| layouts[0].difference(then));
+        match differs {
+            None => Ok(layouts),
+            Some(what) => Err(RecordingError::UnequalColumns {
+                file: header.file.to_owned(),
+                line: header.line,
+                what,
+            }),
+        }
+    }
+
+    /// In which column another one's rows could not follow; time would have to start anew.
+    fn difference(&self, then: &Self) -> Option<&'static str> {
+        let drive_unit = |layout: &Self| match layout.drive.unit {
+            Unit::Own => Some(layout.drive.unit_text.clone()),
+            _ => None,
+        };
+        let output_unit = |layout: &Self| layout.output.as_ref().map(|c| c.unit_text.clone());
+        let is_ohm = |layout: &Self| layout.resistance.as_ref().map(|r| r.own().is_some());
+        [
+            ("time", self.time.is_none() && then.time.is_none()),
+            ("drive", drive_unit(self) == drive_unit(then)),
+            ("output", output_unit(self) == output_unit(then)),
+            (
+                "temperature",
+                self.temperature.is_some() == then.temperature.is_some(),
+            ),
+            ("ambient", self.ambient.is_some() == then.ambient.is_some()),
+            ("stress", self.stress.is_some() == then.stress.is_some()),
+            ("resistance", is_ohm(self) == is_ohm(then)),
+        ]
+        .into_iter()
+        .find_map(|(what, same)| (!same).then_some(what))
+    }
+
+    /// Finds the wanted columns.
+    fn new(
+        header: &Header<'_>,
+        options: &ReadOptions,
+        columns: &Columns,
+        wanted: Wanted,
     ) -> Result<Self, RecordingError> {
-        let columns = &options.columns;
         let drive_is_temperature = options.drive_quantity == Quantity::Temperature;
         let drive = Role::drive(options.drive_quantity);
 
@@ -156,22 +235,47 @@ impl Layout {
             (None, true) => None,
             (spec, false) => header.column(&Role::TEMPERATURE, spec.as_ref())?,
         };
+        let drive = header
+            .column(&drive, columns.drive.as_ref())?
+            .ok_or_else(|| header.missing_default(&drive))?;
+        let output = match wanted {
+            Wanted::Drive => None,
+            Wanted::DriveAndOutput => Some(
+                header
+                    .column(&Role::OUTPUT, columns.output.as_ref())?
+                    .ok_or_else(|| header.missing_default(&Role::OUTPUT))?,
+            ),
+        };
+        // A drive or an output may be a stress or a resistance itself.
+        let is_taken = |column: &Column| {
+            let taken = [Some(&drive), output.as_ref()].into_iter().flatten();
+            taken.into_iter().any(|other| other.index == column.index)
+        };
+        let beside = |role: &Role, spec: Option<&ColumnSpec>| {
+            let column = header.column(role, spec)?;
+            Ok(column.filter(|column| spec.is_some() || !is_taken(column)))
+        };
         let layout = Self {
             n_columns: header.n_columns,
             time,
-            drive: header
-                .column(&drive, columns.drive.as_ref())?
-                .ok_or_else(|| header.missing_default(&drive))?,
-            output: match wanted {
-                Wanted::Drive => None,
-                Wanted::DriveAndOutput => Some(
-                    header
-                        .column(&Role::OUTPUT, columns.output.as_ref())?
-                        .ok_or_else(|| header.missing_default(&Role::OUTPUT))?,
-                ),
-            },
             temperature,
             ambient: header.column(&Role::AMBIENT, columns.ambient.as_ref())?,
+            stress: beside(&Role::STRESS, columns.stress.as_ref())?,
+            resistance: match &columns.resistance {
+                None => beside(&Role::RESISTANCE, None)?.map(ResistanceColumns::Ohm),
+                Some(ResistanceSpec::Column(spec)) => header
+                    .column(&Role::RESISTANCE, Some(spec))?
+                    .map(ResistanceColumns::Ohm),
+                Some(ResistanceSpec::VoltageOverCurrent { voltage, current }) => {
+                    let voltage = header.column(&Role::RESISTANCE_VOLTAGE, Some(voltage))?;
+                    let current = header.column(&Role::RESISTANCE_CURRENT, Some(current))?;
+                    voltage.zip(current).map(|(voltage, current)| {
+                        ResistanceColumns::VoltageOverCurrent { voltage, current }
+                    })
+                }
+            },
+            drive,
+            output,
         };
         layout.check_distinct(header)?;
         Ok(layout)
@@ -184,6 +288,11 @@ impl Layout {
             ("output", self.output.as_ref()),
             ("temperature", self.temperature.as_ref()),
             ("ambient", self.ambient.as_ref()),
+            ("stress", self.stress.as_ref()),
+            (
+                "resistance",
+                self.resistance.as_ref().and_then(ResistanceColumns::own),
+            ),
         ];
         for (k, (second, column)) in all.iter().enumerate() {
             let Some(column) = column else { continue };

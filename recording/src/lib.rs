@@ -17,9 +17,9 @@
 //!   columns are given by number ([`ColumnKey::Number`]).
 //! * **Units** come from the end of the column name, `current_ma`, `Load (N)` or `Izadg [A]`, or
 //!   from [`ColumnSpec::unit`], which wins. Known units, in either case: `s ms a ma v w mm um m
-//!   degc c k deg n mpa %`. Time, drive and temperatures are converted to s, A, 1, V, W, °C (a
-//!   column in K is an absolute temperature); a time, drive or temperature without a unit is an
-//!   error, except for a duty, which is then a fraction. The output keeps its own unit.
+//!   degc c k deg n mpa pa ohm %`. Time, drive, temperatures and stress are converted to s, A, 1, V,
+//!   W, °C, Pa (a column in K is an absolute temperature); one of them without a unit is an error,
+//!   except for a duty, which is then a fraction. The output keeps its own unit.
 //! * **Names** are matched without case, and `current_A`, `current [A]` and `current (A)` are the
 //!   same name. [`Columns`] lists the defaults.
 //! * Every row has as many fields as the first line (empty ones at the end do not count); columns
@@ -77,13 +77,14 @@ mod quantization;
 mod read;
 mod recording;
 mod resample;
+mod resistance;
 mod sampling;
 mod unit;
 mod warning;
 mod write;
 
 pub use clipping::{Clipping, Side, clipping};
-pub use columns::{ColumnKey, ColumnSpec, Columns};
+pub use columns::{ColumnKey, ColumnSpec, Columns, ResistanceSpec};
 pub use cycles::{Cycle, Repeats, cycles, repeats, split_by_cycles};
 pub use error::{Position, RecordingError};
 pub use holds::{HOLD_TOLERANCE, Hold, holds};
@@ -94,6 +95,7 @@ pub use quantization::quantization_step;
 pub use read::{ReadOptions, parse_csv, read_csv, read_drive_csv};
 pub use recording::{Recording, RecordingParts};
 pub use resample::resample;
+pub use resistance::Resistance;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
 pub use warning::Warning;
 pub use write::write_csv;

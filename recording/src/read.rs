@@ -8,10 +8,11 @@ use std::path::Path;
 use crate::check::{Place, check_duty, check_rising};
 use crate::columns::Columns;
 use crate::error::{Position, RecordingError};
-use crate::layout::{Column, Header, Layout, Wanted, shown};
+use crate::layout::{Column, Header, Layout, ResistanceColumns, Wanted, shown};
 use crate::lines::{Delimiter, Lines};
 use crate::quantity::Quantity;
 use crate::recording::{Recording, RecordingParts};
+use crate::resistance::Resistance;
 use crate::unit::Unit;
 
 /// What to read from a file, and how much.
@@ -130,15 +131,27 @@ fn parse(
         names,
         n_columns,
     };
-    let layout = Layout::new(&header, options, wanted)?;
-    let mut rows = Rows::new(name, layout, options.max_samples);
+    let layouts = Layout::all(&header, options, wanted)?;
+    let max_rows = options.max_samples / layouts.len();
+    let mut ways: Vec<Rows<'_>> = layouts
+        .into_iter()
+        .map(|layout| Rows::new(name, layout, max_rows))
+        .collect();
+    let mut push = |line, row: &str, fields: &[Range<usize>]| {
+        ways.iter_mut()
+            .try_for_each(|rows| rows.push(line, row, fields))
+    };
     if header.names.is_none() {
-        rows.push(line, first, &fields)?;
+        push(line, first, &fields)?;
     }
     while let Some((line, row)) = lines.advance()? {
         delimiter.split(row, &mut fields);
-        rows.push(line, row, &fields)?;
+        push(line, row, &fields)?;
     }
+    let whole = ways.into_iter().reduce(Rows::followed_by);
+    let Some(rows) = whole else {
+        unreachable!("[columns] itself is the first of the ways");
+    };
     rows.finish(options.drive_quantity)
 }
 
@@ -170,6 +183,10 @@ struct Rows<'a> {
     output: Vec<f64>,
     temperature_degc: Vec<f64>,
     ambient_degc: Vec<f64>,
+    stress_pa: Vec<f64>,
+    /// Resistance, Ω, or the voltage over it, V.
+    resistance: Vec<f64>,
+    resistance_current_a: Vec<f64>,
 }
 
 impl<'a> Rows<'a> {
@@ -184,7 +201,22 @@ impl<'a> Rows<'a> {
             output: Vec::new(),
             temperature_degc: Vec::new(),
             ambient_degc: Vec::new(),
+            stress_pa: Vec::new(),
+            resistance: Vec::new(),
+            resistance_current_a: Vec::new(),
         }
+    }
+
+    /// These rows and then others, of equal columns.
+    fn followed_by(mut self, then: Self) -> Self {
+        self.drive.extend(then.drive);
+        self.output.extend(then.output);
+        self.temperature_degc.extend(then.temperature_degc);
+        self.ambient_degc.extend(then.ambient_degc);
+        self.stress_pa.extend(then.stress_pa);
+        self.resistance.extend(then.resistance);
+        self.resistance_current_a.extend(then.resistance_current_a);
+        self
     }
 
     /// Checks one row and keeps its wanted columns.
@@ -238,6 +270,19 @@ impl<'a> Rows<'a> {
             self.ambient_degc
                 .push(column.unit.to_base(row.number(column)?));
         }
+        if let Some(column) = &self.layout.stress {
+            self.stress_pa
+                .push(column.unit.to_base(row.number(column)?));
+        }
+        match &self.layout.resistance {
+            None => {}
+            Some(ResistanceColumns::Ohm(column)) => self.resistance.push(row.number(column)?),
+            Some(ResistanceColumns::VoltageOverCurrent { voltage, current }) => {
+                self.resistance.push(row.number(voltage)?);
+                self.resistance_current_a
+                    .push(current.unit.to_base(row.number(current)?));
+            }
+        }
         Ok(())
     }
 
@@ -266,6 +311,8 @@ impl<'a> Rows<'a> {
             output,
             temperature,
             ambient,
+            stress,
+            resistance,
             n_columns: _,
         } = self.layout;
         Recording::from_checked(RecordingParts {
@@ -281,6 +328,14 @@ impl<'a> Rows<'a> {
             output: self.output,
             temperature_degc: temperature.map(|_| self.temperature_degc),
             ambient_degc: ambient.map(|_| self.ambient_degc),
+            stress_pa: stress.map(|_| self.stress_pa),
+            resistance: resistance.map(|columns| match columns {
+                ResistanceColumns::Ohm(_) => Resistance::Ohm(self.resistance),
+                ResistanceColumns::VoltageOverCurrent { .. } => Resistance::VoltageOverCurrent {
+                    voltage_v: self.resistance,
+                    current_a: self.resistance_current_a,
+                },
+            }),
         })
     }
 }

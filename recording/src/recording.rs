@@ -6,6 +6,7 @@ use crate::check::{Place, check_duty, check_rising};
 use crate::error::{Position, RecordingError};
 use crate::layout::shown;
 use crate::quantity::Quantity;
+use crate::resistance::Resistance;
 use crate::sampling::{Gap, Sampling, gaps};
 use crate::unit::output_symbol;
 
@@ -64,6 +65,10 @@ pub struct RecordingParts {
     pub temperature_degc: Option<Vec<f64>>,
     /// Measured temperature of the surroundings, °C.
     pub ambient_degc: Option<Vec<f64>>,
+    /// Measured stress in the actuator, Pa.
+    pub stress_pa: Option<Vec<f64>>,
+    /// Measured resistance of the actuator.
+    pub resistance: Option<Resistance>,
 }
 
 impl Recording {
@@ -83,7 +88,7 @@ impl Recording {
                 unit => unit,
             },
         );
-        let rest = [
+        let mut rest = vec![
             (
                 "output",
                 parts.output_unit.as_str(),
@@ -95,7 +100,10 @@ impl Recording {
                 parts.temperature_degc.as_deref(),
             ),
             ("ambient_degc", "degC", parts.ambient_degc.as_deref()),
+            ("stress_pa", "Pa", parts.stress_pa.as_deref()),
         ];
+        let resistance = parts.resistance.iter().flat_map(Resistance::columns);
+        rest.extend(resistance.map(|(column, unit, values)| (column, unit, Some(values))));
         for (column, _, values) in std::iter::once(&time).chain(&rest) {
             match values {
                 Some(values) if values.len() != parts.drive.len() => {
@@ -158,6 +166,7 @@ impl Recording {
             &mut parts.time_s,
             &mut parts.temperature_degc,
             &mut parts.ambient_degc,
+            &mut parts.stress_pa,
         ];
         optional.into_iter().flatten().for_each(Vec::shrink_to_fit);
         let sampling = Sampling::of(parts.time_s.as_deref().unwrap_or(&[]));
@@ -233,6 +242,18 @@ impl Recording {
         self.parts.ambient_degc.as_deref()
     }
 
+    /// Measured stress in the actuator, Pa.
+    #[must_use]
+    pub fn stress_pa(&self) -> Option<&[f64]> {
+        self.parts.stress_pa.as_deref()
+    }
+
+    /// Measured resistance of the actuator.
+    #[must_use]
+    pub fn resistance(&self) -> Option<&Resistance> {
+        self.parts.resistance.as_ref()
+    }
+
     /// Number of samples, at least 2.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -285,6 +306,8 @@ impl Recording {
             output: part(&self.parts.output),
             temperature_degc: self.parts.temperature_degc.as_ref().map(part),
             ambient_degc: self.parts.ambient_degc.as_ref().map(part),
+            stress_pa: self.parts.stress_pa.as_ref().map(part),
+            resistance: self.parts.resistance.as_ref().map(|whole| whole.map(part)),
         })
     }
 

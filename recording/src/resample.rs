@@ -39,7 +39,7 @@ const SAME_STEP: f64 = 1e-9;
 /// the drive has no effect on the output that a thermal mass much slower than `dt_s` could show. The
 /// last recorded drive goes on to the end of the last new step.
 ///
-/// # Output and temperatures
+/// # Output and other measurements
 ///
 /// They are low-pass filtered before they are sampled anew, or noise above the new Nyquist
 /// frequency 0.5/dt would be folded below it. A symmetric kernel shifts nothing in time:
@@ -131,6 +131,10 @@ pub fn resample(recording: &Recording, dt_s: f64) -> Result<Recording, Recording
         output: filter.apply(recording.output()),
         temperature_degc: recording.temperature_degc().map(|t| filter.apply(t)),
         ambient_degc: recording.ambient_degc().map(|t| filter.apply(t)),
+        stress_pa: recording.stress_pa().map(|stress| filter.apply(stress)),
+        resistance: recording
+            .resistance()
+            .map(|whole| whole.map(|values| filter.apply(values))),
     })
 }
 

@@ -17,6 +17,8 @@ pub(crate) enum Unit {
     Degree,
     Newton,
     Megapascal,
+    Pascal,
+    Ohm,
     Percent,
     One,
     /// Kept as data: values stay as they are.
@@ -45,6 +47,8 @@ impl Unit {
             "deg" | "°" => Self::Degree,
             "n" => Self::Newton,
             "mpa" => Self::Megapascal,
+            "pa" => Self::Pascal,
+            "ohm" => Self::Ohm,
             "%" | "percent" => Self::Percent,
             "1" => Self::One,
             _ => return None,
@@ -68,18 +72,21 @@ impl Unit {
             Self::Degree => "deg",
             Self::Newton => "N",
             Self::Megapascal => "MPa",
+            Self::Pascal => "Pa",
+            Self::Ohm => "ohm",
             Self::Percent => "%",
             Self::One | Self::Own => "1",
         }
     }
 
-    /// A value in this unit, in s, A, V, W, °C, as a fraction; other units stay.
+    /// A value in this unit, in s, A, V, W, °C, Pa, as a fraction; other units stay.
     ///
     /// Divides where it could multiply: 287 ms / 1000 is the number nearest to 0.287.
     pub(crate) fn to_base(self, value: f64) -> f64 {
         match self {
             Self::Millisecond | Self::Milliampere => value / 1000.0,
             Self::Percent => value / 100.0,
+            Self::Megapascal => value * 1e6,
             Self::Kelvin => value - ZERO_CELSIUS_K,
             _ => value,
         }
@@ -152,7 +159,7 @@ mod tests {
 
     #[test]
     fn every_documented_suffix_is_known_in_both_cases() {
-        for suffix in "s ms a ma v w mm um m degc c k deg n mpa %".split(' ') {
+        for suffix in "s ms a ma v w mm um m degc c k deg n mpa pa ohm %".split(' ') {
             let unit = Unit::parse(suffix);
             assert!(unit.is_some(), "{suffix}");
             assert_eq!(Unit::parse(&suffix.to_uppercase()), unit, "{suffix}");
@@ -161,7 +168,7 @@ mod tests {
 
     #[test]
     fn symbols_parse_to_their_unit() {
-        for symbol in "s ms A mA V W mm um m degC K deg N MPa % 1".split(' ') {
+        for symbol in "s ms A mA V W mm um m degC K deg N MPa Pa ohm % 1".split(' ') {
             assert_eq!(Unit::parse(symbol).map(Unit::symbol), Some(symbol));
         }
     }

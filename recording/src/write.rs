@@ -12,8 +12,9 @@ use crate::unit::Unit;
 /// [`allow_untimed`](crate::ReadOptions::allow_untimed) is needed if it has no time).
 ///
 /// Columns: `time_s`, the drive ([`Quantity::column`](crate::Quantity::column)), the output as
-/// `displacement_mm` (in its unit, whatever it is), `temperature_degc`, `ambient_degc`; those that
-/// the recording has. Numbers are the shortest that read back as the same; they are written line
+/// `displacement_mm` (in its unit, whatever it is), `temperature_degc`, `ambient_degc`, `stress_pa`,
+/// `resistance_ohm`; those that the recording has. Voltage and current of a resistance are written as
+/// `resistance_voltage_v` and `resistance_current_a`, to be named when read. Numbers are the shortest that read back as the same; they are written line
 /// by line, so give a buffered writer.
 ///
 /// # Errors
@@ -24,7 +25,7 @@ pub fn write_csv(recording: &Recording, mut writer: impl Write) -> io::Result<()
         Sampling::Untimed => None,
         _ => Some(recording.time_s()),
     };
-    let columns = [
+    let mut columns = vec![
         ("time_s".to_owned(), time),
         (drive_column(recording), Some(recording.drive())),
         (
@@ -33,7 +34,12 @@ pub fn write_csv(recording: &Recording, mut writer: impl Write) -> io::Result<()
         ),
         ("temperature_degc".to_owned(), recording.temperature_degc()),
         ("ambient_degc".to_owned(), recording.ambient_degc()),
+        ("stress_pa".to_owned(), recording.stress_pa()),
     ];
+    if let Some(resistance) = recording.resistance() {
+        let parts = resistance.columns().into_iter();
+        columns.extend(parts.map(|(name, _, values)| (name.to_owned(), Some(values))));
+    }
     let (names, values): (Vec<String>, Vec<&[f64]>) = columns
         .into_iter()
         .filter_map(|(name, values)| Some((name, values?)))

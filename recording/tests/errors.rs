@@ -4,6 +4,7 @@ use std::io::{self, Read};
 
 use recording::{
     ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError, RecordingParts,
+    Resistance,
     parse_csv, read_csv,
 };
 
@@ -313,6 +314,52 @@ fn invalid_unit() {
 }
 
 #[test]
+fn unequal_columns() {
+    let then = |then: Columns| {
+        let options = ReadOptions {
+            columns: Columns {
+                drive: Some(ColumnSpec::number(1).in_unit("degc")),
+                output: Some(ColumnSpec::number(2).in_unit("mm")),
+                then: Some(Box::new(then)),
+                ..Columns::default()
+            },
+            ..ReadOptions::new(Quantity::Temperature)
+        };
+        text(parse_csv(
+            "20,0,3\n30,1,2\n".as_bytes(),
+            "loop.csv",
+            &options,
+        ))
+    };
+    let same = Columns {
+        drive: Some(ColumnSpec::number(1).in_unit("k")),
+        output: Some(ColumnSpec::number(3).in_unit("mm")),
+        ..Columns::default()
+    };
+    let stressed = Columns {
+        stress: Some(ColumnSpec::number(2).in_unit("mpa")),
+        ..same.clone()
+    };
+    let timed = Columns {
+        time: Some(ColumnSpec::number(2).in_unit("s")),
+        ..same.clone()
+    };
+    let other_unit = Columns {
+        output: Some(ColumnSpec::number(3).in_unit("um")),
+        ..same
+    };
+    for (columns, what) in [(stressed, "stress"), (timed, "time"), (other_unit, "output")] {
+        assert_eq!(
+            then(columns),
+            format!(
+                "loop.csv:1: [columns.then] and [columns] differ in {what}; expected the same columns in the \
+                 same units, and no time"
+            )
+        );
+    }
+}
+
+#[test]
 fn two_temperatures() {
     let parts = RecordingParts {
         drive_quantity: Quantity::Temperature,
@@ -419,6 +466,27 @@ fn not_finite() {
         assert_eq!(
             text(Recording::new(output)),
             format!("run, sample 0: output = {shown}: not finite; expected a finite number in mm")
+        );
+        let stress = RecordingParts {
+            stress_pa: Some(vec![value, 0.0]),
+            ..parts()
+        };
+        assert_eq!(
+            text(Recording::new(stress)),
+            format!("run, sample 0: stress_pa = {shown}: not finite; expected a finite number in Pa")
+        );
+        let resistance = RecordingParts {
+            resistance: Some(Resistance::VoltageOverCurrent {
+                voltage_v: vec![0.0, 0.0],
+                current_a: vec![0.0, value],
+            }),
+            ..parts()
+        };
+        assert_eq!(
+            text(Recording::new(resistance)),
+            format!(
+                "run, sample 1: resistance_current_a = {shown}: not finite; expected a finite number in A"
+            )
         );
         let ambient = RecordingParts {
             ambient_degc: Some(vec![0.0, value]),

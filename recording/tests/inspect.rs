@@ -6,7 +6,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use recording::{
-    DifferenceNoise, NoiseConfig, NoiseFloor, Quantity, Recording, RecordingParts, Side, Warning,
+    DifferenceNoise, NoiseConfig, NoiseFloor, Quantity, Recording, RecordingParts, Resistance, Side, Warning,
     clipping, cycles, holds, inspect, noise_floor, quantization_step, repeats, resample,
     split_by_cycles,
 };
@@ -636,19 +636,27 @@ fn the_sign_of_a_current_is_that_of_its_mean() {
 }
 
 #[test]
-fn temperatures_are_resampled_too() {
+fn other_measurements_are_resampled_too() {
     let run = Recording::new(RecordingParts {
         time_s: Some((0..100).map(f64::from).collect()),
         drive: vec![0.5; 100],
         output: vec![0.0; 100],
         temperature_degc: Some((0..100).map(f64::from).collect()),
         ambient_degc: Some(vec![22.0; 100]),
+        stress_pa: Some(vec![5e7; 100]),
+        resistance: Some(Resistance::Ohm(vec![3.5; 100])),
         ..RecordingParts::default()
     })
     .unwrap();
     let slow = resample(&run, 5.0).unwrap();
     assert_within(slow.temperature_degc().unwrap()[7], 35.0, 1e-9);
     assert_within(slow.ambient_degc().unwrap()[19], 22.0, 1e-12);
+    assert_within(slow.stress_pa().unwrap()[19], 5e7, 1e-5);
+    let mut ohm = slow.resistance().unwrap().ohm();
+    assert_within(ohm.nth(19).flatten().unwrap(), 3.5, 1e-12);
+    let seen = inspect(&run);
+    assert_within(seen.stress.unwrap().highest, 5e7, 0.0);
+    assert_within(seen.resistance.unwrap().lowest, 3.5, 0.0);
     assert_within(slow.drive()[3], 0.5, 1e-15);
     // Its own step: nothing to do.
     assert_eq!(resample(&run, 1.0).unwrap(), run);

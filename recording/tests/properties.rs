@@ -6,7 +6,8 @@
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 use recording::{
-    ColumnSpec, Columns, NoiseConfig, Quantity, ReadOptions, Recording, RecordingParts, Sampling,
+    ColumnSpec, Columns, NoiseConfig, Quantity, ReadOptions, Recording, RecordingParts, Resistance,
+    Sampling,
     clipping, cycles, holds, inspect, noise_floor, parse_csv, quantization_step, repeats, resample,
     split_by_cycles, write_csv,
 };
@@ -67,9 +68,11 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
             "mm|DEG|N|MPa|1|%||degc|[a-zA-Zµ/·²,;() ]{0,6}",
             prop::option::of(column()),
             prop::option::of(column()),
+            prop::option::of(column()),
+            prop::option::of(column()),
         )
             .prop_map(
-                |((time_s, drive_quantity, drive, output), unit, temperature, ambient)| {
+                |((time_s, drive_quantity, drive, output), unit, temperature, ambient, stress, ohm)| {
                     let is_temperature = drive_quantity == Quantity::Temperature;
                     let is_duty = drive_quantity == Quantity::Duty;
                     RecordingParts {
@@ -86,6 +89,8 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
                         output,
                         temperature_degc: temperature.filter(|_| !is_temperature),
                         ambient_degc: ambient,
+                        stress_pa: stress,
+                        resistance: ohm.map(Resistance::Ohm),
                     }
                 },
             )

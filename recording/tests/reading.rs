@@ -5,7 +5,7 @@
 
 use recording::{
     ColumnKey, ColumnSpec, Columns, Gap, Quantity, ReadOptions, Recording, RecordingParts,
-    Sampling, parse_csv, read_drive_csv, write_csv,
+    Resistance, ResistanceSpec, Sampling, parse_csv, read_drive_csv, write_csv,
 };
 
 fn read(quantity: Quantity, csv: &str) -> Recording {
@@ -100,10 +100,92 @@ fn columns_come_from_toml() {
         }),
         output: Some(ColumnSpec::name("Load (N)").in_unit("kN")),
         temperature: Some(ColumnSpec::number(4).in_unit("K")),
-        ambient: None,
+        ..Columns::default()
     };
     assert_eq!(columns, expected);
     assert_eq!(toml::from_str::<Columns>("").unwrap(), Columns::default());
+}
+
+#[test]
+fn stress_and_resistance_are_found_by_their_names() {
+    let csv = "temperature_c,displacement_mm,stress_mpa,resistance_ohm\n20,0,50,3.5\n90,1,51.5,2.8\n";
+    let recording = read(Quantity::Temperature, csv);
+    assert_eq!(recording.stress_pa(), Some([50e6, 51.5e6].as_slice()));
+    assert_eq!(
+        recording.resistance(),
+        Some(&Resistance::Ohm(vec![3.5, 2.8]))
+    );
+    // A drive that is a stress is no other channel.
+    let options = ReadOptions {
+        columns: Columns {
+            drive: Some(ColumnSpec::name("stress_mpa")),
+            ..Columns::default()
+        },
+        ..ReadOptions::new(Quantity::Temperature)
+    };
+    let driven = parse_csv(csv.as_bytes(), "run3.csv", &options).unwrap();
+    assert_eq!((driven.stress_pa(), driven.drive_unit()), (None, "MPa"));
+    assert_eq!(driven.drive(), [50.0, 51.5]);
+}
+
+#[test]
+fn a_resistance_is_a_voltage_over_a_current() {
+    let columns = r#"resistance = { voltage = "u [V]", current = "current_ma" }"#;
+    let options = ReadOptions {
+        columns: toml::from_str(columns).unwrap(),
+        ..ReadOptions::new(Quantity::Current)
+    };
+    let csv = "time_s,current_ma,u [V],position_mm\n0,0,0,0\n1,200,0.7,0\n2,400,1.2,1\n";
+    let recording = parse_csv(csv.as_bytes(), "run3.csv", &options).unwrap();
+    assert_eq!(recording.drive(), [0.0, 0.2, 0.4]);
+    let ohm = |recording: &Recording| recording.resistance().unwrap().ohm().collect::<Vec<_>>();
+    assert_eq!(ohm(&recording)[..2], [None, Some(0.7 / 0.2)]);
+    assert_eq!(ohm(&recording.slice(1..3).unwrap()), ohm(&recording)[1..]);
+}
+
+#[test]
+fn ways_that_stand_side_by_side_follow_one_another() {
+    let text = r#"
+        drive = { number = 1, unit = "degc" }
+        output = { number = 2, unit = "mm" }
+        stress = { number = 5, unit = "mpa" }
+        [then]
+        drive = { number = 3, unit = "k" }
+        output = { number = 4, unit = "mm" }
+        stress = { number = 5, unit = "mpa" }
+    "#;
+    let options = ReadOptions {
+        columns: toml::from_str(text).unwrap(),
+        ..ReadOptions::new(Quantity::Temperature)
+    };
+    let csv = "20,0,373.15,9,50\n90,8,313.15,1,60\n";
+    let recording = parse_csv(csv.as_bytes(), "loop.csv", &options).unwrap();
+    assert_eq!(recording.drive(), [20.0, 90.0, 100.0, 40.0]);
+    assert_eq!(recording.output(), [0.0, 8.0, 9.0, 1.0]);
+    assert_eq!(recording.stress_pa().unwrap(), [50e6, 60e6, 50e6, 60e6]);
+}
+
+#[test]
+fn resistances_come_from_toml() {
+    let spec = |text: &str| toml::from_str::<Columns>(text).map(|columns| columns.resistance);
+    let column = |spec| Some(ResistanceSpec::Column(spec));
+    assert_eq!(
+        spec("resistance = 3").unwrap(),
+        column(ColumnSpec::number(3))
+    );
+    assert_eq!(
+        spec("resistance = { name = \"R\", unit = \"ohm\" }").unwrap(),
+        column(ColumnSpec::name("R").in_unit("ohm"))
+    );
+    let fault = spec("resistance = { voltage = 3 }").unwrap_err();
+    assert_eq!(
+        fault.message(),
+        "a resistance needs `voltage` and `current`, or a column of its own"
+    );
+    assert!(spec("resistance = 1.5").unwrap_err().message().ends_with(
+        "a column name, a column number counted from 1, or a table { name or number, unit } or { voltage, \
+         current }"
+    ));
 }
 
 #[test]
@@ -116,7 +198,7 @@ fn columns_refuse_what_they_do_not_know() {
     };
     assert_eq!(
         fault("dirve = 2"),
-        "unknown field `dirve`, expected one of `time`, `drive`, `output`, `temperature`, `ambient`"
+        "unknown field `dirve`, expected one of `time`, `drive`, `output`, `temperature`, `ambient`, `stress`, `resistance`, `then`"
     );
     assert_eq!(
         fault("drive = { name = \"a\", unti = \"mm\" }"),

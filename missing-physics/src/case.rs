@@ -1,0 +1,206 @@
+//! One rig with its recordings, and models of it with ever other effects.
+
+use identify::{
+    Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig,
+    WienerModel, refine,
+};
+use recording::Recording;
+
+use crate::series::{Channel, Layout, Noise};
+use crate::{EffectId, EffectSet, ExtendedModel, Need, Role, Setting};
+
+/// Iterations of a refinement that is only to be compared with others.
+const ITERATIONS: usize = 40;
+
+/// A fitted baseline and what it was fitted to.
+#[derive(Debug)]
+pub(crate) struct Case<'a> {
+    pub(crate) base: &'a WienerModel,
+    pub(crate) fit: &'a Fit,
+    pub(crate) training: &'a [Recording],
+    pub(crate) setting: Setting,
+    pub(crate) layout: Layout,
+    recorded: Vec<f64>,
+}
+
+/// A model of the case, refined.
+#[derive(Debug, Clone)]
+pub(crate) struct Node {
+    pub(crate) effects: EffectSet,
+    pub(crate) model: ExtendedModel,
+    /// Coordinates of the model's parameters.
+    pub(crate) coordinates: Vec<f64>,
+    /// Values of all parameters in each recording.
+    pub(crate) points: Vec<Vec<f64>>,
+    /// Recorded - model.
+    pub(crate) residual: Vec<f64>,
+    /// What the residual is like.
+    pub(crate) noise: Noise,
+    /// Simulations that it took.
+    pub(crate) simulations: u64,
+}
+
+impl<'a> Case<'a> {
+    pub(crate) fn new(
+        base: &'a WienerModel,
+        fit: &'a Fit,
+        training: &'a [Recording],
+        setting: Setting,
+    ) -> Self {
+        // Both channels count alike where the baseline stands.
+        let per_k = match fit.temperature_rmse_k {
+            Some(rmse_k) if rmse_k > 0.0 => fit.train_rmse / rmse_k,
+            _ => 0.0,
+        };
+        let layout = Layout::of(training, per_k);
+        Self {
+            recorded: layout.recorded(training),
+            base,
+            fit,
+            training,
+            setting,
+            layout,
+        }
+    }
+
+    /// The model with these effects.
+    pub(crate) fn model(&self, effects: EffectSet) -> ExtendedModel {
+        let setting = Setting {
+            active: effects,
+            ..self.setting
+        };
+        ExtendedModel::new(self.base, self.fit, setting)
+    }
+
+    /// The fitted baseline as a node.
+    pub(crate) fn baseline(&self) -> Result<Node, IdentifyError> {
+        let model = self.model(EffectSet::EMPTY);
+        let vector = ParameterVector::new(model.parameters(), self.training.len());
+        let coordinates = self.fit.coordinates(&vector);
+        let points = (0..self.training.len())
+            .map(|r| self.fit.point(r))
+            .collect();
+        self.node(model, coordinates, points, 0)
+    }
+
+    /// Refines the model with these effects from each of the starts.
+    pub(crate) fn refined(
+        &self,
+        effects: EffectSet,
+        starts: &[Vec<f64>],
+    ) -> Result<Node, IdentifyError> {
+        let model = self.model(effects);
+        let config = RefineConfig {
+            least_squares: LeastSquaresConfig {
+                iterations: ITERATIONS,
+                relative_offset: 1e-4,
+            },
+            weights: None,
+            temperature_weight: self.layout.per_k.powi(2),
+        };
+        let refined = refine(&model, self.training, starts, &config)?;
+        self.node(
+            model,
+            refined.coordinates,
+            refined.points,
+            refined.simulations,
+        )
+    }
+
+    pub(crate) fn node(
+        &self,
+        model: ExtendedModel,
+        coordinates: Vec<f64>,
+        points: Vec<Vec<f64>>,
+        simulations: u64,
+    ) -> Result<Node, IdentifyError> {
+        let shown = self
+            .layout
+            .shown(&model, self.training, |r| vec![points[r].clone()])?;
+        let residual: Vec<f64> = self
+            .recorded
+            .iter()
+            .zip(&shown[0])
+            .map(|(recorded, shown)| recorded - shown)
+            .collect();
+        Ok(Node {
+            effects: model.active(),
+            noise: self.layout.noise(&residual),
+            model,
+            coordinates,
+            points,
+            residual,
+            simulations: simulations + 1,
+        })
+    }
+
+    /// Coordinates in the model with other effects, from where a node stands: what it has stays, what is new is
+    /// at `value(effect, number of the parameter)`, or where the baseline has it.
+    pub(crate) fn moved(
+        &self,
+        node: &Node,
+        to: &ExtendedModel,
+        value: impl Fn(EffectId, usize) -> Option<f64>,
+    ) -> Vec<f64> {
+        let n_base = self.base.parameters().len();
+        let vector = ParameterVector::new(to.parameters(), self.training.len());
+        vector.coordinates(|parameter, r| {
+            if parameter < n_base {
+                return Some(node.points[r][parameter]);
+            }
+            let (effect, index) = to.slot(parameter)?;
+            value(effect, index).or_else(|| match node.model.first_parameter(effect) {
+                Some(first) => Some(node.points[r][first + index]),
+                None => Some(effect.info().parameters[index].neutral()),
+            })
+        })
+    }
+
+    /// What an effect needs and is not known.
+    pub(crate) fn missing(&self, effect: EffectId) -> Option<Need> {
+        let setting = &self.setting;
+        let electrical = !matches!(self.base.drive(), wiener::Drive::Power { .. });
+        let thermometer = self
+            .layout
+            .of_channel(Channel::Temperature)
+            .next()
+            .is_some();
+        effect.info().needs.iter().copied().find(|need| match need {
+            Need::MassPerMeter => setting.mass_kg_per_m.is_none(),
+            Need::SurfacePerMeter => setting.surface_m2_per_m.is_none(),
+            Need::Length => setting.length_output.is_none(),
+            Need::ElectricalDrive => !electrical,
+            Need::TemperatureChannel => !thermometer,
+            // Each recording has its length, and without a load the loop shifts all the same.
+            Need::RunLength | Need::Load => false,
+            Need::AbsoluteTemperature => !self.base.knows_temperature(),
+        })
+    }
+}
+
+impl Node {
+    /// Mean square of the output's residual.
+    pub(crate) fn mean_square(&self) -> f64 {
+        self.noise.output.variance
+    }
+
+    /// Free parameters: coordinates and an offset a recording.
+    pub(crate) fn n_free(&self) -> usize {
+        self.coordinates.len() + self.points.len()
+    }
+
+    /// Values of an effect's parameters, if it is active.
+    pub(crate) fn values(&self, effect: EffectId) -> Option<&[f64]> {
+        let first = self.model.first_parameter(effect)?;
+        Some(&self.points[0][first..first + effect.info().parameters.len()])
+    }
+
+    /// Whether a size of an effect is all but zero: it is there by name only.
+    pub(crate) fn has_vanished(&self, effect: EffectId) -> bool {
+        let values = self.values(effect).unwrap_or(&[]);
+        let sizes = effect.info().parameters.iter().zip(values);
+        sizes
+            .filter(|(parameter, _)| parameter.role == Role::Size)
+            .all(|(parameter, value)| value.abs() < 1e-4 * parameter.typical)
+    }
+}

@@ -1,0 +1,353 @@
+//! What a diagnosis ends with.
+
+use std::ops::Range;
+
+use identify::{Fit, Validated};
+
+use crate::{EffectBlock, EffectId, ExtendedModel, Need};
+
+/// Name of the whole diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// Nothing is missing that these recordings could show.
+    Adequate,
+    /// What was left out has a name.
+    Explained,
+    /// It is explained, and by more than one name.
+    Ambiguous,
+    /// The names hold, and something else is left.
+    ExplainedInPart,
+    /// Something is missing, and the catalogue does not account for it.
+    Unexplained,
+    /// The baseline is not fitted: nothing can be said.
+    NotConverged,
+}
+
+impl Verdict {
+    /// Name in files and reports.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Verdict::Adequate => "adequate",
+            Verdict::Explained => "explained",
+            Verdict::Ambiguous => "ambiguous",
+            Verdict::ExplainedInPart => "explained_in_part",
+            Verdict::Unexplained => "unexplained",
+            Verdict::NotConverged => "not_converged",
+        }
+    }
+}
+
+/// The result of [`diagnose`](crate::diagnose()).
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Noise of the output, in its unit.
+    pub noise_floor: Floor,
+    /// The plain model.
+    pub baseline: Stage,
+    /// The model with what was found; that with the suspects, where there is no finding but some; `None` if
+    /// there is neither.
+    pub extended: Option<ExtendedStage>,
+    /// How much of what could be explained is; `None` without an extended model.
+    pub explained: Option<Explained>,
+    /// Where the plain model and the recordings part.
+    pub mismatch: Mismatch,
+    /// What is missing, the strongest first.
+    pub findings: Vec<Finding>,
+    /// Effects that help, and whose name is not licensed, the strongest first.
+    pub suspects: Vec<Finding>,
+    /// What is left after the findings, where it is more than noise.
+    pub remainder: Option<Remainder>,
+    /// What the recordings say of each effect, in the order of the catalogue.
+    pub catalogue: Vec<Entry>,
+    /// The run that would tell apart what these could not.
+    pub next_experiment: Option<NextExperiment>,
+    /// Simulations of the whole training set.
+    pub simulations: u64,
+    /// Seed of the searches.
+    pub seed: u64,
+}
+
+/// Noise of the output: standard deviations, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// At least this much.
+    pub lower: f64,
+    /// At most about this much; `None` where neither holds nor repeated cycles tell.
+    pub upper: Option<f64>,
+    /// What it is like.
+    pub class: NoiseClass,
+}
+
+/// What noise is like, and so what may be claimed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum NoiseClass {
+    /// Neighbors are independent.
+    White,
+    /// An autoregressive model describes it.
+    Colored,
+    /// It grows toward low frequencies without end: tests cry wolf, names become suspects unless repeated
+    /// cycles tell the noise.
+    OneOverF,
+    /// The converter's step exceeds the noise: the same.
+    Quantized,
+}
+
+impl NoiseClass {
+    /// Name in files and reports.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            NoiseClass::White => "white",
+            NoiseClass::Colored => "colored",
+            NoiseClass::OneOverF => "one_over_f",
+            NoiseClass::Quantized => "quantized",
+        }
+    }
+}
+
+/// A fitted model and how it does on what it has not seen.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// The fit.
+    pub fit: Fit,
+    /// The unseen recordings, in their order.
+    pub validated: Vec<Validated>,
+}
+
+/// The model with effects.
+#[derive(Debug, Clone)]
+pub struct ExtendedStage {
+    /// Its effects.
+    pub effects: Vec<EffectId>,
+    /// The model.
+    pub model: ExtendedModel,
+    /// Its fit and validation.
+    pub stage: Stage,
+}
+
+/// Share of the explainable error that the extended model explains.
+///
+/// ```text
+/// (MSE_baseline - MSE_extended)/(MSE_baseline - noise²)
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Explained {
+    /// On the training recordings, each part of them held out in turn; `None` where the baseline's error is the noise's.
+    pub train: Option<f64>,
+    /// On the unseen recordings; `None` without any.
+    pub validate: Option<f64>,
+    /// 95 % interval of the latter, by blocks.
+    pub validate_interval: Option<[f64; 2]>,
+}
+
+/// Where model and recordings part.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mismatch {
+    /// Block of the cascade in which what is missing most likely sits, and the probability of that; `None` if
+    /// nothing is missing.
+    pub block: Option<(EffectBlock, f64)>,
+    /// Probability of every block, the likeliest first.
+    pub blocks: Vec<(EffectBlock, f64)>,
+    /// Regimes with more than their share of the error, the largest share first.
+    pub cells: Vec<Cell>,
+    /// Stretches of time with most of it, the largest share first.
+    pub spans: Vec<Span>,
+    /// Bands of frequency.
+    pub bands: Vec<Band>,
+}
+
+/// A regime.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// What it is, for people.
+    pub at: String,
+    /// Its share of the explainable error.
+    pub share: f64,
+    /// Its share of the samples.
+    pub occupancy: f64,
+    /// Probability that noise alone concentrates as much anywhere.
+    pub p_value: f64,
+}
+
+/// A stretch of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Span {
+    /// Name of the recording.
+    pub recording: String,
+    /// Its start, s on the recording's clock.
+    pub start_s: f64,
+    /// Its end, s.
+    pub end_s: f64,
+    /// Its share of the explainable error.
+    pub share: f64,
+}
+
+/// A band of frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Its ends, Hz.
+    pub hz: [f64; 2],
+    /// Its share of the explainable error.
+    pub share: f64,
+}
+
+/// An effect that is missing from the plain model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// The effect.
+    pub effect: EffectId,
+    /// Effects that would explain these recordings as well, the likeliest first.
+    pub could_also_be: Vec<EffectId>,
+    /// Probability of `effect` against those and against all that is not in the catalogue.
+    pub probability: f64,
+    /// Its parameters.
+    pub parameters: Vec<Estimate>,
+    /// Whether all of them are where the literature has them, or within physical bounds where it says nothing.
+    pub plausible: bool,
+    /// Share of the explainable error that comes back if it alone is left out.
+    pub contribution: f64,
+    /// For people.
+    pub sentence: String,
+}
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval; `None` where it stands on a bound or the data do not fix it.
+    pub ci95: Option<[f64; 2]>,
+    /// Range in the literature, where somebody looked it up.
+    pub literature: Option<[f64; 2]>,
+}
+
+/// What is left after the findings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remainder {
+    /// Root mean square of it beyond the noise, in the unit of the output.
+    pub rms: f64,
+    /// Share of the explainable error of the plain model.
+    pub share: f64,
+    /// Where it is.
+    pub mismatch: Mismatch,
+    /// The missing term as a curve in the likeliest block; `None` if no curve describes it.
+    pub shape: Option<Shape>,
+}
+
+/// A missing term as a function of one variable of the model, on one branch or both.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Where it acts.
+    pub block: EffectBlock,
+    /// Name of the variable, with its unit.
+    pub variable: &'static str,
+    /// Name of the value, with its unit.
+    pub value: String,
+    /// Share of the remainder that it describes.
+    pub share: f64,
+    /// The curves: on heating, then on cooling.
+    pub curves: Vec<Curve>,
+}
+
+/// A curve with a simultaneous 95 % band.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Branch.
+    pub heating: bool,
+    /// Variable, value, and half of the width of the band: a row a knot.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// What the recordings say of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// The effect.
+    pub effect: EffectId,
+    /// What they say.
+    pub status: Status,
+    /// Its score at the plain model, standard deviations; `None` if it cannot be computed.
+    pub t: Option<f64>,
+    /// Share of its trace's square that refitting the plain model hides.
+    pub absorption: Option<f64>,
+    /// Smallest size that these recordings would have shown in 95 % of cases, in the unit of the size.
+    pub minimum_detectable: Option<f64>,
+    /// Unit of the size.
+    pub unit: &'static str,
+}
+
+/// What recordings say of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Status {
+    /// It is there.
+    Detected,
+    /// It may be there under another name: see `could_also_be`.
+    Ambiguous,
+    /// It is at most this large, in the unit of its size.
+    Excluded {
+        /// Upper end of the size's 95 % interval; of a two-sided size, in magnitude.
+        upper: f64,
+    },
+    /// Even the largest plausible size would not show.
+    NotTestable,
+    /// It cannot be computed, because this is not known of the rig.
+    Unknown {
+        /// What is missing.
+        need: Need,
+    },
+}
+
+impl Status {
+    /// Name in files and reports.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Status::Detected => "detected",
+            Status::Ambiguous => "ambiguous",
+            Status::Excluded { .. } => "excluded",
+            Status::NotTestable | Status::Unknown { .. } => "not_testable",
+        }
+    }
+}
+
+/// A run, or a sensor, that would tell the remaining explanations apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NextExperiment {
+    /// The explanations that it separates.
+    pub separates: Vec<EffectId>,
+    /// What to do, for people.
+    pub sentence: String,
+    /// The run; `None` if only another sensor helps.
+    pub run: Option<Run>,
+}
+
+/// A drive to be played.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Name of its kind.
+    pub name: String,
+    /// Time between samples, s.
+    pub dt_s: f64,
+    /// The drive, in its unit; a value a sample.
+    pub drive: Vec<f64>,
+    /// How far apart the explanations would lie, standard deviations, after each has been refitted.
+    pub separation: f64,
+    /// How far apart they would lie in a repetition of the training.
+    pub separation_now: f64,
+    /// Samples in which the explanations differ most, as a range.
+    pub decisive: Range<usize>,
+}
+
+impl Run {
+    /// How long it takes, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.dt_s * self.drive.len() as f64
+    }
+}

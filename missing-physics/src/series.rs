@@ -1,0 +1,165 @@
+//! Series over all recordings: the outputs one after the other, then the recorded temperatures.
+
+use std::ops::Range;
+
+use identify::{ForwardModel, IdentifyError, ResidualNoise};
+use recording::Recording;
+
+/// What a segment is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Channel {
+    Output,
+    Temperature,
+}
+
+/// The part of a series that one channel of one recording fills: none is continued by the next.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Segment {
+    pub(crate) recording: usize,
+    pub(crate) channel: Channel,
+    pub(crate) range: Range<usize>,
+}
+
+/// What stands where in a series.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Layout {
+    pub(crate) segments: Vec<Segment>,
+    /// Factor that brings temperatures to the scale of the output, (output unit)/K.
+    pub(crate) per_k: f64,
+}
+
+impl Layout {
+    pub(crate) fn of(training: &[Recording], per_k: f64) -> Self {
+        let outputs = (0..training.len()).map(|r| (r, Channel::Output));
+        let temperatures = (0..training.len())
+            .filter(|&r| training[r].temperature_degc().is_some())
+            .map(|r| (r, Channel::Temperature));
+        let mut start = 0;
+        let segments = outputs
+            .chain(temperatures)
+            .map(|(recording, channel)| {
+                let range = start..start + training[recording].len();
+                start = range.end;
+                Segment {
+                    recording,
+                    channel,
+                    range,
+                }
+            })
+            .collect();
+        Self { segments, per_k }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.segments.last().map_or(0, |last| last.range.end)
+    }
+
+    /// Number of samples of the output.
+    pub(crate) fn n_outputs(&self) -> usize {
+        self.of_channel(Channel::Output)
+            .map(|one| one.range.len())
+            .sum()
+    }
+
+    pub(crate) fn of_channel(&self, channel: Channel) -> impl Iterator<Item = &Segment> {
+        self.segments
+            .iter()
+            .filter(move |one| one.channel == channel)
+    }
+
+    /// What was recorded.
+    pub(crate) fn recorded(&self, training: &[Recording]) -> Vec<f64> {
+        let mut series = Vec::with_capacity(self.len());
+        for segment in &self.segments {
+            let recording = &training[segment.recording];
+            match segment.channel {
+                Channel::Output => series.extend_from_slice(recording.output()),
+                Channel::Temperature => {
+                    let recorded = recording.temperature_degc().unwrap_or(&[]);
+                    series.extend(recorded.iter().map(|degc| self.per_k * degc));
+                }
+            }
+        }
+        series
+    }
+
+    /// Series of a model, one a point; `points(r)` are those of recording r.
+    pub(crate) fn shown<M: ForwardModel>(
+        &self,
+        model: &M,
+        training: &[Recording],
+        points: impl Fn(usize) -> Vec<Vec<f64>>,
+    ) -> Result<Vec<Vec<f64>>, IdentifyError> {
+        /// Points that a model takes at once.
+        const BATCH: usize = 32;
+        let mut series: Vec<Vec<f64>> = Vec::new();
+        for (r, recording) in training.iter().enumerate() {
+            let own = |channel| {
+                let mut segments = self.segments.iter();
+                let found = segments.find(|one| one.recording == r && one.channel == channel);
+                found.map(|segment| segment.range.start)
+            };
+            let (output, temperature) = (own(Channel::Output), own(Channel::Temperature));
+            let points = points(r);
+            series.resize_with(points.len(), || vec![0.0; self.len()]);
+            for (batch, series) in points.chunks(BATCH).zip(series.chunks_mut(BATCH)) {
+                model.simulate(batch, recording, &mut |block| {
+                    let rows = block.displacement.chunks_exact(block.stride);
+                    let shown = block.temperature_degc.chunks_exact(block.stride);
+                    for (row, (rows, shown)) in rows.zip(shown).enumerate() {
+                        let k = block.first_sample + row;
+                        for (lane, series) in series.iter_mut().enumerate() {
+                            if let Some(start) = output {
+                                series[start + k] = rows[lane];
+                            }
+                            if let Some(start) = temperature {
+                                series[start + k] = self.per_k * shown[lane];
+                            }
+                        }
+                    }
+                })?;
+            }
+        }
+        Ok(series)
+    }
+
+    /// The noise of each channel, as autoregressive models of a residual.
+    pub(crate) fn noise(&self, residual: &[f64]) -> Noise {
+        let of = |channel| {
+            let segments: Vec<&[f64]> = self
+                .of_channel(channel)
+                .map(|one| &residual[one.range.clone()])
+                .collect();
+            ResidualNoise::of(&segments)
+        };
+        Noise {
+            output: of(Channel::Output),
+            temperature: of(Channel::Temperature),
+        }
+    }
+}
+
+/// Noise of the two channels.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Noise {
+    pub(crate) output: ResidualNoise,
+    pub(crate) temperature: ResidualNoise,
+}
+
+impl Noise {
+    pub(crate) fn of(&self, channel: Channel) -> &ResidualNoise {
+        match channel {
+            Channel::Output => &self.output,
+            Channel::Temperature => &self.temperature,
+        }
+    }
+
+    /// Logarithm of the likelihood of a residual that this is the noise of, but for a constant of the data.
+    pub(crate) fn nats(&self) -> f64 {
+        [&self.output, &self.temperature]
+            .into_iter()
+            .filter(|noise| noise.n_samples > 0 && noise.innovation_variance > 0.0)
+            .map(|noise| -0.5 * noise.n_samples as f64 * noise.innovation_variance.ln())
+            .sum()
+    }
+}
