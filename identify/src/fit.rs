@@ -34,7 +34,7 @@ pub struct FitConfig {
     /// Moves of each swarm.
     pub swarm_iterations: u64,
     /// Independent starts: a swarm and a least-squares search each. That several agree is the
-    /// evidence that the minimum is the lowest.
+    /// evidence that the minimum is the lowest. At least one is made, unless `from` gives some.
     pub starts: u64,
     /// Least-squares search from the best point of each swarm.
     pub least_squares: LeastSquaresConfig,
@@ -42,9 +42,9 @@ pub struct FitConfig {
     pub loss: Loss,
     /// Seed; start k takes stream k of it.
     pub seed: u64,
-    /// Coordinates of an earlier result, from [`SavedModel::coordinates`](crate::SavedModel::coordinates):
-    /// a least-squares search from there is one more start.
-    pub from: Option<Vec<f64>>,
+    /// Coordinates of earlier results, from [`SavedModel::coordinates`](crate::SavedModel::coordinates) say:
+    /// a least-squares search from each is one more start.
+    pub from: Vec<Vec<f64>>,
 }
 
 impl FitConfig {
@@ -78,7 +78,7 @@ impl Default for FitConfig {
             least_squares: LeastSquaresConfig::default(),
             loss: Loss::Squares,
             seed: 1,
-            from: None,
+            from: Vec::new(),
         }
     }
 }
@@ -126,7 +126,7 @@ pub fn fit<M: ForwardModel>(
     problem.weigh_temperature(equal_spreads(&problem, training));
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
-    if let Some(from) = &config.from {
+    for from in &config.from {
         if from.len() != problem.vector().len() {
             return Err(IdentifyError::StartLength {
                 found: from.len(),
@@ -135,8 +135,9 @@ pub fn fit<M: ForwardModel>(
         }
         search.descend(&problem, from, config)?;
     }
-    let of = config.starts.max(1) + search.ends.len() as u64;
-    for start in 0..config.starts.max(1) {
+    let swarms = config.starts.max(u64::from(search.ends.is_empty()));
+    let of = swarms + search.ends.len() as u64;
+    for start in 0..swarms {
         let point = swarm_start(&problem, config, start, &mut search)?;
         search.descend(&problem, &point, config)?;
         let so_far = FitProgress {

@@ -18,12 +18,14 @@ mod predict;
 mod problem;
 mod refine;
 mod residual_noise;
+mod resistance_change;
 mod rig_model;
 mod rod;
 mod sadeghi_model;
 mod saved_model;
 mod source;
 mod specific_heat;
+mod static_effects;
 mod uncertainty;
 mod validate;
 mod wiener_model;
@@ -46,6 +48,9 @@ pub use rod::{Limits, Load, ModelEntry, Rod};
 pub use sadeghi_model::SadeghiModel;
 pub use saved_model::{
     Identification, InputFile, Provenance, Role, SavedModel, SavedRecording, Scores,
+};
+pub use static_effects::{
+    Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
 pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::WienerModel;

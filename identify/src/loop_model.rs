@@ -17,12 +17,18 @@ const COUPLINGS_K_PER_MPA: Bounds = Bounds {
     upper: 1.0,
 };
 
+/// Changes of the stroke that are searched, 1/MPa.
+const GAINS_PER_MPA: Bounds = Bounds {
+    lower: -0.01,
+    upper: 0.01,
+};
+
 const PA_PER_MPA: f64 = 1e6;
 
 /// A static loop: input → hysteresis → output, eqs 4-12.
 ///
 /// ```text
-/// y = gain ξ(u) + offset,   with a stress   y = gain ξ(u - k (σ - σ_ref)) + offset
+/// y = gain ξ(u) + offset,   with a stress   y = gain (1 + g Δσ) ξ(u - k Δσ) + offset
 /// ```
 ///
 /// The input u is the temperature of the rod, or any other that the loop may have (a stress, the voltage of a
@@ -44,6 +50,7 @@ const OFFSET: usize = 5;
 const START_SHARE: usize = 6;
 const COUPLING: usize = 7;
 const REFERENCE: usize = 8;
+const GROWTH: usize = 9;
 
 impl LoopModel {
     /// The loop of static recordings, with bounds wide enough for them.
@@ -73,7 +80,7 @@ impl LoopModel {
     /// The same loop with a center that rises with the recorded stress, by `stress_coupling_k_per_mpa` from where
     /// it is at the mean stress of the training (Clausius–Clapeyron; the reciprocal is the coefficient C, MPa/K).
     ///
-    /// The shift acts sample by sample. That a stress also changes the stroke is left out: the gain stays shared.
+    /// Shift and stroke follow the stress sample by sample; the stroke changes by `stress_gain_per_mpa` of the gain.
     ///
     /// # Errors
     ///
@@ -89,7 +96,7 @@ impl LoopModel {
         self.parameters.truncate(COUPLING);
         self.parameters.extend([
             ParameterInfo::searched(
-                "stress_coupling_k_per_mpa",
+                Self::STRESS_EFFECTS[0],
                 &per_mpa,
                 Scale::Linear,
                 COUPLINGS_K_PER_MPA,
@@ -103,8 +110,26 @@ impl LoopModel {
                     Bounds::NONE,
                 )
             },
+            ParameterInfo::searched(
+                Self::STRESS_EFFECTS[1],
+                "1/MPa",
+                Scale::Linear,
+                GAINS_PER_MPA,
+            ),
         ]);
         Ok(self)
+    }
+
+    /// The parameters that say how a stress acts: what is 0 without stress coupling first.
+    pub(crate) const STRESS_EFFECTS: [&'static str; 2] =
+        ["stress_coupling_k_per_mpa", "stress_gain_per_mpa"];
+
+    /// The same with a center that the stress does not move.
+    pub(crate) fn without_shift(mut self) -> Self {
+        if let Some(coupling) = self.parameters.get_mut(COUPLING) {
+            coupling.state = ParameterState::Fixed(0.0);
+        }
+        self
     }
 
     /// The transformed fraction at every sample of a recording, at a point of this model.
@@ -174,6 +199,7 @@ impl ForwardModel for LoopModel {
                 start: input[0],
                 share: point[START_SHARE],
                 coupling_k_per_mpa: point.get(COUPLING).copied().unwrap_or(0.0),
+                gain_per_mpa: point.get(GROWTH).copied().unwrap_or(0.0),
                 start_load_mpa: loads.first().copied().unwrap_or(0.0),
             })
             .collect();
@@ -248,6 +274,8 @@ struct LoopMember {
     share: f64,
     /// Shift of the loop with the stress.
     coupling_k_per_mpa: f64,
+    /// Change of the stroke with the stress.
+    gain_per_mpa: f64,
     /// First stress from its reference.
     start_load_mpa: f64,
 }
@@ -260,11 +288,13 @@ struct StaticLoop<const L: usize> {
     gain: [f64; L],
     offset: [f64; L],
     coupling_k_per_mpa: [f64; L],
+    gain_per_mpa: [f64; L],
 }
 
 #[derive(Debug, Clone)]
 struct LoopState<const L: usize> {
     input: [f64; L],
+    load_mpa: f64,
     fraction: [f64; L],
     memory: Memory<L>,
 }
@@ -284,6 +314,7 @@ impl Fleet for Loops {
             gain: members.map(|member| member.gain),
             offset: members.map(|member| member.offset),
             coupling_k_per_mpa: members.map(|member| member.coupling_k_per_mpa),
+            gain_per_mpa: members.map(|member| member.gain_per_mpa),
         };
         let share = members.map(|member| member.share);
         // All members run over one recording.
@@ -299,6 +330,7 @@ impl<const L: usize> StaticLoop<L> {
         let memory = self.hysteresis.between_limiting_curves(shifted, share);
         LoopState {
             input,
+            load_mpa,
             fraction: self.hysteresis.peek(&memory, shifted).fraction,
             memory,
         }
@@ -326,7 +358,8 @@ impl<const L: usize> Plant<L> for StaticLoop<L> {
     fn output(&self, state: &LoopState<L>) -> Output<L> {
         let mut displacement = [0.0; L];
         for l in 0..L {
-            displacement[l] = self.gain[l] * state.fraction[l] + self.offset[l];
+            let stroke = self.gain[l] * (1.0 + self.gain_per_mpa[l] * state.load_mpa);
+            displacement[l] = stroke * state.fraction[l] + self.offset[l];
         }
         Output {
             displacement,
@@ -337,6 +370,7 @@ impl<const L: usize> Plant<L> for StaticLoop<L> {
     #[inline(always)]
     fn step(&self, state: &mut LoopState<L>, input: &Input<L>, _dt_s: f64) {
         state.input = input.drive;
+        state.load_mpa = input.ambient_degc;
         let shifted = self.shifted(input.drive, input.ambient_degc);
         state.fraction = self.hysteresis.commit(&mut state.memory, shifted);
     }

@@ -111,21 +111,21 @@ fn channel(channel: Channel) -> usize {
 }
 
 /// Recursive filter 1/(1 - Σ a_i z⁻ⁱ) over several columns at once.
-struct Filter {
+pub(crate) struct Filter {
     coefficients: Vec<f64>,
     /// The last outputs, newest first; one more than the order.
     history: Vec<Vec<f64>>,
 }
 
 impl Filter {
-    fn new(coefficients: &[f64], columns: usize) -> Self {
+    pub(crate) fn new(coefficients: &[f64], columns: usize) -> Self {
         Self {
             coefficients: coefficients.to_vec(),
             history: vec![vec![0.0; columns]; coefficients.len() + 1],
         }
     }
 
-    fn push(&mut self, input: impl Fn(usize) -> f64) {
+    pub(crate) fn push(&mut self, input: impl Fn(usize) -> f64) {
         self.history.rotate_right(1);
         for k in 0..self.history[0].len() {
             let recalled: f64 = self
@@ -138,7 +138,7 @@ impl Filter {
         }
     }
 
-    fn latest(&self, column: usize) -> f64 {
+    pub(crate) fn latest(&self, column: usize) -> f64 {
         self.history[0][column]
     }
 }
@@ -212,7 +212,7 @@ fn taken_by_fit(covariance: &Mat<f64>, inverse: &Inverse, noise: &ResidualNoise)
 
 /// 97.5 % quantile of Student's distribution: two terms of its expansion in 1/ν around that of the
 /// normal distribution, 1.96; ν ≥ 1. Within 1 % for ν ≥ 5.
-fn student_95(freedom: f64) -> f64 {
+pub(crate) fn student_95(freedom: f64) -> f64 {
     const Z: f64 = 1.959_963_984_540_054;
     let (cube, fifth) = (Z.powi(3), Z.powi(5));
     Z + (cube + Z) / (4.0 * freedom)

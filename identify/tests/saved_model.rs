@@ -126,7 +126,7 @@ fn a_saved_model_is_a_start() {
     let config = FitConfig {
         swarm_iterations: 1,
         starts: 1,
-        from: Some(from),
+        from: vec![from],
         ..FitConfig::default()
     };
     let again = fitted(&model, &training, &config);
@@ -145,7 +145,7 @@ fn a_saved_model_is_a_start() {
         format!("rod.toml: a model of {names}; this rig has {names}, lambda_k_per_a2")
     );
     let wrong = FitConfig {
-        from: Some(vec![0.0; 3]),
+        from: vec![vec![0.0; 3]],
         ..FitConfig::default()
     };
     let refused = fit_error(&model, &training, &wrong);

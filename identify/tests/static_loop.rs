@@ -9,7 +9,7 @@
 use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, LoopModel, Rod, fit};
-use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingParts, read_csv};
+use recording::{Quantity, Recording, RecordingParts, read_csv};
 use wiener::hysteresis::{Branch, Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
 
 fn fitted(rod: &Rod, rule: Rule, training: &[Recording]) -> Fit {
@@ -52,23 +52,10 @@ fn static_loop_of_a_wire_under_constant_load() {
         return;
     };
     // The way up and the way down stand side by side in the file: temperature and displacement of each.
-    let way = |temperature, displacement| {
-        let options = ReadOptions {
-            columns: Columns {
-                drive: Some(ColumnSpec::number(temperature).in_unit("degc")),
-                output: Some(ColumnSpec::number(displacement).in_unit("mm")),
-                ..Columns::default()
-            },
-            ..ReadOptions::new(Quantity::Temperature)
-        };
-        read_csv(&path, &options).unwrap()
-    };
-    let (up, down) = (way(5, 4), way(10, 9));
-    let training = [static_recording(
-        [up.drive(), down.drive()].concat(),
-        [up.output(), down.output()].concat(),
-    )];
-    let rod = Rod::parse("rod.toml", STATIC).unwrap();
+    let columns = "[columns]\ndrive = { number = 5, unit = \"degc\" }\noutput = { number = 4, unit = \"mm\" }\n\
+                   [columns.then]\ndrive = { number = 10, unit = \"degc\" }\noutput = { number = 9, unit = \"mm\" }\n";
+    let rod = Rod::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap();
+    let training = [read_csv(&path, &rod.read_options()).unwrap()];
     let fit = fitted(&rod, Rule::LastReversal, &training);
     assert!(fit.converged());
     // 3.344 % of the range.

@@ -2,7 +2,7 @@
 
 use identify::{
     Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig,
-    WienerModel, refine,
+    Refined, WienerModel, refine,
 };
 use recording::Recording;
 
@@ -11,6 +11,9 @@ use crate::{EffectId, EffectSet, ExtendedModel, Need, Role, Setting};
 
 /// Iterations of a refinement that is only to be compared with others.
 const ITERATIONS: usize = 40;
+
+/// Iterations of a search that only says whether it is worth going on.
+const SHORT: usize = 8;
 
 /// A fitted baseline and what it was fitted to.
 #[derive(Debug)]
@@ -90,21 +93,39 @@ impl<'a> Case<'a> {
         starts: &[Vec<f64>],
     ) -> Result<Node, IdentifyError> {
         let model = self.model(effects);
-        let config = RefineConfig {
-            least_squares: LeastSquaresConfig {
-                iterations: ITERATIONS,
-                relative_offset: 1e-4,
-            },
-            weights: None,
-            temperature_weight: self.layout.per_k.powi(2),
-        };
-        let refined = refine(&model, self.training, starts, &config)?;
+        let refined = self.searched(&model, starts, ITERATIONS)?;
         self.node(
             model,
             refined.coordinates,
             refined.points,
             refined.simulations,
         )
+    }
+
+    /// The end of a short search of the model with these effects.
+    pub(crate) fn approached(
+        &self,
+        effects: EffectSet,
+        start: &[f64],
+    ) -> Result<Refined, IdentifyError> {
+        self.searched(&self.model(effects), &[start.to_vec()], SHORT)
+    }
+
+    fn searched(
+        &self,
+        model: &ExtendedModel,
+        starts: &[Vec<f64>],
+        iterations: usize,
+    ) -> Result<Refined, IdentifyError> {
+        let config = RefineConfig {
+            least_squares: LeastSquaresConfig {
+                iterations,
+                relative_offset: 1e-4,
+            },
+            weights: None,
+            temperature_weight: self.layout.per_k.powi(2),
+        };
+        refine(model, self.training, starts, &config)
     }
 
     pub(crate) fn node(

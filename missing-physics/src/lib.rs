@@ -1,37 +1,59 @@
 #![doc = include_str!("../README.md")]
 
 mod advance;
+mod bands;
+mod blocks;
 mod bracket;
 mod case;
+mod catalogue;
+mod cells;
+mod diagnose;
 mod diagnosis;
 mod effect;
 mod effects;
 mod elementary;
 mod error;
+mod explained;
 mod extended_model;
 mod fleet;
+mod floor;
+mod folds;
 mod heat;
 mod info;
+mod judge;
 mod knots;
 mod lag;
+mod local_terms;
+mod locate;
 mod loop_scale;
 mod part;
 mod plant;
 mod play;
 mod projection;
+mod regimes;
+mod remainder;
+mod ridge;
+mod rig;
+mod scene;
 mod scores;
 mod screening;
+mod search;
+mod sentence;
 mod series;
 mod set;
 mod setting;
 mod shown;
 mod solve;
+mod spans;
 mod start;
 mod state;
+#[cfg(test)]
+mod synthetic;
 mod tangent;
 mod values;
 mod whiten;
 
+pub use diagnose::{DiagnoseConfig, DiagnoseProgress, diagnose, diagnose_from};
 pub use diagnosis::{
     Band, Cell, Curve, Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Floor, Mismatch,
     NextExperiment, NoiseClass, Remainder, Run, Shape, Span, Stage, Status, Verdict,

@@ -32,6 +32,20 @@ impl EffectSet {
         }
     }
 
+    /// This set and one effect less.
+    #[must_use]
+    pub const fn without(self, effect: EffectId) -> Self {
+        Self {
+            bits: self.bits & !Self::of(effect).bits,
+        }
+    }
+
+    /// Number of its effects.
+    #[must_use]
+    pub const fn len(self) -> usize {
+        self.bits.count_ones() as usize
+    }
+
     pub(crate) const fn with_if(self, wanted: bool, effect: EffectId) -> Self {
         if wanted { self.with(effect) } else { self }
     }

@@ -139,13 +139,13 @@ fn a_loop_that_folds_stays_finite() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(20000) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
     /// Any combination within bounds stays finite, and the fraction within the loop.
     #[test]
     fn whatever_is_accepted_stays_finite(
         bits in 0u32..1 << 21,
-        places in proptest::collection::vec(0.0..=1.0f64, 40),
+        places in proptest::collection::vec(prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0f64], 40),
         dt_s in 0.02..1.0f64,
     ) {
         stays_finite(bits, &places, dt_s);

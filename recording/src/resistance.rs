@@ -8,11 +8,11 @@
 /// use recording::Resistance;
 ///
 /// let measured = Resistance::VoltageOverCurrent {
-///     voltage_v: vec![0.0, 0.7],
-///     current_a: vec![0.0, 0.2],
+///     voltage_v: vec![0.0, 1.5],
+///     current_a: vec![0.0, 0.5],
 /// };
 /// // Without a current nothing is known.
-/// assert_eq!(measured.ohm().collect::<Vec<_>>(), [None, Some(3.5)]);
+/// assert_eq!(measured.ohm().collect::<Vec<_>>(), [None, Some(3.0)]);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Resistance {

@@ -4,8 +4,7 @@ use std::io::{self, Read};
 
 use recording::{
     ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError, RecordingParts,
-    Resistance,
-    parse_csv, read_csv,
+    Resistance, parse_csv, read_csv,
 };
 
 fn text(result: Result<Recording, RecordingError>) -> String {
@@ -348,7 +347,11 @@ fn unequal_columns() {
         output: Some(ColumnSpec::number(3).in_unit("um")),
         ..same
     };
-    for (columns, what) in [(stressed, "stress"), (timed, "time"), (other_unit, "output")] {
+    for (columns, what) in [
+        (stressed, "stress"),
+        (timed, "time"),
+        (other_unit, "output"),
+    ] {
         assert_eq!(
             then(columns),
             format!(
@@ -473,7 +476,9 @@ fn not_finite() {
         };
         assert_eq!(
             text(Recording::new(stress)),
-            format!("run, sample 0: stress_pa = {shown}: not finite; expected a finite number in Pa")
+            format!(
+                "run, sample 0: stress_pa = {shown}: not finite; expected a finite number in Pa"
+            )
         );
         let resistance = RecordingParts {
             resistance: Some(Resistance::VoltageOverCurrent {

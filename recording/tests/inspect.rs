@@ -6,9 +6,9 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use recording::{
-    DifferenceNoise, NoiseConfig, NoiseFloor, Quantity, Recording, RecordingParts, Resistance, Side, Warning,
-    clipping, cycles, holds, inspect, noise_floor, quantization_step, repeats, resample,
-    split_by_cycles,
+    DifferenceNoise, NoiseConfig, NoiseFloor, Quantity, Recording, RecordingParts, Resistance,
+    Side, Warning, clipping, cycles, holds, inspect, noise_floor, quantization_step, repeats,
+    resample, split_by_cycles,
 };
 
 /// Normal numbers of a small generator: the sum of twelve uniform ones, less six.

@@ -7,9 +7,8 @@ use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 use recording::{
     ColumnSpec, Columns, NoiseConfig, Quantity, ReadOptions, Recording, RecordingParts, Resistance,
-    Sampling,
-    clipping, cycles, holds, inspect, noise_floor, parse_csv, quantization_step, repeats, resample,
-    split_by_cycles, write_csv,
+    Sampling, clipping, cycles, holds, inspect, noise_floor, parse_csv, quantization_step, repeats,
+    resample, split_by_cycles, write_csv,
 };
 
 /// Finite numbers of every magnitude.
@@ -72,7 +71,14 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
             prop::option::of(column()),
         )
             .prop_map(
-                |((time_s, drive_quantity, drive, output), unit, temperature, ambient, stress, ohm)| {
+                |(
+                    (time_s, drive_quantity, drive, output),
+                    unit,
+                    temperature,
+                    ambient,
+                    stress,
+                    ohm,
+                )| {
                     let is_temperature = drive_quantity == Quantity::Temperature;
                     let is_duty = drive_quantity == Quantity::Duty;
                     RecordingParts {

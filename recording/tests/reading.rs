@@ -108,7 +108,8 @@ fn columns_come_from_toml() {
 
 #[test]
 fn stress_and_resistance_are_found_by_their_names() {
-    let csv = "temperature_c,displacement_mm,stress_mpa,resistance_ohm\n20,0,50,3.5\n90,1,51.5,2.8\n";
+    let csv =
+        "temperature_c,displacement_mm,stress_mpa,resistance_ohm\n20,0,50,3.5\n90,1,51.5,2.8\n";
     let recording = read(Quantity::Temperature, csv);
     assert_eq!(recording.stress_pa(), Some([50e6, 51.5e6].as_slice()));
     assert_eq!(

@@ -135,20 +135,29 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     pub fn peek(&self, memory: &Memory<L>, temperature_degc: [f64; L]) -> Sensed<L> {
         let temperature_k = self.relative_k(temperature_degc);
         let leaves = memory.leaves_branch(&temperature_k);
+        // Two plain loops: a condition inside one keeps the lanes from being computed side by side.
+        let mut level_k = [0.0; L];
+        let mut level_slope = [0.0; L];
+        if leaves {
+            for l in 0..L {
+                let path = memory.path_towards(&self.rules(), l, temperature_k[l]);
+                level_k[l] = path.level_k(&self.proximity, l, temperature_k[l]);
+                level_slope[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
+            }
+        } else {
+            for l in 0..L {
+                let path = memory.path(l);
+                level_k[l] = path.level_k(&self.proximity, l, temperature_k[l]);
+                level_slope[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
+            }
+        }
         let mut sensed = Sensed {
             fraction: [0.0; L],
             slope_per_k: [0.0; L],
         };
         for l in 0..L {
-            let path = if leaves {
-                memory.path_towards(&self.rules(), l, temperature_k[l])
-            } else {
-                memory.path(l)
-            };
-            let level_k = path.level_k(&self.proximity, l, temperature_k[l]);
-            sensed.fraction[l] = self.limits.fraction_at(l, level_k);
-            sensed.slope_per_k[l] = self.limits.fraction_slope_at(l, level_k)
-                * path.level_slope(&self.proximity, l, temperature_k[l]);
+            sensed.fraction[l] = self.limits.fraction_at(l, level_k[l]);
+            sensed.slope_per_k[l] = self.limits.fraction_slope_at(l, level_k[l]) * level_slope[l];
         }
         sensed
     }

@@ -210,8 +210,8 @@ impl IdentifyArgs {
             Preset::Sadeghi => FitConfig::sadeghi(),
         };
         let from = match &self.from_model {
-            None => None,
-            Some(path) => Some(SavedModel::read(path)?.coordinates(model, training)?),
+            None => Vec::new(),
+            Some(path) => vec![SavedModel::read(path)?.coordinates(model, training)?],
         };
         Ok(FitConfig {
             starts: self.starts.unwrap_or(preset.starts),

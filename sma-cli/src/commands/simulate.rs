@@ -81,6 +81,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
         temperature_degc: (recording.drive_quantity() != Quantity::Temperature)
             .then_some(prediction.temperature_degc),
         ambient_degc: recording.ambient_degc().map(<[f64]>::to_vec),
+        ..RecordingParts::default()
     })?;
     say(args.quiet, &notes(&saved, &recording, met))?;
     let mut csv = Vec::new();

@@ -1,0 +1,114 @@
+//! What the recordings say of each effect, and of those that were found.
+
+use identify::IdentifyError;
+
+use crate::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
+use crate::judge::{Judged, Named};
+use crate::screening::POWER;
+use crate::search::Search;
+use crate::sentence;
+use crate::{EffectId, EffectSet, Role};
+
+/// Standard errors of half a 95 % interval.
+const HALF_95: f64 = 1.96;
+
+/// An effect of the chosen model with its numbers.
+pub(crate) fn finding(
+    named: &Named,
+    extended: Option<&ExtendedStage>,
+    _search: &Search<'_>,
+) -> Finding {
+    let info = named.effect.info();
+    let fitted = |name: &str| extended.and_then(|one| one.stage.fit.parameter(name));
+    let parameters: Vec<Estimate> = info
+        .parameters
+        .iter()
+        .map(|parameter| {
+            let fitted = fitted(parameter.name);
+            let literature = parameter.literature.filter(|literature| literature.checked);
+            Estimate {
+                name: parameter.name,
+                unit: parameter.unit,
+                value: fitted.map_or(parameter.neutral(), |fitted| fitted.values[0]),
+                ci95: fitted
+                    .and_then(|fitted| fitted.intervals[0])
+                    .map(|interval| [interval.lower, interval.upper]),
+                literature: literature.map(|literature| literature.range),
+            }
+        })
+        .collect();
+    Finding {
+        effect: named.effect,
+        could_also_be: named.others.iter().map(|(effect, _)| *effect).collect(),
+        probability: named.probability,
+        plausible: parameters.iter().all(is_plausible),
+        contribution: named.contribution,
+        sentence: sentence::finding(info, &parameters),
+        parameters,
+    }
+}
+
+/// Whether the interval of an estimate meets the literature's; magnitudes count.
+fn is_plausible(estimate: &Estimate) -> bool {
+    let Some([lower, upper]) = estimate.literature else {
+        return true;
+    };
+    let ends = estimate.ci95.unwrap_or([estimate.value; 2]);
+    let sign = estimate.value.signum();
+    let mut ends = ends.map(|end| sign * end);
+    ends.sort_by(f64::total_cmp);
+    ends[0] <= upper && ends[1] >= lower
+}
+
+/// An entry for each effect.
+pub(crate) fn catalogue(
+    search: &mut Search<'_>,
+    judged: &Judged,
+) -> Result<Vec<Entry>, IdentifyError> {
+    let plain = search.sifted(EffectSet::EMPTY)?;
+    let last = search.sifted(judged.effects)?;
+    let critical = last.found.critical;
+    let entry = |effect: EffectId| {
+        let unit = effect.info().parameters[0].unit;
+        let score = plain.found.scores.iter().find(|score| score.effect == effect);
+        let left = last.found.scores.iter().find(|score| score.effect == effect);
+        let detectable = left.or(score).map(|score| (critical + POWER) * score.errors[0]);
+        let is_other = |named: &Named| named.others.iter().any(|(other, _)| *other == effect);
+        let status = if let Some(need) = search.case.missing(effect) {
+            Status::Unknown { need }
+        } else if judged.effects.contains(effect) {
+            Status::Detected
+        } else if judged.named.iter().any(is_other) {
+            Status::Ambiguous
+        } else {
+            let largest = largest(effect);
+            match left {
+                Some(left) if (critical + POWER) * left.errors[0] <= largest => Status::Excluded {
+                    upper: left.sizes[0].max(0.0) + HALF_95 * left.errors[0],
+                },
+                _ => Status::NotTestable,
+            }
+        };
+        Entry {
+            effect,
+            status,
+            t: score.map(|score| score.whitened),
+            absorption: score.map(|score| score.absorbed),
+            minimum_detectable: detectable.filter(|size| size.is_finite()),
+            unit,
+        }
+    };
+    Ok(EffectId::ALL.into_iter().map(entry).collect())
+}
+
+/// Largest plausible size of an effect's first parameter, in magnitude.
+fn largest(effect: EffectId) -> f64 {
+    let first = effect
+        .info()
+        .parameters
+        .iter()
+        .find(|parameter| parameter.role == Role::Size);
+    first.map_or(0.0, |parameter| {
+        parameter.bounds[0].abs().max(parameter.bounds[1].abs())
+    })
+}

@@ -1,0 +1,289 @@
+//! From a rig and its recordings to a diagnosis.
+
+use std::ops::ControlFlow;
+
+use identify::{
+    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, ParameterVector, Validated, WienerModel, fit,
+    validate, validate_at,
+};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use recording::Recording;
+
+use crate::case::{Case, Node};
+use crate::catalogue::{catalogue, finding};
+use crate::diagnosis::{
+    Diagnosis, Explained, ExtendedStage, Floor, Mismatch, NoiseClass, Stage, Verdict,
+};
+use crate::explained::explained;
+use crate::floor::{Measured, measured};
+use crate::judge::{Judged, judge};
+use crate::search::Search;
+use crate::{EffectId, EffectSet, Role, Setting};
+
+/// Starts of the final refit.
+const FINAL_STARTS: usize = 16;
+
+/// Those of them that are followed to the end.
+const FOLLOWED: usize = 3;
+
+/// Settings of a diagnosis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DiagnoseConfig {
+    /// What is known of the rig beyond its baseline.
+    pub setting: Setting,
+    /// Effects that may be found.
+    pub catalogue: EffectSet,
+    /// Search of the baseline.
+    pub baseline: FitConfig,
+    /// Seed of everything that is drawn.
+    pub seed: u64,
+}
+
+impl Default for DiagnoseConfig {
+    fn default() -> Self {
+        Self {
+            setting: Setting::default(),
+            catalogue: EffectSet::all(),
+            baseline: FitConfig {
+                starts: 16,
+                ..FitConfig::default()
+            },
+            seed: 1,
+        }
+    }
+}
+
+/// How far a diagnosis is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DiagnoseProgress {
+    /// The baseline is being fitted.
+    Baseline(FitProgress),
+    /// Effects are being tried.
+    Search,
+    /// The chosen model is being refitted from many starts.
+    Refit,
+    /// The mismatch is being located.
+    Locate,
+}
+
+/// Says which physics the plain model of a rig leaves out.
+///
+/// The training recordings decide; the unseen ones are opened once, at the end.
+///
+/// # Errors
+///
+/// What [`identify::fit`] and the models refuse.
+pub fn diagnose(
+    base: &WienerModel,
+    training: &[Recording],
+    unseen: &[Recording],
+    config: &DiagnoseConfig,
+    progress: &mut dyn FnMut(DiagnoseProgress),
+) -> Result<Diagnosis, IdentifyError> {
+    let baseline_config = FitConfig {
+        seed: config.seed,
+        ..config.baseline.clone()
+    };
+    let plain = fit(base, training, &baseline_config, &mut |so_far| {
+        progress(DiagnoseProgress::Baseline(*so_far));
+        ControlFlow::Continue(())
+    })?;
+    diagnose_from(base, plain, [training, unseen], config, progress)
+}
+
+/// The same from a baseline that is fitted; `recordings` are the training and the unseen ones.
+///
+/// # Errors
+///
+/// What [`identify::fit`] and the models refuse.
+pub fn diagnose_from(
+    base: &WienerModel,
+    plain: Fit,
+    [training, unseen]: [&[Recording]; 2],
+    config: &DiagnoseConfig,
+    progress: &mut dyn FnMut(DiagnoseProgress),
+) -> Result<Diagnosis, IdentifyError> {
+    let baseline = Stage {
+        validated: unseen
+            .iter()
+            .map(|recording| validate(base, &plain, recording))
+            .collect::<Result<_, _>>()?,
+        fit: plain.clone(),
+    };
+    let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+    let noise = measured(training, tau_s);
+    if !plain.converged() {
+        return Ok(not_converged(baseline, &noise, config.seed));
+    }
+    let case = Case::new(base, &plain, training, config.setting);
+    progress(DiagnoseProgress::Search);
+    let mut search = Search::new(&case, case.baseline()?, config.catalogue, config.seed);
+    search.grow()?;
+    let judged = judge(&mut search, &noise, tau_s)?;
+    progress(DiagnoseProgress::Refit);
+    let extended = extended(&case, &search, &judged, unseen, config.seed)?;
+    progress(DiagnoseProgress::Locate);
+    let best = search.get(judged.effects).unwrap_or(search.baseline());
+    let floor = noise.floor(&case, best);
+    let mut findings: Vec<_> = judged
+        .named
+        .iter()
+        .map(|named| finding(named, extended.as_ref(), &search))
+        .collect();
+    findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
+    let is_licensed = judged.verdict != Verdict::Unexplained;
+    let explained = extended
+        .as_ref()
+        .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
+        .transpose()?;
+    let catalogue = catalogue(&mut search, &judged)?;
+    let simulations = plain.simulations
+        + search.simulations()
+        + extended.as_ref().map_or(0, |one| one.stage.fit.simulations);
+    let (findings, suspects) = if is_licensed {
+        (findings, Vec::new())
+    } else {
+        (Vec::new(), findings)
+    };
+    Ok(Diagnosis {
+        verdict: judged.verdict,
+        noise_floor: floor,
+        baseline,
+        extended,
+        explained,
+        mismatch: Mismatch::default(),
+        findings,
+        suspects,
+        remainder: None,
+        catalogue,
+        next_experiment: None,
+        simulations,
+        seed: config.seed,
+    })
+}
+
+fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Diagnosis {
+    Diagnosis {
+        verdict: Verdict::NotConverged,
+        noise_floor: Floor {
+            lower: noise.lower,
+            upper: noise.upper,
+            class: NoiseClass::Colored,
+        },
+        simulations: baseline.fit.simulations,
+        baseline,
+        extended: None,
+        explained: None,
+        mismatch: Mismatch::default(),
+        findings: Vec::new(),
+        suspects: Vec::new(),
+        remainder: None,
+        catalogue: Vec::new(),
+        next_experiment: None,
+        seed,
+    }
+}
+
+/// The chosen model, refitted from many starts and validated.
+fn extended(
+    case: &Case<'_>,
+    search: &Search<'_>,
+    judged: &Judged,
+    unseen: &[Recording],
+    seed: u64,
+) -> Result<Option<ExtendedStage>, IdentifyError> {
+    let Some(node) = search.get(judged.effects).filter(|node| !node.effects.is_empty()) else {
+        return Ok(None);
+    };
+    let from = best_starts(case, node, seed);
+    let config = FitConfig {
+        from,
+        starts: 0,
+        seed,
+        ..FitConfig::default()
+    };
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let fit = fit(&node.model, case.training, &config, go_on)?;
+    let point = without_drifts(&fit, node);
+    let validated = unseen
+        .iter()
+        .map(|recording| validate_at(&node.model, &point, recording))
+        .collect::<Result<Vec<Validated>, _>>()?;
+    Ok(Some(ExtendedStage {
+        effects: node.effects.iter().collect(),
+        model: node.model.clone(),
+        stage: Stage { fit, validated },
+    }))
+}
+
+/// A drift is of its recording: of that of the surroundings another one has the mean, which is as a loop that
+/// lies lower, and of that of the sensor's zero nothing.
+fn without_drifts(fit: &Fit, node: &Node) -> Vec<f64> {
+    let mut point = fit.point(0);
+    let mut drop = |effect: EffectId| {
+        let first = node.model.first_parameter(effect)?;
+        let knots = &mut point[first..first + effect.info().parameters.len()];
+        // Straight between knots, from 0 at the start.
+        let ends = knots.last().copied().unwrap_or(0.0);
+        let mean = (knots.iter().sum::<f64>() - 0.5 * ends) / knots.len() as f64;
+        knots.fill(0.0);
+        Some(mean)
+    };
+    drop(EffectId::SensorDrift);
+    let warmer_k = drop(EffectId::AmbientDrift).unwrap_or(0.0);
+    let infos = node.model.parameters();
+    if let Some(center) = infos.iter().position(|info| info.name == "loop_center_degc") {
+        point[center] -= warmer_k;
+    }
+    point
+}
+
+/// Where a node stands, and the ends of short searches from elsewhere that got lowest.
+fn best_starts(case: &Case<'_>, node: &Node, seed: u64) -> Vec<Vec<f64>> {
+    let vector = ParameterVector::new(node.model.parameters(), case.training.len());
+    let bounds = vector.bounds();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let starts: Vec<Vec<f64>> = (1..FINAL_STARTS)
+        .map(|_| {
+            let drawn = |low: f64, high: f64, rng: &mut ChaCha8Rng| {
+                low + (high - low) * rng.random::<f64>()
+            };
+            (0..node.coordinates.len())
+                .map(|j| {
+                    let (at, bound) = (node.coordinates[j], &bounds[j]);
+                    let moved = match node.model.slot(vector.parameter(j)) {
+                        None => {
+                            let range = bound.upper - bound.lower;
+                            at + range * drawn(-0.05, 0.05, &mut rng)
+                        }
+                        Some((effect, k)) => {
+                            let parameter = &effect.info().parameters[k];
+                            let [low, high] = parameter.bounds;
+                            match parameter.role {
+                                Role::Partner { .. } => drawn(low, high, &mut rng),
+                                Role::Size => {
+                                    let least = if low < 0.0 { -2.0 } else { 0.05 };
+                                    parameter.typical * drawn(least, 2.0, &mut rng)
+                                }
+                            }
+                        }
+                    };
+                    moved.clamp(bound.lower, bound.upper)
+                })
+                .collect()
+        })
+        .collect();
+    let mut ends: Vec<(f64, Vec<f64>)> = starts
+        .par_iter()
+        .filter_map(|start| {
+            let end = case.approached(node.effects, start).ok()?;
+            Some((end.mean_square, end.coordinates))
+        })
+        .collect();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = vec![node.coordinates.clone()];
+    best.extend(ends.into_iter().take(FOLLOWED - 1).map(|(_, end)| end));
+    best
+}

@@ -1,0 +1,329 @@
+//! Which model, which names, and which verdict.
+
+use identify::IdentifyError;
+
+use crate::case::Node;
+use crate::diagnosis::Verdict;
+use crate::floor::Measured;
+use crate::folds::{Fold, folds, held_out, mean_square};
+use crate::local_terms::{local_terms, slow_terms};
+use crate::projection::{Span, dot};
+use crate::scores::Score;
+use crate::search::Search;
+use crate::tangent::sensitivities;
+use crate::whiten::Whitener;
+use crate::{EffectId, EffectSet};
+
+/// Share of the explainable error that an effect must bring to have a name.
+const OWN_SHARE: f64 = 0.05;
+
+/// Share of the explainable error that the whole model must explain for its names to hold.
+const GATE: f64 = 0.8;
+
+/// Units of log-likelihood within which another model does as well: odds of e³, 20 to 1.
+const AS_WELL: f64 = 3.0;
+
+/// Probability of a lack of fit under noise alone, below which there is one.
+const LACK_OF_FIT: f64 = 0.01;
+
+/// Share of the explainable error below which a remainder is not worth a word.
+const SMALL_REMAINDER: f64 = 0.02;
+
+/// Cosine of two traces from which they could be one another's names.
+const ALIKE: f64 = 0.5;
+
+/// Gap between training and held-out samples, time constants.
+const GAP: f64 = 5.0;
+
+/// What the search comes to.
+#[derive(Debug, Clone)]
+pub(crate) struct Judged {
+    pub(crate) verdict: Verdict,
+    /// Effects of the chosen model.
+    pub(crate) effects: EffectSet,
+    pub(crate) named: Vec<Named>,
+    /// Share of the explainable error that the chosen model explains, held out; `None` where the baseline's
+    /// error is the noise's.
+    pub(crate) explained: Option<f64>,
+    /// What no parameter of the chosen model explains.
+    pub(crate) lack: Lack,
+}
+
+/// An effect of the chosen model.
+#[derive(Debug, Clone)]
+pub(crate) struct Named {
+    pub(crate) effect: EffectId,
+    /// Others that would do as well in its place, with their share of the probability, the likeliest first.
+    pub(crate) others: Vec<(EffectId, f64)>,
+    pub(crate) probability: f64,
+    pub(crate) contribution: f64,
+}
+
+/// What is left of a residual along local and slow terms of any shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lack {
+    /// Whitened sum of squares beyond that of noise.
+    pub(crate) beyond: f64,
+    /// Probability that noise leaves as much.
+    pub(crate) p_value: f64,
+}
+
+/// The held-out errors of models of one case.
+struct Trial {
+    folds: Vec<Fold>,
+    /// Mean square of the baseline's.
+    baseline: f64,
+    /// Standard error of it.
+    error: f64,
+    /// Variance of the noise.
+    noise: f64,
+}
+
+/// Judges the models of a search.
+pub(crate) fn judge(
+    search: &mut Search<'_>,
+    noise: &Measured,
+    tau_s: f64,
+) -> Result<Judged, IdentifyError> {
+    let trial = Trial::of(search, noise, tau_s)?;
+    let dispersion = dispersion(search, noise);
+    let mut effects = chosen(search, &trial, dispersion)?;
+    let contributions = loop {
+        let contributions = contributions(search, &trial, effects)?;
+        let weakest = contributions.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        match weakest {
+            Some(&(effect, share)) if share < OWN_SHARE => {
+                let less = search.exchanged(effects, effect, None);
+                effects = less.unwrap_or(EffectSet::EMPTY);
+            }
+            _ => break contributions,
+        }
+    };
+    let mut named = Vec::new();
+    for (effect, contribution) in contributions {
+        let (probability, others) = alternatives(search, effects, effect, dispersion)?;
+        named.push(Named {
+            effect,
+            others,
+            probability,
+            contribution,
+        });
+    }
+    let Some(best) = search.get(effects) else {
+        unreachable!("a chosen model was visited");
+    };
+    let lack = lack(search, best)?;
+    let explained = trial.explained(search, best)?;
+    let gained = 2.0 * (best.noise.nats() - search.baseline().noise.nats());
+    let by_lack = gained / (gained + lack.beyond);
+    let share = explained.filter(|_| trial.tells(search, best, noise));
+    let passes = share.unwrap_or(by_lack) >= GATE;
+    let left = 1.0 - explained.unwrap_or(by_lack).min(by_lack);
+    let is_left = lack.p_value < LACK_OF_FIT;
+    let verdict = if named.is_empty() {
+        if is_left && trial.far_off(search, search.baseline(), noise) {
+            Verdict::Unexplained
+        } else {
+            Verdict::Adequate
+        }
+    } else if !passes {
+        Verdict::Unexplained
+    } else if is_left && left > SMALL_REMAINDER && trial.far_off(search, best, noise) {
+        Verdict::ExplainedInPart
+    } else if named.iter().any(|named| !named.others.is_empty()) {
+        Verdict::Ambiguous
+    } else {
+        Verdict::Explained
+    };
+    Ok(Judged {
+        verdict,
+        effects,
+        named,
+        explained: explained.or((!effects.is_empty()).then_some(by_lack)),
+        lack,
+    })
+}
+
+/// How much less than their number the samples tell where the best model leaves more than noise.
+fn dispersion(search: &Search<'_>, noise: &Measured) -> f64 {
+    let floor = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
+    let least = search.nodes().map(Node::mean_square).fold(f64::INFINITY, f64::min);
+    if floor > 0.0 { (least / (floor * floor)).max(1.0) } else { 1.0 }
+}
+
+/// The likeliest model, or where all leave more than noise that of the lowest held-out error.
+fn chosen(
+    search: &Search<'_>,
+    trial: &Trial,
+    dispersion: f64,
+) -> Result<EffectSet, IdentifyError> {
+    /// Dispersion from which likelihoods are no longer to be believed.
+    const MISFIT: f64 = 2.0;
+    let sets: Vec<EffectSet> = search.nodes().map(|node| node.effects).collect();
+    let mut best = (f64::NEG_INFINITY, EffectSet::EMPTY);
+    for set in sets {
+        let worth = if dispersion > MISFIT {
+            let Some(node) = search.get(set) else { continue };
+            -trial.held_out(search, node)?
+        } else {
+            search.worth(set)
+        };
+        if worth > best.0 {
+            best = (worth, set);
+        }
+    }
+    Ok(best.1)
+}
+
+/// Share of the explainable error that comes back without each effect.
+fn contributions(
+    search: &mut Search<'_>,
+    trial: &Trial,
+    effects: EffectSet,
+) -> Result<Vec<(EffectId, f64)>, IdentifyError> {
+    let mut shares = Vec::new();
+    for effect in effects.iter() {
+        let Some(less) = search.exchanged(effects, effect, None) else {
+            // Nothing can be fitted without it.
+            shares.push((effect, 1.0));
+            continue;
+        };
+        let (Some(with), Some(without)) = (search.get(effects), search.get(less)) else {
+            unreachable!("both were visited");
+        };
+        let share = if trial.is_resolved() {
+            let lost = trial.held_out(search, without)? - trial.held_out(search, with)?;
+            lost / (trial.baseline - trial.noise)
+        } else {
+            let all = with.noise.nats() - search.baseline().noise.nats();
+            (with.noise.nats() - without.noise.nats()) / all
+        };
+        shares.push((effect, share));
+    }
+    Ok(shares)
+}
+
+/// Probability of an effect against those that would do as well in its place, and these.
+fn alternatives(
+    search: &mut Search<'_>,
+    effects: EffectSet,
+    effect: EffectId,
+    dispersion: f64,
+) -> Result<(f64, Vec<(EffectId, f64)>), IdentifyError> {
+    let less = effects.without(effect);
+    if search.get(less).is_none() {
+        return Ok((1.0, Vec::new()));
+    }
+    let sifted = search.sifted(less)?;
+    let own = sifted.found.scores.iter().find(|score| score.effect == effect);
+    let direction = own.map(|own| own.direction.clone()).unwrap_or_default();
+    let rivals: Vec<&Score> = sifted
+        .found
+        .scores
+        .iter()
+        .filter(|score| !effects.contains(score.effect))
+        .filter(|score| dot(&score.direction, &direction).abs() > ALIKE)
+        .collect();
+    let mut weights = Vec::new();
+    for rival in rivals {
+        if let Some(set) = search.exchanged(effects, effect, Some(rival)) {
+            let behind = search.behind(set, effects) / dispersion;
+            if behind < AS_WELL {
+                weights.push((rival.effect, (-behind).exp()));
+            }
+        }
+    }
+    let total = 1.0 + weights.iter().map(|(_, weight)| weight).sum::<f64>();
+    weights.iter_mut().for_each(|(_, weight)| *weight /= total);
+    weights.sort_by(|a, b| b.1.total_cmp(&a.1));
+    Ok((1.0 / total, weights))
+}
+
+/// How much of a node's residual lies along terms of any shape in the blocks of the cascade.
+fn lack(search: &Search<'_>, node: &Node) -> Result<Lack, IdentifyError> {
+    let case = search.case;
+    let sensitivities = sensitivities(case, node)?;
+    let whitener = Whitener::new(&case.layout, &node.noise);
+    let white = |column: &Vec<f64>| whitener.whiten(column);
+    let fitted: Vec<Vec<f64>> = sensitivities.iter().map(|one| white(&one.column)).collect();
+    let mut span = Span::of(&fitted);
+    let residual = span.outside(&white(&node.residual));
+    let own = span.dimension();
+    let terms = local_terms(case, node, &sensitivities)?;
+    for column in terms.iter().map(|term| &term.column).chain(&slow_terms(case)) {
+        span.widen(&white(column));
+    }
+    let added = &span.basis()[own..];
+    let along: f64 = added.iter().map(|one| dot(one, &residual).powi(2)).sum();
+    let degrees = added.len() as f64;
+    // What noise leaves in 95 % of cases is no lack.
+    let usual = degrees + 1.645 * (2.0 * degrees).sqrt();
+    Ok(Lack {
+        beyond: (along - usual).max(0.0),
+        p_value: chi_squared_tail(along, degrees),
+    })
+}
+
+/// Probability of a χ² above a value (Wilson and Hilferty's cube root).
+fn chi_squared_tail(value: f64, degrees: f64) -> f64 {
+    if degrees <= 0.0 {
+        return 1.0;
+    }
+    let spread = 2.0 / (9.0 * degrees);
+    let normal = ((value / degrees).cbrt() - (1.0 - spread)) / spread.sqrt();
+    0.5 * libm::erfc(normal / std::f64::consts::SQRT_2)
+}
+
+impl Trial {
+    fn of(search: &Search<'_>, noise: &Measured, tau_s: f64) -> Result<Self, IdentifyError> {
+        let mut trial = Self {
+            folds: folds(search.case, GAP * tau_s),
+            baseline: 0.0,
+            error: 0.0,
+            noise: noise.gate,
+        };
+        let baseline = search.baseline();
+        trial.baseline = trial.held_out(search, baseline)?;
+        let spread = (2.0 / baseline.noise.output.n_effective).sqrt();
+        trial.error = trial.baseline * spread;
+        Ok(trial)
+    }
+
+    /// Mean square error of a model on what it has not seen of the training.
+    fn held_out(&self, search: &Search<'_>, node: &Node) -> Result<f64, IdentifyError> {
+        let sensitivities = sensitivities(search.case, node)?;
+        let residual = held_out(node, &sensitivities, &self.folds);
+        Ok(mean_square(&residual, &self.folds))
+    }
+
+    /// Whether the baseline leaves more than noise beyond doubt.
+    fn is_resolved(&self) -> bool {
+        self.baseline - self.noise > 2.0 * self.error
+    }
+
+    /// Share of the explainable error that a model explains where it was not fitted.
+    fn explained(
+        &self,
+        search: &Search<'_>,
+        node: &Node,
+    ) -> Result<Option<f64>, IdentifyError> {
+        if !self.is_resolved() || node.effects.is_empty() {
+            return Ok(None);
+        }
+        let left = self.held_out(search, node)?;
+        Ok(Some((self.baseline - left) / (self.baseline - self.noise)))
+    }
+
+    /// Whether a model leaves more than the noise that was measured.
+    fn far_off(&self, _search: &Search<'_>, node: &Node, noise: &Measured) -> bool {
+        let highest = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
+        let spread = 1.0 + 2.0 * (2.0 / node.noise.output.n_effective).sqrt();
+        node.mean_square() > highest * highest * spread
+    }
+
+    /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more
+    /// than noise, and the model does, too.
+    fn tells(&self, search: &Search<'_>, node: &Node, noise: &Measured) -> bool {
+        self.is_resolved() && self.far_off(search, node, noise)
+    }
+}

@@ -1,0 +1,284 @@
+//! The road from the baseline to models with effects: screen, refit, and again.
+
+use std::sync::Arc;
+
+use identify::IdentifyError;
+use rayon::prelude::*;
+
+use crate::case::{Case, Node};
+use crate::scores::{Score, as_one, sizes_of};
+use crate::screening::{Sifted, sift};
+use crate::{EffectId, EffectSet, Role};
+
+/// Most effects of a model.
+const MOST_EFFECTS: usize = 5;
+
+/// Models of each number of effects that are followed further.
+const BRANCHES: usize = 3;
+
+/// Candidates that are refitted: so many by the plain score, and so many by the whitened one.
+const BY_PLAIN: usize = 6;
+const BY_WHITENED: usize = 4;
+
+/// Share of the critical score from which a candidate could matter.
+const COULD_MATTER: f64 = 0.7;
+
+/// Advantage in units of log-likelihood, parameters counted, from which a model is beyond doubt against
+/// another: odds of e⁶.
+const BEYOND_DOUBT: f64 = 6.0;
+
+/// Sizes, as shares of the typical one, between which a refit starts.
+const START: [f64; 2] = [0.05, 2.0];
+
+/// A model and what could be added to it.
+#[derive(Debug, Clone)]
+pub(crate) struct Visited {
+    pub(crate) node: Node,
+    pub(crate) sifted: Option<Arc<Sifted>>,
+}
+
+/// All models that were looked at.
+#[derive(Debug)]
+pub(crate) struct Search<'a> {
+    pub(crate) case: &'a Case<'a>,
+    /// Effects that may be found.
+    catalogue: EffectSet,
+    seed: u64,
+    visited: Vec<Visited>,
+    /// Sets of effects that lead nowhere.
+    dead: Vec<EffectSet>,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(
+        case: &'a Case<'a>,
+        baseline: Node,
+        catalogue: EffectSet,
+        seed: u64,
+    ) -> Self {
+        Self {
+            case,
+            catalogue,
+            seed,
+            visited: vec![Visited {
+                node: baseline,
+                sifted: None,
+            }],
+            dead: Vec::new(),
+        }
+    }
+
+    /// Models in the order in which they were found, the baseline first.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = &Node> {
+        self.visited.iter().map(|visited| &visited.node)
+    }
+
+    pub(crate) fn baseline(&self) -> &Node {
+        &self.visited[0].node
+    }
+
+    fn index(&self, effects: EffectSet) -> Option<usize> {
+        self.visited.iter().position(|one| one.node.effects == effects)
+    }
+
+    /// Scores at a model that was visited.
+    pub(crate) fn sifted(&mut self, effects: EffectSet) -> Result<Arc<Sifted>, IdentifyError> {
+        let Some(index) = self.index(effects) else {
+            unreachable!("only models that were visited are sifted");
+        };
+        if let Some(sifted) = &self.visited[index].sifted {
+            return Ok(Arc::clone(sifted));
+        }
+        let node = &self.visited[index].node;
+        let sifted = Arc::new(sift(self.case, node, self.catalogue, self.seed)?);
+        self.visited[index].sifted = Some(Arc::clone(&sifted));
+        Ok(sifted)
+    }
+
+    /// Goes from the baseline to models that leave nothing significant, by several roads.
+    pub(crate) fn grow(&mut self) -> Result<(), IdentifyError> {
+        let mut frontier = vec![EffectSet::EMPTY];
+        for _ in 0..MOST_EFFECTS {
+            let mut grown: Vec<EffectSet> = Vec::new();
+            for (rank, &effects) in frontier.iter().enumerate() {
+                // Where the best model leaves nothing, others are followed only if they are near.
+                let is_closed = rank > 0 && grown.is_empty();
+                if is_closed && self.behind(effects, frontier[0]) > BEYOND_DOUBT {
+                    continue;
+                }
+                for child in self.children(effects)? {
+                    if !grown.contains(&child) {
+                        grown.push(child);
+                    }
+                }
+            }
+            if grown.is_empty() {
+                break;
+            }
+            frontier = self.best_of(grown);
+        }
+        Ok(())
+    }
+
+    /// The most likely of some models, the best first, and the one of the lowest error.
+    fn best_of(&self, mut sets: Vec<EffectSet>) -> Vec<EffectSet> {
+        let error = |set: &EffectSet| self.get(*set).map_or(f64::INFINITY, Node::mean_square);
+        let lowest = sets.iter().copied().min_by(|a, b| error(a).total_cmp(&error(b)));
+        sets.sort_by(|&a, &b| self.worth(b).total_cmp(&self.worth(a)));
+        let mut best: Vec<EffectSet> = sets.into_iter().take(BRANCHES).collect();
+        best.extend(lowest.filter(|lowest| !best.contains(lowest)));
+        best
+    }
+
+    /// The model with these effects, if it was visited.
+    pub(crate) fn get(&self, effects: EffectSet) -> Option<&Node> {
+        self.index(effects).map(|index| &self.visited[index].node)
+    }
+
+    /// Log-likelihood of a model with Schwarz's price of its parameters.
+    pub(crate) fn worth(&self, effects: EffectSet) -> f64 {
+        let Some(node) = self.get(effects) else {
+            return f64::NEG_INFINITY;
+        };
+        let n = self.case.layout.len() as f64;
+        node.noise.nats() - 0.5 * node.n_free() as f64 * n.ln()
+    }
+
+    /// By how much a model is behind another, both with their parameters counted.
+    pub(crate) fn behind(&self, effects: EffectSet, ahead: EffectSet) -> f64 {
+        self.worth(ahead) - self.worth(effects)
+    }
+
+    /// Models with one effect more that are significantly better.
+    fn children(&mut self, effects: EffectSet) -> Result<Vec<EffectSet>, IdentifyError> {
+        let sifted = self.sifted(effects)?;
+        let critical = sifted.found.critical;
+        let shortlist = shortlist(&sifted.found.scores, critical);
+        let wanted: Vec<(EffectSet, &Score)> = shortlist
+            .iter()
+            .map(|&score| (effects.with(score.effect), score))
+            .filter(|(set, _)| self.index(*set).is_none() && !self.dead.contains(set))
+            .collect();
+        let Some(parent) = self.get(effects) else {
+            unreachable!("its scores were just taken");
+        };
+        let refitted: Vec<(EffectSet, Option<Node>)> = wanted
+            .par_iter()
+            .map(|&(set, score)| (set, self.refit(parent, score)))
+            .collect();
+        for (set, node) in refitted {
+            self.keep(set, node);
+        }
+        let Some(parent) = self.get(effects) else {
+            unreachable!("nothing is ever taken away");
+        };
+        let significant = |&&score: &&&Score| {
+            let set = effects.with(score.effect);
+            let child = self.get(set);
+            child.is_some_and(|child| gained(parent, child, score.effect) > critical)
+        };
+        Ok(shortlist
+            .iter()
+            .filter(significant)
+            .map(|score| effects.with(score.effect))
+            .collect())
+    }
+
+    /// Takes in a refitted model; one whose effect has vanished leads nowhere.
+    pub(crate) fn keep(&mut self, set: EffectSet, node: Option<Node>) {
+        match node {
+            Some(node) if set.iter().all(|effect| !node.has_vanished(effect)) => {
+                self.visited.push(Visited { node, sifted: None });
+            }
+            _ => self.dead.push(set),
+        }
+    }
+
+    /// The model of a node with one effect more; `None` where no start leads anywhere.
+    fn refit(&self, node: &Node, score: &Score) -> Option<Node> {
+        let effect = score.effect;
+        let parameters = effect.info().parameters;
+        let model = self.case.model(node.effects.with(effect));
+        // Where the linear view points, and from a typical size: it is blind to what bends.
+        let first: Vec<f64> = sizes_of(effect)
+            .zip(&score.sizes)
+            .map(|(k, &size)| {
+                let typical = parameters[k].typical;
+                let magnitude = size.abs().clamp(START[0] * typical, START[1] * typical);
+                magnitude.copysign(size)
+            })
+            .collect();
+        let start = |scale: f64| {
+            self.case.moved(node, &model, |other, k| {
+                let own = (other == effect).then_some(k)?;
+                match parameters[own].role {
+                    Role::Size => first.get(own).map(|size| scale * size),
+                    Role::Partner { .. } => score.partner,
+                }
+            })
+        };
+        let mut starts = vec![start(1.0)];
+        if score.partner.is_some() {
+            starts.push(start(0.3));
+        }
+        self.case.refined(node.effects.with(effect), &starts).ok()
+    }
+
+    /// The model of a node without one of its effects, or with another in its place.
+    pub(crate) fn exchanged(
+        &mut self,
+        effects: EffectSet,
+        without: EffectId,
+        with: Option<&Score>,
+    ) -> Option<EffectSet> {
+        let less = effects.without(without);
+        let set = with.map_or(less, |score| less.with(score.effect));
+        if self.dead.contains(&set) {
+            return None;
+        }
+        if self.index(set).is_none() {
+            let node = match with {
+                None => {
+                    let node = self.get(effects)?;
+                    let model = self.case.model(less);
+                    let start = self.case.moved(node, &model, |_, _| None);
+                    self.case.refined(less, &[start]).ok()
+                }
+                Some(score) => self.refit(self.get(less)?, score),
+            };
+            self.keep(set, node);
+        }
+        self.index(set).map(|_| set)
+    }
+
+    /// Simulations of the whole training set so far.
+    pub(crate) fn simulations(&self) -> u64 {
+        self.nodes().map(|node| node.simulations).sum()
+    }
+}
+
+/// By how much a refit is better, as the score that a size of one degree would have.
+pub(crate) fn gained(parent: &Node, child: &Node, effect: EffectId) -> f64 {
+    let ratio = 2.0 * (child.noise.nats() - parent.noise.nats());
+    as_one(ratio.max(0.0), sizes_of(effect).count())
+}
+
+/// Candidates that could matter, the first by the plain score, and the first by the whitened one.
+fn shortlist(scores: &[Score], critical: f64) -> Vec<&Score> {
+    let first = |of: fn(&Score) -> f64, n: usize| {
+        let mut sorted: Vec<&Score> = scores
+            .iter()
+            .filter(|score| of(score) > COULD_MATTER * critical)
+            .collect();
+        sorted.sort_by(|a, b| of(b).total_cmp(&of(a)));
+        sorted.truncate(n);
+        sorted
+    };
+    let mut list = first(|score| score.plain, BY_PLAIN);
+    for score in first(|score| score.whitened, BY_WHITENED) {
+        if !list.iter().any(|other| other.effect == score.effect) {
+            list.push(score);
+        }
+    }
+    list
+}
