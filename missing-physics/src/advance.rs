@@ -2,6 +2,7 @@
 
 use crate::effect::{Acting, Before, Instant, Mapped, Moment, Trial, counted};
 use crate::heat::{Reference, ZoneHeat};
+use crate::hypothesis::OwnMemory;
 use crate::part::{Part, Stage, progress};
 use crate::plant::ExtendedPlant;
 use crate::solve::{Evaluated, Problem};
@@ -15,6 +16,8 @@ struct Leg<'a, const L: usize> {
     dt_s: f64,
     /// Temperature of the surroundings in the baseline, °C.
     ambient_degc: f64,
+    /// What own hypotheses add.
+    own: Option<&'a OwnMemory<L>>,
 }
 
 impl<const L: usize> ExtendedPlant<L> {
@@ -67,6 +70,7 @@ impl<const L: usize> ExtendedPlant<L> {
             stage,
             dt_s,
             ambient_degc,
+            own: state.own.as_deref(),
         };
         let residual_k = match &mut state.ends {
             None => self.advance_zones([&self.middle], [&mut state.middle], &leg),
@@ -91,9 +95,17 @@ impl<const L: usize> ExtendedPlant<L> {
         let mut reference = [Reference::ZERO; Z];
         let mut before = [Before::ZERO; Z];
         let mut share = [[0.0; L]; Z];
+        let mut own_shift_k = [[0.0; L]; Z];
         for z in 0..Z {
             reference[z] = heat[z].reference(zones[z], leg.stage, leg.dt_s, leg.ambient_degc);
             share[z] = zones[z].transformed;
+            if let Some(own) = leg.own {
+                own_shift_k[z] = own.shift_k[z];
+                for l in 0..L {
+                    let sensitivity = reference[z].sensitivity_k_m_per_w[l];
+                    reference[z].end_degc[l] += sensitivity * own.flow_w_per_m[z][l];
+                }
+            }
         }
         let mean = self.mean(&share);
         for z in 0..Z {
@@ -111,6 +123,7 @@ impl<const L: usize> ExtendedPlant<L> {
                 acting: &leg.stage.acting,
                 before: &before,
                 reference: &reference,
+                own_shift_k: &own_shift_k,
             };
             self.solve(&problem, &zones, &mut driving, &mut slope);
         }
@@ -127,6 +140,7 @@ impl<const L: usize> ExtendedPlant<L> {
                 acting: &leg.stage.acting,
                 before: &before,
                 reference: &reference,
+                own_shift_k: &own_shift_k,
             };
             let mut at = Evaluated::ZERO;
             self.evaluate(&problem, &zones, [&driving, &share, &slope], &mut at);

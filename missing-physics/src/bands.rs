@@ -19,7 +19,7 @@ pub(crate) fn bands(located: &Located<'_>, scene: &Scene) -> Vec<Band> {
     if edges_hz.is_empty() {
         return Vec::new();
     }
-    let mut energies = vec![0.0; N_BANDS];
+    let mut energies = [0.0; N_BANDS];
     for passage in &scene.passages {
         let power = periodogram(&located.node.residual[passage.range.clone()]);
         let dt_s = median_dt_s(passage);
@@ -35,7 +35,7 @@ pub(crate) fn bands(located: &Located<'_>, scene: &Scene) -> Vec<Band> {
             energies[band] += twice * (power[k] - per * shape[k]);
         }
     }
-    let positive = energies.iter().map(|energy| energy.max(0.0));
+    let positive = energies.iter().map(|energy: &f64| energy.max(0.0));
     let whole: f64 = positive.clone().sum();
     let share = |energy: f64| if whole > 0.0 { energy / whole } else { 0.0 };
     positive

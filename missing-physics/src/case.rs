@@ -1,16 +1,23 @@
 //! One rig with its recordings, and models of it with ever other effects.
 
+use std::ops::Range;
+
 use identify::{
     Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig,
     Refined, WienerModel, refine,
 };
+use rayon::prelude::*;
 use recording::Recording;
 
+use crate::projection::dot;
 use crate::series::{Channel, Layout, Noise};
 use crate::{EffectId, EffectSet, ExtendedModel, Need, Role, Setting};
 
 /// Iterations of a refinement that is only to be compared with others.
-const ITERATIONS: usize = 40;
+const ITERATIONS: usize = 12;
+
+/// Iterations until a refinement has its end.
+const TO_THE_END: usize = 60;
 
 /// Iterations of a search that only says whether it is worth going on.
 const SHORT: usize = 8;
@@ -102,6 +109,49 @@ impl<'a> Case<'a> {
         )
     }
 
+    /// A node at the end of its search, which so far was short.
+    pub(crate) fn finished(&self, node: &Node) -> Result<Node, IdentifyError> {
+        let starts = std::slice::from_ref(&node.coordinates);
+        let refined = self.searched(&node.model, starts, TO_THE_END)?;
+        self.node(
+            node.model.clone(),
+            refined.coordinates,
+            refined.points,
+            node.simulations + refined.simulations,
+        )
+    }
+
+    /// Mean square error of a node on parts of the training, each of some ranges of a series, when it is refitted
+    /// to the rest from where it stands.
+    pub(crate) fn refitted_without(
+        &self,
+        node: &Node,
+        parts: &[Vec<Range<usize>>],
+    ) -> Result<f64, IdentifyError> {
+        let errors = parts
+            .par_iter()
+            .map(|part| {
+                let is_left_out = |k: usize| part.iter().any(|range| range.contains(&k));
+                let weights = (0..self.training.len()).map(|r| {
+                    let place = self.layout.segments[r].range.clone();
+                    place.map(|k| f64::from(u8::from(!is_left_out(k)))).collect()
+                });
+                let config = RefineConfig {
+                    weights: Some(weights.collect()),
+                    ..self.config(SHORT)
+                };
+                let starts = std::slice::from_ref(&node.coordinates);
+                let refined = refine(&node.model, self.training, starts, &config)?;
+                let moved =
+                    self.node(node.model.clone(), refined.coordinates, refined.points, 0)?;
+                let residuals = part.iter().map(|range| &moved.residual[range.clone()]);
+                Ok(residuals.map(|residual| dot(residual, residual)).sum::<f64>())
+            })
+            .collect::<Result<Vec<f64>, IdentifyError>>()?;
+        let n: usize = parts.iter().flatten().map(ExactSizeIterator::len).sum();
+        Ok(errors.iter().sum::<f64>() / n.max(1) as f64)
+    }
+
     /// The end of a short search of the model with these effects.
     pub(crate) fn approached(
         &self,
@@ -117,15 +167,18 @@ impl<'a> Case<'a> {
         starts: &[Vec<f64>],
         iterations: usize,
     ) -> Result<Refined, IdentifyError> {
-        let config = RefineConfig {
+        refine(model, self.training, starts, &self.config(iterations))
+    }
+
+    fn config(&self, iterations: usize) -> RefineConfig {
+        RefineConfig {
             least_squares: LeastSquaresConfig {
                 iterations,
-                relative_offset: 1e-4,
+                relative_offset: 1e-3,
             },
             weights: None,
             temperature_weight: self.layout.per_k.powi(2),
-        };
-        refine(model, self.training, starts, &config)
+        }
     }
 
     pub(crate) fn node(
@@ -153,6 +206,36 @@ impl<'a> Case<'a> {
             residual,
             simulations: simulations + 1,
         })
+    }
+
+    /// Sum of squared residuals of a model at points of each recording, each about its own mean in each recording.
+    pub(crate) fn residuals(
+        &self,
+        model: &ExtendedModel,
+        points: impl Fn(usize) -> Vec<Vec<f64>>,
+    ) -> Result<Vec<f64>, IdentifyError> {
+        let shown = self.layout.shown(model, self.training, points)?;
+        Ok(shown
+            .iter()
+            .map(|shown| {
+                let sums = self.layout.segments.iter().map(|segment| {
+                    let pairs = self.recorded[segment.range.clone()]
+                        .iter()
+                        .zip(&shown[segment.range.clone()]);
+                    let (mut sum, mut squares) = (0.0, 0.0);
+                    for (recorded, shown) in pairs {
+                        sum += recorded - shown;
+                        squares += (recorded - shown).powi(2);
+                    }
+                    let mean = sum / segment.range.len() as f64;
+                    match segment.channel {
+                        Channel::Output => squares - sum * mean,
+                        Channel::Temperature => squares,
+                    }
+                });
+                sums.sum()
+            })
+            .collect())
     }
 
     /// Coordinates in the model with other effects, from where a node stands: what it has stays, what is new is

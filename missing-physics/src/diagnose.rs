@@ -14,16 +14,21 @@ use recording::Recording;
 use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
-    Diagnosis, Explained, ExtendedStage, Floor, Mismatch, NoiseClass, Stage, Verdict,
+    Diagnosis, ExtendedStage, Floor, Mismatch, NoiseClass, Remainder, Shape, Stage, Verdict,
 };
 use crate::explained::explained;
 use crate::floor::{Measured, measured};
-use crate::judge::{Judged, judge};
+use crate::judge::{Judged, Named, judge};
+use crate::locate::{Located, locate, remainder_shape};
 use crate::search::Search;
-use crate::{EffectId, EffectSet, Role, Setting};
+use crate::whiten::Whitener;
+use crate::{EffectBlock, EffectId, EffectSet, Role, Setting};
 
-/// Starts of the final refit.
-const FINAL_STARTS: usize = 16;
+/// Places from which the final refit could start.
+const PLACES: usize = 63;
+
+/// Those of them from which a short search is made.
+const SHORT_SEARCHES: usize = 15;
 
 /// Those of them that are followed to the end.
 const FOLLOWED: usize = 3;
@@ -139,6 +144,18 @@ pub fn diagnose_from(
         .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
         .transpose()?;
     let catalogue = catalogue(&mut search, &judged)?;
+    let mut mismatch = located(&mut search, EffectSet::EMPTY, noise.gate.sqrt(), config.seed)?.0;
+    if !judged.named.is_empty() {
+        mismatch.blocks = blocks_of(&judged.named);
+        mismatch.block = mismatch.blocks.first().copied();
+    }
+    let has_remainder =
+        matches!(judged.verdict, Verdict::ExplainedInPart | Verdict::Unexplained);
+    let remainder = if has_remainder {
+        remainder(&mut search, &judged, noise.gate, config.seed)?
+    } else {
+        None
+    };
     let simulations = plain.simulations
         + search.simulations()
         + extended.as_ref().map_or(0, |one| one.stage.fit.simulations);
@@ -153,15 +170,80 @@ pub fn diagnose_from(
         baseline,
         extended,
         explained,
-        mismatch: Mismatch::default(),
+        mismatch,
         findings,
         suspects,
-        remainder: None,
+        remainder,
         catalogue,
         next_experiment: None,
         simulations,
         seed: config.seed,
     })
+}
+
+/// Where a model and the recordings part, and the shape of what is missing in the likeliest block.
+fn located(
+    search: &mut Search<'_>,
+    effects: EffectSet,
+    floor: f64,
+    seed: u64,
+) -> Result<(Mismatch, Option<Shape>), IdentifyError> {
+    let sifted = search.sifted(effects)?;
+    let Some(node) = search.get(effects) else {
+        return Ok((Mismatch::default(), None));
+    };
+    let located = Located {
+        case: search.case,
+        node,
+        sensitivities: &sifted.sensitivities,
+        whitener: &Whitener::new(&search.case.layout, &node.noise),
+        floor,
+        seed,
+    };
+    let mismatch = locate(&located)?;
+    let shape = match mismatch.block {
+        Some((block, _)) => remainder_shape(&located, block)?,
+        None => None,
+    };
+    Ok((mismatch, shape))
+}
+
+/// Blocks of what was found, with the probabilities of the names: what an effect can do is known better than
+/// where a residual sits.
+fn blocks_of(named: &[Named]) -> Vec<(EffectBlock, f64)> {
+    let all: f64 = named.iter().map(|named| named.contribution.max(0.0)).sum();
+    let mut blocks: Vec<(EffectBlock, f64)> = Vec::new();
+    for named in named {
+        let weight = if all > 0.0 { named.contribution.max(0.0) / all } else { 0.0 };
+        let others = named.others.iter().copied();
+        for (effect, probability) in others.chain([(named.effect, named.probability)]) {
+            let block = effect.info().block;
+            match blocks.iter_mut().find(|(known, _)| *known == block) {
+                Some((_, sum)) => *sum += weight * probability,
+                None => blocks.push((block, weight * probability)),
+            }
+        }
+    }
+    blocks.sort_by(|a, b| b.1.total_cmp(&a.1));
+    blocks
+}
+
+/// What is left after the chosen model.
+fn remainder(
+    search: &mut Search<'_>,
+    judged: &Judged,
+    noise: f64,
+    seed: u64,
+) -> Result<Option<Remainder>, IdentifyError> {
+    let (mismatch, shape) = located(search, judged.effects, noise.sqrt(), seed)?;
+    let of = |effects| search.get(effects).map_or(0.0, Node::mean_square) - noise;
+    let (left, all) = (of(judged.effects), of(EffectSet::EMPTY));
+    Ok((left > 0.0 && all > 0.0).then(|| Remainder {
+        rms: left.sqrt(),
+        share: left / all,
+        mismatch,
+        shape,
+    }))
 }
 
 fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Diagnosis {
@@ -245,7 +327,7 @@ fn best_starts(case: &Case<'_>, node: &Node, seed: u64) -> Vec<Vec<f64>> {
     let vector = ParameterVector::new(node.model.parameters(), case.training.len());
     let bounds = vector.bounds();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let starts: Vec<Vec<f64>> = (1..FINAL_STARTS)
+    let starts: Vec<Vec<f64>> = (0..PLACES)
         .map(|_| {
             let drawn = |low: f64, high: f64, rng: &mut ChaCha8Rng| {
                 low + (high - low) * rng.random::<f64>()
@@ -275,6 +357,7 @@ fn best_starts(case: &Case<'_>, node: &Node, seed: u64) -> Vec<Vec<f64>> {
                 .collect()
         })
         .collect();
+    let starts = lowest(case, node, &vector, starts);
     let mut ends: Vec<(f64, Vec<f64>)> = starts
         .par_iter()
         .filter_map(|start| {
@@ -286,4 +369,25 @@ fn best_starts(case: &Case<'_>, node: &Node, seed: u64) -> Vec<Vec<f64>> {
     let mut best = vec![node.coordinates.clone()];
     best.extend(ends.into_iter().take(FOLLOWED - 1).map(|(_, end)| end));
     best
+}
+
+/// The places of the lowest error: as many as short searches are made.
+fn lowest(
+    case: &Case<'_>,
+    node: &Node,
+    vector: &ParameterVector,
+    starts: Vec<Vec<f64>>,
+) -> Vec<Vec<f64>> {
+    let Ok(residuals) = case.residuals(&node.model, |r| {
+        starts.iter().map(|start| vector.values(start, r)).collect()
+    }) else {
+        return starts.into_iter().take(SHORT_SEARCHES).collect();
+    };
+    let mut ranked: Vec<(f64, Vec<f64>)> = residuals.into_iter().zip(starts).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked
+        .into_iter()
+        .take(SHORT_SEARCHES)
+        .map(|(_, start)| start)
+        .collect()
 }

@@ -91,6 +91,60 @@ pub enum PhysicsError {
         /// Largest number accepted.
         largest: usize,
     },
+    /// A setting has more hypotheses than a plant can hold.
+    #[error("{count} hypotheses: must be at most {largest}")]
+    TooManyHypotheses {
+        /// Rejected number.
+        count: usize,
+        /// Largest number accepted.
+        largest: usize,
+    },
+    /// A value is given for a parameter that no hypothesis of the setting has.
+    #[error(
+        "own[{hypothesis}][{parameter}] = {value}: must be 0: the setting has no such parameter"
+    )]
+    NoOwnParameter {
+        /// Number of the hypothesis, from 0.
+        hypothesis: usize,
+        /// Number of the parameter, from 0.
+        parameter: usize,
+        /// Rejected value.
+        value: f64,
+    },
+    /// A file of hypotheses cannot be read.
+    #[error("{file}: cannot be read: {why}")]
+    Unreadable {
+        /// File.
+        file: String,
+        /// What the system says.
+        why: String,
+    },
+    /// A file of hypotheses is none: syntax, unknown key, wrong type.
+    #[error("{file}:{line}:{column}: {message}")]
+    Toml {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What the parser found and would have accepted.
+        message: String,
+    },
+    /// A value in a file of hypotheses is not accepted.
+    #[error("{file}:{line}:{column}: {key}: {accepted}")]
+    Hypothesis {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What was found: a key and its value, where it has one.
+        key: String,
+        /// What is wrong with it, or would be accepted.
+        accepted: String,
+    },
     /// No effect has this id.
     #[error("effect '{id}': unknown; known are {known}")]
     UnknownEffect {

@@ -97,6 +97,20 @@ impl<const L: usize> ZoneHeat<L> {
         unit(dt_s * self.per_tau_s[l])
     }
 
+    /// Adds to the temperature at the end of a sample what a heat flow does, W/m.
+    #[inline(always)]
+    pub(crate) fn heat(
+        &self,
+        end_degc: &mut [f64; L],
+        sample: &Sample<L>,
+        flow_w_per_m: &[f64; L],
+    ) {
+        let sensitivity_k_m_per_w = self.balance.sensitivity_k_m_per_w(sample);
+        for l in 0..L {
+            end_degc[l] += sensitivity_k_m_per_w[l] * flow_w_per_m[l];
+        }
+    }
+
     /// Adds to the temperature at the end of a sample what warmer surroundings do.
     #[inline(always)]
     pub(crate) fn warm(&self, end_degc: &mut [f64; L], sample: &Sample<L>, warmer_k: &[f64; L]) {

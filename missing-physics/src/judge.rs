@@ -1,5 +1,8 @@
 //! Which model, which names, and which verdict.
 
+use std::cell::RefCell;
+use std::ops::Range;
+
 use identify::IdentifyError;
 
 use crate::case::Node;
@@ -31,6 +34,21 @@ const SMALL_REMAINDER: f64 = 0.02;
 
 /// Cosine of two traces from which they could be one another's names.
 const ALIKE: f64 = 0.5;
+
+/// Residual over noise, squared, from which likelihoods are no longer to be believed, nor linear views.
+const MISFIT: f64 = 2.0;
+
+/// Models that are tried on held-out parts, by likelihood and by error each.
+const CANDIDATES: usize = 4;
+
+/// Rounds of exchanges.
+const ROUNDS: usize = 5;
+
+/// Squared error of a neighbor over that of the model, up to which it is tried.
+const NEAR: f64 = 1.5;
+
+/// Parts of the training that are left out in turn, each with a refit.
+const PARTS: usize = 4;
 
 /// Gap between training and held-out samples, time constants.
 const GAP: f64 = 5.0;
@@ -71,6 +89,9 @@ pub(crate) struct Lack {
 /// The held-out errors of models of one case.
 struct Trial {
     folds: Vec<Fold>,
+    /// Whether models are refitted without each part: what is far from the recordings is not linear.
+    refits: bool,
+    known: RefCell<Vec<(EffectSet, f64)>>,
     /// Mean square of the baseline's.
     baseline: f64,
     /// Standard error of it.
@@ -85,9 +106,12 @@ pub(crate) fn judge(
     noise: &Measured,
     tau_s: f64,
 ) -> Result<Judged, IdentifyError> {
-    let trial = Trial::of(search, noise, tau_s)?;
     let dispersion = dispersion(search, noise);
-    let mut effects = chosen(search, &trial, dispersion)?;
+    let trial = Trial::of(search, noise, tau_s, dispersion > MISFIT)?;
+    let mut effects = chosen(search, &trial)?;
+    if trial.refits {
+        effects = improved(search, &trial, effects)?;
+    }
     let contributions = loop {
         let contributions = contributions(search, &trial, effects)?;
         let weakest = contributions.iter().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -151,28 +175,102 @@ fn dispersion(search: &Search<'_>, noise: &Measured) -> f64 {
     if floor > 0.0 { (least / (floor * floor)).max(1.0) } else { 1.0 }
 }
 
-/// The likeliest model, or where all leave more than noise that of the lowest held-out error.
-fn chosen(
-    search: &Search<'_>,
-    trial: &Trial,
-    dispersion: f64,
-) -> Result<EffectSet, IdentifyError> {
-    /// Dispersion from which likelihoods are no longer to be believed.
-    const MISFIT: f64 = 2.0;
-    let sets: Vec<EffectSet> = search.nodes().map(|node| node.effects).collect();
-    let mut best = (f64::NEG_INFINITY, EffectSet::EMPTY);
-    for set in sets {
-        let worth = if dispersion > MISFIT {
-            let Some(node) = search.get(set) else { continue };
-            -trial.held_out(search, node)?
-        } else {
-            search.worth(set)
-        };
-        if worth > best.0 {
-            best = (worth, set);
+/// The likeliest model, or where all leave more than noise that of the lowest held-out error among the first by
+/// likelihood and by error.
+fn chosen(search: &Search<'_>, trial: &Trial) -> Result<EffectSet, IdentifyError> {
+    let mut sets: Vec<EffectSet> = search.nodes().map(|node| node.effects).collect();
+    sets.sort_by(|&a, &b| search.worth(b).total_cmp(&search.worth(a)));
+    if !trial.refits {
+        return Ok(sets[0]);
+    }
+    let mut candidates: Vec<&Node> = sets
+        .iter()
+        .take(CANDIDATES)
+        .filter_map(|&set| search.get(set))
+        .collect();
+    let mut nodes: Vec<&Node> = search.nodes().collect();
+    nodes.sort_by(|a, b| a.mean_square().total_cmp(&b.mean_square()));
+    for node in nodes.into_iter().take(CANDIDATES) {
+        if !candidates.iter().any(|other| other.effects == node.effects) {
+            candidates.push(node);
+        }
+    }
+    let mut best = (f64::INFINITY, EffectSet::EMPTY);
+    for node in candidates {
+        let error = trial.held_out(search, node)?;
+        if error < best.0 {
+            best = (error, node.effects);
         }
     }
     Ok(best.1)
+}
+
+/// The model with effects exchanged, added or left out for as long as that lowers the held-out error: roads that
+/// lead to one place differ in their order.
+fn improved(
+    search: &mut Search<'_>,
+    trial: &Trial,
+    mut effects: EffectSet,
+) -> Result<EffectSet, IdentifyError> {
+    for _ in 0..ROUNDS {
+        let mut neighbors: Vec<EffectSet> = search.children(effects)?;
+        for effect in effects.iter() {
+            neighbors.extend(search.exchanged(effects, effect, None));
+            for (rival, direction) in rivals(search, effects, effect)? {
+                if direction > ALIKE {
+                    neighbors.extend(search.exchanged(effects, effect, Some(&rival)));
+                }
+            }
+        }
+        let Some(here) = search.get(effects) else {
+            return Ok(effects);
+        };
+        let (error, allowed) = (trial.held_out(search, here)?, NEAR * here.mean_square());
+        // Those with more effects fit better; the others must not be far.
+        neighbors.retain(|&set| {
+            search.get(set).is_some_and(|node| node.mean_square() < allowed)
+        });
+        neighbors.sort_by(|&a, &b| {
+            let at = |set| search.get(set).map_or(f64::INFINITY, Node::mean_square);
+            at(a).total_cmp(&at(b))
+        });
+        neighbors.truncate(CANDIDATES);
+        search.finish(&neighbors)?;
+        let mut best = (error, effects);
+        for set in neighbors {
+            let Some(node) = search.get(set) else { continue };
+            let error = trial.held_out(search, node)?;
+            if error < best.0 {
+                best = (error, set);
+            }
+        }
+        if best.1 == effects {
+            break;
+        }
+        effects = best.1;
+    }
+    Ok(effects)
+}
+
+/// Scores of what could stand in the place of an effect, with the cosines of their traces with its own.
+fn rivals(
+    search: &mut Search<'_>,
+    effects: EffectSet,
+    effect: EffectId,
+) -> Result<Vec<(Score, f64)>, IdentifyError> {
+    let Some(less) = search.exchanged(effects, effect, None) else {
+        return Ok(Vec::new());
+    };
+    let sifted = search.sifted(less)?;
+    let own = sifted.found.scores.iter().find(|score| score.effect == effect);
+    let direction = own.map(|own| own.direction.clone()).unwrap_or_default();
+    Ok(sifted
+        .found
+        .scores
+        .iter()
+        .filter(|score| !effects.contains(score.effect))
+        .map(|score| (score.clone(), dot(&score.direction, &direction).abs()))
+        .collect())
 }
 
 /// Share of the explainable error that comes back without each effect.
@@ -210,23 +308,12 @@ fn alternatives(
     effect: EffectId,
     dispersion: f64,
 ) -> Result<(f64, Vec<(EffectId, f64)>), IdentifyError> {
-    let less = effects.without(effect);
-    if search.get(less).is_none() {
-        return Ok((1.0, Vec::new()));
-    }
-    let sifted = search.sifted(less)?;
-    let own = sifted.found.scores.iter().find(|score| score.effect == effect);
-    let direction = own.map(|own| own.direction.clone()).unwrap_or_default();
-    let rivals: Vec<&Score> = sifted
-        .found
-        .scores
-        .iter()
-        .filter(|score| !effects.contains(score.effect))
-        .filter(|score| dot(&score.direction, &direction).abs() > ALIKE)
-        .collect();
     let mut weights = Vec::new();
-    for rival in rivals {
-        if let Some(set) = search.exchanged(effects, effect, Some(rival)) {
+    for (rival, cosine) in rivals(search, effects, effect)? {
+        if cosine < ALIKE {
+            continue;
+        }
+        if let Some(set) = search.exchanged(effects, effect, Some(&rival)) {
             let behind = search.behind(set, effects) / dispersion;
             if behind < AS_WELL {
                 weights.push((rival.effect, (-behind).exp()));
@@ -275,9 +362,16 @@ fn chi_squared_tail(value: f64, degrees: f64) -> f64 {
 }
 
 impl Trial {
-    fn of(search: &Search<'_>, noise: &Measured, tau_s: f64) -> Result<Self, IdentifyError> {
+    fn of(
+        search: &Search<'_>,
+        noise: &Measured,
+        tau_s: f64,
+        refits: bool,
+    ) -> Result<Self, IdentifyError> {
         let mut trial = Self {
             folds: folds(search.case, GAP * tau_s),
+            refits,
+            known: RefCell::default(),
             baseline: 0.0,
             error: 0.0,
             noise: noise.gate,
@@ -291,9 +385,25 @@ impl Trial {
 
     /// Mean square error of a model on what it has not seen of the training.
     fn held_out(&self, search: &Search<'_>, node: &Node) -> Result<f64, IdentifyError> {
-        let sensitivities = sensitivities(search.case, node)?;
-        let residual = held_out(node, &sensitivities, &self.folds);
-        Ok(mean_square(&residual, &self.folds))
+        let known = self.known.borrow();
+        if let Some((_, error)) = known.iter().find(|(set, _)| *set == node.effects) {
+            return Ok(*error);
+        }
+        drop(known);
+        let error = if self.refits {
+            let parts: Vec<Vec<Range<usize>>> = (0..PARTS)
+                .map(|part| {
+                    let own = self.folds.iter().skip(part).step_by(PARTS);
+                    own.map(|fold| fold.scored.clone()).collect()
+                })
+                .collect();
+            search.case.refitted_without(node, &parts)?
+        } else {
+            let sensitivities = sensitivities(search.case, node)?;
+            mean_square(&held_out(node, &sensitivities, &self.folds), &self.folds)
+        };
+        self.known.borrow_mut().push((node.effects, error));
+        Ok(error)
     }
 
     /// Whether the baseline leaves more than noise beyond doubt.

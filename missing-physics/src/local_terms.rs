@@ -13,17 +13,11 @@ use identify::IdentifyError;
 use crate::EffectBlock;
 use crate::case::{Case, Node};
 use crate::projection::norm;
-use crate::scene::{Passage, Scene, rates};
+use crate::scene::{Passage, Scene};
 use crate::tangent::Sensitivity;
 
 /// Knots of a curve on each branch.
 pub(crate) const KNOTS: usize = 5;
-
-/// Lags of the drive behind itself, as shares of the time constant of the heat balance.
-const DRIVE_LAGS: [f64; 3] = [1.0 / 30.0, 1.0 / 10.0, 1.0 / 3.0];
-
-/// Time constant of a second body, over that of the rod.
-const SECOND_BODY: f64 = 5.0;
 
 /// Length of a column, relative to the longest of its block, below which it says nothing.
 const SMALLEST_TERM: f64 = 1e-6;
@@ -40,8 +34,8 @@ pub(crate) enum Variable {
     Fraction,
     /// Place in the model's stroke, 0 to 1.
     Place,
-    /// How fast something local changes, or lags behind itself.
-    Change,
+    /// Of something else: an elementary term by itself.
+    Other,
     /// Time since the recording began, as a share of it.
     Time,
 }
@@ -76,10 +70,9 @@ pub(crate) fn local_terms(
 pub(crate) fn terms_of(case: &Case<'_>, scene: &Scene) -> Vec<LocalTerm> {
     let pull = Pull { case, scene };
     let mut terms = pull.heat_curves();
-    terms.extend(pull.heat_changes());
     terms.extend(pull.shifts());
     terms.extend(pull.displacements());
-    terms.extend(pull.drive_lags());
+    terms.extend(pull.elementary());
     without_negligible(terms)
 }
 
@@ -139,14 +132,18 @@ fn half_cosine(j: usize, share: f64) -> f64 {
 }
 
 /// Pulls local terms back to the output.
-struct Pull<'a> {
-    case: &'a Case<'a>,
-    scene: &'a Scene,
+pub(crate) struct Pull<'a> {
+    pub(crate) case: &'a Case<'a>,
+    pub(crate) scene: &'a Scene,
 }
 
 impl Pull<'_> {
     /// Trace of a local term, given sample by sample.
-    fn column(&self, block: EffectBlock, term: impl Fn(&Passage, usize) -> f64) -> Vec<f64> {
+    pub(crate) fn column(
+        &self,
+        block: EffectBlock,
+        term: impl Fn(&Passage, usize) -> f64,
+    ) -> Vec<f64> {
         let mut column = vec![0.0; self.case.layout.len()];
         for passage in &self.scene.passages {
             let local: Vec<f64> = (0..passage.len()).map(|k| term(passage, k)).collect();
@@ -212,33 +209,6 @@ impl Pull<'_> {
         self.curves(EffectBlock::HeatBalance, Variable::Rise, &knots, rise)
     }
 
-    /// Heat that the rod takes up as it transforms, that follows the resistance, and that a slower body stores.
-    fn heat_changes(&self) -> Vec<LocalTerm> {
-        let block = EffectBlock::HeatBalance;
-        let passages = || self.scene.passages.iter();
-        let taken_up: Vec<Vec<f64>> = passages()
-            .map(|passage| rates(&passage.fraction, &passage.dt_s))
-            .collect();
-        let stored: Vec<Vec<f64>> = passages()
-            .map(|passage| {
-                let lag_s = SECOND_BODY * passage.tau_s;
-                lagging(passage, &passage.rise_k, lag_s, passage.rise_k[0])
-            })
-            .collect();
-        [
-            self.column(block, |passage, k| -taken_up[passage.recording][k]),
-            self.column(block, |passage, k| {
-                stored[passage.recording][k] / passage.tau_s
-            }),
-            self.column(block, |passage, k| {
-                passage.power_k_per_s[k] * passage.fraction[k]
-            }),
-        ]
-        .into_iter()
-        .map(|column| change(block, column))
-        .collect()
-    }
-
     /// Shifts of the loop as functions of the fraction.
     fn shifts(&self) -> Vec<LocalTerm> {
         let knots: Vec<f64> = evenly(0.0, 1.0);
@@ -247,53 +217,12 @@ impl Pull<'_> {
         self.curves(block, Variable::Fraction, &knots, fraction)
     }
 
-    /// Displacements as functions of the place in the stroke, of the temperature and of the speed.
+    /// Displacements as functions of the place in the stroke.
     fn displacements(&self) -> Vec<LocalTerm> {
         let block = EffectBlock::Displacement;
         let knots: Vec<f64> = evenly(0.0, 1.0);
         let place = |passage: &Passage, k: usize| self.scene.place(passage.output[k]);
-        let mut terms = self.curves(block, Variable::Place, &knots, place);
-        terms.push(LocalTerm {
-            block,
-            variable: Variable::Rise,
-            heating: None,
-            knot: 0.0,
-            column: self.column(block, |passage, k| passage.rise_k[k]),
-        });
-        // In the speed before the sample: a sensor cannot know the next one.
-        let speed = self.column(block, |passage, k| {
-            let before = k.max(1) - 1;
-            let after = before + 1;
-            (passage.output[before] - passage.output[after]) / passage.dt_s[before]
-        });
-        terms.push(change(block, speed));
-        terms
-    }
-
-    /// What a supply that lags leaves out.
-    fn drive_lags(&self) -> Vec<LocalTerm> {
-        let block = EffectBlock::Drive;
-        DRIVE_LAGS
-            .iter()
-            .map(|&share| {
-                let lags: Vec<Vec<f64>> = self
-                    .scene
-                    .passages
-                    .iter()
-                    .map(|passage| {
-                        // The drive that would have held the temperature at the start.
-                        let before = passage.rise_k[0] / passage.tau_s;
-                        let lag_s = share * passage.tau_s;
-                        lagging(passage, &passage.power_k_per_s, lag_s, before)
-                    })
-                    .collect();
-                let column = self.column(block, |passage, k| -lags[passage.recording][k]);
-                LocalTerm {
-                    knot: share,
-                    ..change(block, column)
-                }
-            })
-            .collect()
+        self.curves(block, Variable::Place, &knots, place)
     }
 
     /// Knots of the temperature: half way between equal steps and equal numbers of samples.
@@ -314,16 +243,6 @@ impl Pull<'_> {
             .enumerate()
             .map(|(j, even)| f64::midpoint(*even, rise_k[j * last / (KNOTS - 1)]))
             .collect()
-    }
-}
-
-fn change(block: EffectBlock, column: Vec<f64>) -> LocalTerm {
-    LocalTerm {
-        block,
-        variable: Variable::Change,
-        heating: None,
-        knot: 0.0,
-        column,
     }
 }
 
@@ -371,20 +290,6 @@ fn warmer_k(passage: &Passage, source_k_per_s: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Mean over each sample of a signal, held over the sample, less what follows it with a time constant.
-fn lagging(passage: &Passage, signal: &[f64], lag_s: f64, before: f64) -> Vec<f64> {
-    let mut follower = before;
-    let samples = signal.iter().zip(&passage.dt_s);
-    samples
-        .map(|(signal, dt_s)| {
-            let behind = signal - follower;
-            let gone = -libm::expm1(-dt_s / lag_s);
-            follower += behind * gone;
-            behind * gone * lag_s / dt_s
-        })
-        .collect()
-}
-
 fn without_negligible(mut terms: Vec<LocalTerm>) -> Vec<LocalTerm> {
     let longest = |block| {
         let own = terms.iter().filter(|term| term.block == block);
@@ -402,4 +307,52 @@ fn without_negligible(mut terms: Vec<LocalTerm>) -> Vec<LocalTerm> {
         own.is_some_and(|(_, least)| norm(&term.column) > *least)
     });
     terms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::projection::dot;
+    use crate::synthetic::Synthetic;
+    use crate::tangent::{sensitivities, traces};
+    use crate::{EffectId, EffectSet, EffectValues};
+
+    /// Largest cosine between the trace of a simulated effect and a term of its block.
+    fn likeness(effect: EffectId) -> f64 {
+        let rig = Synthetic::of(EffectSet::EMPTY, EffectValues::default(), 1);
+        let case = rig.case();
+        let node = case.baseline().unwrap();
+        let sensitivities = sensitivities(&case, &node).unwrap();
+        let terms = local_terms(&case, &node, &sensitivities).unwrap();
+        let own = terms
+            .iter()
+            .filter(|term| term.block == effect.info().block);
+        let secant = &traces(&case, &node, effect).unwrap()[0].secant;
+        own.map(|term| dot(secant, &term.column) / (norm(secant) * norm(&term.column)))
+            .map(f64::abs)
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn terms_are_what_effects_do_to_first_order() {
+        for effect in [
+            EffectId::DeadTime,
+            EffectId::SupplyLag,
+            EffectId::FunctionalFatigue,
+            EffectId::OutputLag,
+            EffectId::ThermalExpansion,
+        ] {
+            let likeness = likeness(effect);
+            assert!(likeness > 0.9, "{effect:?} {likeness}");
+        }
+    }
+
+    #[test]
+    fn hats_add_up_to_one() {
+        let knots = [0.0, 1.0, 2.5, 4.0, 8.0];
+        for value in [-1.0, 0.0, 0.3, 1.0, 3.9, 7.0, 9.0] {
+            let sum: f64 = (0..knots.len()).map(|j| hat(&knots, j, value)).sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{value} {sum}");
+        }
+    }
 }

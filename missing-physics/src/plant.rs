@@ -5,8 +5,11 @@ use wiener::{Drive, Input, Output, Plant, Wiener, WienerParams};
 use crate::effect::{Base, Instant, Mapped, Moment};
 use crate::effects::Effects;
 use crate::heat::ZoneHeat;
+use crate::hypothesis::{Own, Place};
 use crate::loop_scale::LoopScale;
-use crate::{EffectId, EffectSet, EffectValues, ExtendedState, Need, PhysicsError, Setting};
+use crate::{
+    EffectId, EffectSet, EffectValues, ExtendedState, Hypothesis, Need, PhysicsError, Setting,
+};
 
 /// The Wiener cascade of `L` actuators side by side, with any of the effects.
 ///
@@ -34,6 +37,7 @@ pub struct ExtendedPlant<const L: usize = 1> {
     pub(crate) gain: [f64; L],
     pub(crate) offset: [f64; L],
     pub(crate) effects: Effects<L>,
+    pub(crate) own: Own<L>,
     pub(crate) path: Path,
     pub(crate) newton_iterations: usize,
     sub_steps: usize,
@@ -59,14 +63,16 @@ pub(crate) struct Path {
 }
 
 impl Path {
-    fn of<const L: usize>(active: EffectSet) -> Self {
+    fn of<const L: usize>(active: EffectSet, own: &Own<L>) -> Self {
         Self {
-            implicit: active.meets(Effects::<L>::IMPLICIT),
+            // The solution is written with a shift of the loop, the plain step is not.
+            implicit: active.meets(Effects::<L>::IMPLICIT) | own.has(Place::Shift),
             in_parts: active.contains(EffectId::DeadTime),
             wants_middle: active.meets(Effects::<L>::WANT_MIDDLE),
             changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
             stands_in_zone: active.meets(Effects::<L>::STAND_IN_ZONE),
-            shows: active.meets(Effects::<L>::SHOW.with(EffectId::EndConduction)),
+            shows: active.meets(Effects::<L>::SHOW.with(EffectId::EndConduction))
+                | own.has(Place::Displacement),
             records: active.meets(Effects::<L>::RECORD),
         }
     }
@@ -97,6 +103,7 @@ impl<const L: usize> ExtendedPlant<L> {
         }
         for lane in values {
             lane.checked(setting.active)?;
+            Hypothesis::checked(setting.hypotheses, &lane.own)?;
         }
         let baseline = Wiener::new(setting.drive, setting.rule, params)?;
         let base = Base {
@@ -111,6 +118,7 @@ impl<const L: usize> ExtendedPlant<L> {
                 },
             ),
         };
+        let own = Own::new(setting.hypotheses, values);
         let heat = params.map(|lane| lane.heat);
         let loss_ratio = values.map(|lane| lane.end_conduction.end_loss_ratio);
         Ok(Self {
@@ -122,7 +130,8 @@ impl<const L: usize> ExtendedPlant<L> {
             gain: params.map(|lane| lane.gain),
             offset: params.map(|lane| lane.offset),
             effects: Effects::new(values, &base),
-            path: Path::of::<L>(setting.active),
+            path: Path::of(setting.active, &own),
+            own,
             newton_iterations: setting.newton_iterations,
             sub_steps: setting.sub_steps,
             start_s: setting.start_s,
@@ -143,7 +152,11 @@ impl<const L: usize> ExtendedPlant<L> {
         }
         let moment = self.moment(state.time_s, dt_s);
         let resistance_ohm_per_m = self.middle.balance.resistance_ohm_per_m();
-        let mut power_w_per_m = self.drive.power_w_per_m(input.drive, resistance_ohm_per_m);
+        let mut drive = input.drive;
+        if state.own.is_some() {
+            self.begin_own(state, &mut drive, input.ambient_degc);
+        }
+        let mut power_w_per_m = self.drive.power_w_per_m(drive, resistance_ohm_per_m);
         self.effects
             .power(&mut state.rod, &moment, &mut power_w_per_m);
         state.time_s += dt_s;
@@ -151,6 +164,9 @@ impl<const L: usize> ExtendedPlant<L> {
             self.advance_plainly(state, &moment, power_w_per_m, input.ambient_degc);
         } else {
             self.advance(state, &moment, power_w_per_m, input.ambient_degc);
+        }
+        if let Some(own) = &mut state.own {
+            own.end(&state.middle.temperature_degc);
         }
         if self.path.shows {
             state.displacement = self.show(state, &moment, Instant::End);
@@ -163,6 +179,26 @@ impl<const L: usize> ExtendedPlant<L> {
                 &mut state.recorded_degc,
             );
         }
+    }
+
+    /// Evaluates the own hypotheses at the start of a sample.
+    #[inline(never)]
+    fn begin_own(&self, state: &mut ExtendedState<L>, drive: &mut [f64; L], ambient_degc: f64) {
+        let Some(mut own) = state.own.take() else {
+            return;
+        };
+        own.note(drive, ambient_degc, &state.middle.temperature_degc);
+        let rod = self.seen_by_own(state, None);
+        self.own.drive(&own, self.drive, &rod, drive);
+        for (z, zone) in [Some(&state.middle), state.ends.as_deref()]
+            .into_iter()
+            .flatten()
+            .enumerate()
+        {
+            let seen = self.seen_by_own(state, Some(zone));
+            self.own.heat_and_shift(&mut own, z, &seen);
+        }
+        state.own = Some(own);
     }
 
     /// Coefficients for samples of another length.
@@ -207,6 +243,9 @@ impl<const L: usize> ExtendedPlant<L> {
             let mut warmer_k = [0.0; L];
             self.effects.ambient(moment, &mut warmer_k);
             heat.warm(&mut end_degc, &zone.sample, &warmer_k);
+        }
+        if let Some(own) = &state.own {
+            heat.heat(&mut end_degc, &zone.sample, &own.flow_w_per_m[0]);
         }
         let mut mapped = Mapped {
             fraction: self.hysteresis.commit(&mut zone.memory, end_degc),

@@ -13,17 +13,21 @@ use crate::{Curve, EffectBlock, Shape};
 /// Penalties of the curves' second differences, against the mean square sum of the terms.
 const PENALTIES: [f64; 9] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
 
-/// Penalty of the size beside that of the bend: what the model absorbs is not determined.
+/// Penalty of the size beside that of the bend.
 const SIZE: f64 = 1e-2;
+
+/// Share of a direction's square that the model must leave, for the curve to show it: the rest may be
+/// anything.
+const SEEN: f64 = 1e-2;
 
 /// Draws of the largest deviation of a curve.
 const DRAWS: usize = 1_000;
 
 /// What a curve must gain over nothing, nats of data that it has not seen.
-const SIGNIFICANT_NATS: f64 = 5.0;
+const SIGNIFICANT_NATS: f64 = 8.0;
 
-/// The curves of a block on heating and on cooling that describe the residual best; `None` if they predict
-/// nothing.
+/// The curves of a block on heating and on cooling that describe the residual best, without what the model
+/// itself could do; `None` if they predict nothing.
 pub(crate) fn shape(located: &Located<'_>, pulled: &Pulled, block: EffectBlock) -> Option<Shape> {
     let terms = pulled.of_block(block, |term| term.heating.is_some());
     if terms.is_empty() {
@@ -34,15 +38,19 @@ pub(crate) fn shape(located: &Located<'_>, pulled: &Pulled, block: EffectBlock) 
     let (penalty, left) = pulled
         .folded
         .best_penalty(&terms, &bends(pulled, &terms), penalties);
-    let dispersion = (left / pulled.n_samples as f64).max(1.0);
+    let dispersion = pulled.dispersion(left);
     let gain = 0.5 * (pulled.folded.square() - left) / dispersion;
-    if !(gain > SIGNIFICANT_NATS) {
+    let is_significant = gain > SIGNIFICANT_NATS;
+    if !is_significant {
         return None;
     }
     let per_length = |(coefficient, &j): (f64, &usize)| coefficient / pulled.lengths[j];
+    let visible = pulled.folded.visible(&terms, SEEN);
     let found = pulled.folded.coefficients(&terms, &penalty);
-    let sizes: Vec<f64> = found.into_iter().zip(&terms).map(per_length).collect();
-    let covariance = pulled.folded.covariance(&terms, &penalty);
+    let found = &visible * Mat::from_fn(terms.len(), 1, |i, _| found[i]);
+    let found = (0..terms.len()).map(|i| found[(i, 0)]);
+    let sizes: Vec<f64> = found.zip(&terms).map(per_length).collect();
+    let covariance = &visible * pulled.folded.covariance(&terms, &penalty) * &visible;
     let halves = band(&covariance, dispersion, located.seed);
     let halves: Vec<f64> = halves.into_iter().zip(&terms).map(per_length).collect();
     let unit = Unit::of(located, block);

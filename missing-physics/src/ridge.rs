@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use faer::Mat;
 use faer::linalg::solvers::{DenseSolveCore, Solve};
+use faer::{Mat, Side};
 
 use crate::projection::dot;
 use crate::series::{Channel, Layout};
@@ -90,6 +90,21 @@ impl Folded {
         (self.gram(columns, None) + penalty)
             .partial_piv_lu()
             .inverse()
+    }
+
+    /// Projector on the coefficients of columns, of length 1 before the model's share was taken out, of whose
+    /// squares at least a share is left.
+    pub(crate) fn visible(&self, columns: &[usize], share: f64) -> Mat<f64> {
+        let n = columns.len();
+        let Ok(eigen) = self.gram(columns, None).self_adjoint_eigen(Side::Lower) else {
+            return Mat::identity(n, n);
+        };
+        let (vectors, values) = (eigen.U(), eigen.S().column_vector());
+        let seen: Vec<usize> = (0..n).filter(|&k| values[k] >= share).collect();
+        Mat::from_fn(n, n, |i, j| {
+            let parts = seen.iter().map(|&k| vectors[(i, k)] * vectors[(j, k)]);
+            parts.sum()
+        })
     }
 
     /// The penalty among some, scaled over powers of ten, that predicts best, and the sum of squares it leaves.

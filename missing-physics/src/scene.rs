@@ -243,10 +243,7 @@ fn directions(temperature_degc: &[f64]) -> Vec<bool> {
             degc <= extreme_degc
         };
         if goes_on {
-            // Not a rest: it belongs to the branch that came before it.
-            if (degc - extreme_degc).abs() > 0.0 {
-                turned_at = k + 1;
-            }
+            turned_at = k + 1;
             extreme_degc = degc;
         } else if (degc - extreme_degc).abs() > turn_k {
             rising = !rising;

@@ -13,10 +13,11 @@ use crate::{EffectId, EffectSet, Role};
 /// Most effects of a model.
 const MOST_EFFECTS: usize = 5;
 
-/// Models of each number of effects that are followed further.
-const BRANCHES: usize = 3;
+/// Models of each number of effects that are followed further: so many by likelihood, and by error.
+const BRANCHES: usize = 2;
 
-/// Candidates that are refitted: so many by the plain score, and so many by the whitened one.
+/// Candidates that are refitted beside other effects: so many by the plain score, and so many by the whitened one.
+/// Alone, all that could matter are.
 const BY_PLAIN: usize = 6;
 const BY_WHITENED: usize = 4;
 
@@ -116,17 +117,37 @@ impl<'a> Search<'a> {
                 break;
             }
             frontier = self.best_of(grown);
+            self.finish(&frontier)?;
         }
         Ok(())
     }
 
-    /// The most likely of some models, the best first, and the one of the lowest error.
+    /// Takes searches that were cut short to their ends.
+    pub(crate) fn finish(&mut self, sets: &[EffectSet]) -> Result<(), IdentifyError> {
+        let finished = sets
+            .par_iter()
+            .filter_map(|&set| self.index(set))
+            .map(|index| Ok((index, self.case.finished(&self.visited[index].node)?)))
+            .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
+        for (index, node) in finished {
+            self.visited[index] = Visited { node, sifted: None };
+        }
+        Ok(())
+    }
+
+    /// The most likely of some models, the best first, then those of the lowest error.
     fn best_of(&self, mut sets: Vec<EffectSet>) -> Vec<EffectSet> {
         let error = |set: &EffectSet| self.get(*set).map_or(f64::INFINITY, Node::mean_square);
-        let lowest = sets.iter().copied().min_by(|a, b| error(a).total_cmp(&error(b)));
+        let mut by_error = sets.clone();
+        by_error.sort_by(|a, b| error(a).total_cmp(&error(b)));
         sets.sort_by(|&a, &b| self.worth(b).total_cmp(&self.worth(a)));
         let mut best: Vec<EffectSet> = sets.into_iter().take(BRANCHES).collect();
-        best.extend(lowest.filter(|lowest| !best.contains(lowest)));
+        let others = by_error.into_iter().take(BRANCHES);
+        for set in others {
+            if !best.contains(&set) {
+                best.push(set);
+            }
+        }
         best
     }
 
@@ -150,10 +171,11 @@ impl<'a> Search<'a> {
     }
 
     /// Models with one effect more that are significantly better.
-    fn children(&mut self, effects: EffectSet) -> Result<Vec<EffectSet>, IdentifyError> {
+    pub(crate) fn children(&mut self, effects: EffectSet) -> Result<Vec<EffectSet>, IdentifyError> {
         let sifted = self.sifted(effects)?;
         let critical = sifted.found.critical;
-        let shortlist = shortlist(&sifted.found.scores, critical);
+        let most = if effects.is_empty() { [usize::MAX; 2] } else { [BY_PLAIN, BY_WHITENED] };
+        let shortlist = shortlist(&sifted.found.scores, critical, most);
         let wanted: Vec<(EffectSet, &Score)> = shortlist
             .iter()
             .map(|&score| (effects.with(score.effect), score))
@@ -264,7 +286,7 @@ pub(crate) fn gained(parent: &Node, child: &Node, effect: EffectId) -> f64 {
 }
 
 /// Candidates that could matter, the first by the plain score, and the first by the whitened one.
-fn shortlist(scores: &[Score], critical: f64) -> Vec<&Score> {
+fn shortlist(scores: &[Score], critical: f64, most: [usize; 2]) -> Vec<&Score> {
     let first = |of: fn(&Score) -> f64, n: usize| {
         let mut sorted: Vec<&Score> = scores
             .iter()
@@ -274,8 +296,8 @@ fn shortlist(scores: &[Score], critical: f64) -> Vec<&Score> {
         sorted.truncate(n);
         sorted
     };
-    let mut list = first(|score| score.plain, BY_PLAIN);
-    for score in first(|score| score.whitened, BY_WHITENED) {
+    let mut list = first(|score| score.plain, most[0]);
+    for score in first(|score| score.whitened, most[1]) {
         if !list.iter().any(|other| other.effect == score.effect) {
             list.push(score);
         }

@@ -1,7 +1,8 @@
 use wiener::Drive;
 use wiener::hysteresis::Rule;
 
-use crate::{EffectSet, PhysicsError};
+use crate::hypothesis::MOST_HYPOTHESES;
+use crate::{EffectSet, Hypothesis, PhysicsError};
 
 /// Most sub-steps of a sample.
 const MOST_SUB_STEPS: usize = 64;
@@ -21,6 +22,8 @@ pub struct Setting {
     pub rule: Rule,
     /// The effects that may have a size.
     pub active: EffectSet,
+    /// Hypotheses of one's own, all of which may have a size; at most 4. They act in this order.
+    pub hypotheses: &'static [Hypothesis],
     /// Mass per meter of rod, kg/m; > 0. [`RodParams::mass_kg_per_m`](wiener::thermal::RodParams::mass_kg_per_m).
     pub mass_kg_per_m: Option<f64>,
     /// Surface per meter of rod, m²/m; > 0.
@@ -48,6 +51,7 @@ impl Default for Setting {
             drive: Drive::Current,
             rule: Rule::LastReversal,
             active: EffectSet::EMPTY,
+            hypotheses: &[],
             mass_kg_per_m: None,
             surface_m2_per_m: None,
             length_output: None,
@@ -89,6 +93,12 @@ impl Setting {
             return Err(PhysicsError::NotFinite {
                 name: "reference_degc",
                 value: self.reference_degc,
+            });
+        }
+        if self.hypotheses.len() > MOST_HYPOTHESES {
+            return Err(PhysicsError::TooManyHypotheses {
+                count: self.hypotheses.len(),
+                largest: MOST_HYPOTHESES,
             });
         }
         for (name, value, largest) in [

@@ -1,6 +1,7 @@
 //! From the zones to the displacement.
 
 use crate::effect::{Instant, Moment, Seen, Standing};
+use crate::hypothesis::{OwnMemory, Place, SeenState};
 use crate::plant::ExtendedPlant;
 use crate::state::{ExtendedState, Zone};
 
@@ -16,7 +17,42 @@ impl<const L: usize> ExtendedPlant<L> {
         let (mut displacement, seen) = self.stroke(state, instant);
         self.effects
             .displacement(&mut state.rod, moment, &seen, &mut displacement);
+        if let (Some(own), Instant::End) = (&state.own, instant) {
+            self.show_own(own, state, &mut displacement);
+        }
         displacement
+    }
+
+    /// Adds what own hypotheses add to the displacement.
+    #[inline(never)]
+    pub(crate) fn show_own(
+        &self,
+        own: &OwnMemory<L>,
+        state: &ExtendedState<L>,
+        displacement: &mut [f64; L],
+    ) {
+        let rod = self.seen_by_own(state, None);
+        self.own.add(Place::Displacement, own, &rod, displacement);
+    }
+
+    /// What own hypotheses see of a zone, or of the whole rod.
+    pub(crate) fn seen_by_own(
+        &self,
+        state: &ExtendedState<L>,
+        zone: Option<&Zone<L>>,
+    ) -> SeenState<L> {
+        let first = zone.unwrap_or(&state.middle);
+        let mut temperature_degc = first.temperature_degc;
+        let mut fraction = first.fraction;
+        if let (None, Some(ends)) = (zone, &state.ends) {
+            temperature_degc = self.mean(&[temperature_degc, ends.temperature_degc]);
+            fraction = self.mean(&[fraction, ends.fraction]);
+        }
+        SeenState {
+            time_s: state.time_s,
+            temperature_degc,
+            transformed: core::array::from_fn(|l| self.scale.transformed(l, fraction[l])),
+        }
     }
 
     /// Displacement by the fraction alone.

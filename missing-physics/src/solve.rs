@@ -15,6 +15,8 @@ pub(crate) struct Problem<'a, const L: usize, const Z: usize> {
     pub(crate) acting: &'a Acting<L>,
     pub(crate) before: &'a [Before<L>; Z],
     pub(crate) reference: &'a [Reference<L>; Z],
+    /// By how much own hypotheses shift the loop in each zone, K; their heat is in the reference already.
+    pub(crate) own_shift_k: &'a [[f64; L]; Z],
 }
 
 /// A trial of all zones and what follows from it.
@@ -128,7 +130,10 @@ impl<const L: usize> ExtendedPlant<L> {
             trial.mean = mean;
             trial.bend = bend[z];
             trial.mean_bend = mean_bend;
-            at.shift[z] = Shift::ZERO;
+            at.shift[z] = Shift {
+                kelvin: problem.own_shift_k[z],
+                ..Shift::ZERO
+            };
             self.effects.shift(effects, before, trial, &mut at.shift[z]);
             for l in 0..L {
                 trial.temperature_degc[l] = driving[z][l] + at.shift[z].kelvin[l];

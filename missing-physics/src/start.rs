@@ -5,6 +5,7 @@ use wiener::hysteresis::Branch;
 use crate::bracket::Bracket;
 use crate::effect::{Before, Instant, Mapped, Shift, Trial, ZoneStart};
 use crate::heat::ZoneHeat;
+use crate::hypothesis::{Place, SeenState};
 use crate::plant::ExtendedPlant;
 use crate::state::Zone;
 use crate::{EffectId, ExtendedState};
@@ -44,6 +45,7 @@ impl<const L: usize> ExtendedPlant<L> {
             middle: self.start_zone(&self.middle, temperature_degc, share),
             ends: with_ends.then(ends),
             rod: self.effects.rod(),
+            own: self.own.memory(temperature_degc, &share),
             time_s: 0.0,
             displacement: [0.0; L],
             recorded_degc: temperature_degc,
@@ -54,6 +56,9 @@ impl<const L: usize> ExtendedPlant<L> {
         let moment = self.moment(0.0, 0.0);
         self.effects
             .settle(&mut state.rod, &moment, &seen, &share, &mut displacement);
+        if let Some(own) = &state.own {
+            self.show_own(own, &state, &mut displacement);
+        }
         state.displacement = displacement;
         self.effects
             .settle_temperature(&mut state.rod, &mut state.recorded_degc);
@@ -70,8 +75,9 @@ impl<const L: usize> ExtendedPlant<L> {
         let mut driving_degc = temperature_degc;
         let mut bracket = Bracket::<L>::open();
         for _ in 0..START_ITERATIONS {
-            let here = self.start_shift_k(driving_degc, share);
-            let beside = self.start_shift_k(driving_degc.map(|degc| degc + START_STEP_K), share);
+            let beside_degc = driving_degc.map(|degc| degc + START_STEP_K);
+            let here = self.start_shift_k(temperature_degc, driving_degc, share);
+            let beside = self.start_shift_k(temperature_degc, beside_degc, share);
             let mut moved = false;
             for l in 0..L {
                 let slope = (beside[l] - here[l]) / START_STEP_K;
@@ -91,7 +97,13 @@ impl<const L: usize> ExtendedPlant<L> {
         zone
     }
 
-    fn start_shift_k(&self, driving_degc: [f64; L], share: [f64; L]) -> [f64; L] {
+    /// What shifts the loop of a rod of `temperature_degc`, K, if `driving_degc` drives the hysteresis.
+    fn start_shift_k(
+        &self,
+        temperature_degc: [f64; L],
+        driving_degc: [f64; L],
+        share: [f64; L],
+    ) -> [f64; L] {
         let zone = self.zone_at(&self.middle, driving_degc, share);
         let before = Before {
             temperature_degc: driving_degc,
@@ -110,6 +122,14 @@ impl<const L: usize> ExtendedPlant<L> {
         let mut shift = Shift::ZERO;
         self.effects
             .shift(&zone.effects, &before, &trial, &mut shift);
+        if let Some(own) = self.own.memory(temperature_degc, &share) {
+            let at = SeenState {
+                time_s: 0.0,
+                temperature_degc,
+                transformed: zone.transformed,
+            };
+            self.own.add(Place::Shift, &own, &at, &mut shift.kelvin);
+        }
         shift.kelvin
     }
 

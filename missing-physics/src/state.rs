@@ -2,6 +2,7 @@ use wiener::hysteresis::Memory;
 use wiener::thermal::Sample;
 
 use crate::effects::{RodMemory, ZoneMemory};
+use crate::hypothesis::OwnMemory;
 
 /// A zone of the rod with one temperature.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +30,8 @@ pub struct ExtendedState<const L: usize = 1> {
     /// Boxed: it is large, and most plants do without.
     pub(crate) ends: Option<Box<Zone<L>>>,
     pub(crate) rod: RodMemory<L>,
+    /// Only where there are own hypotheses.
+    pub(crate) own: Option<Box<OwnMemory<L>>>,
     pub(crate) time_s: f64,
     pub(crate) displacement: [f64; L],
     pub(crate) recorded_degc: [f64; L],

@@ -1,6 +1,6 @@
 //! Generated recordings of a wire with some effects, and the baseline fitted to them, for tests.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use identify::{Fit, FitConfig, ForwardModel, ParameterVector, Rod, WienerModel, fit};
 use rand::SeedableRng;
@@ -79,6 +79,31 @@ impl Synthetic {
             training,
             setting,
         }
+    }
+
+    /// Moves the output of a recording by some millimeters for some seconds, and fits anew.
+    pub(crate) fn shift(&mut self, recording: usize, seconds: Range<f64>, mm: f64) {
+        let before = &self.training[recording];
+        let shifted = before.output().iter().zip(before.time_s());
+        let parts = RecordingParts {
+            name: before.name().to_owned(),
+            time_s: Some(before.time_s().to_vec()),
+            drive_quantity: before.drive_quantity(),
+            drive: before.drive().to_vec(),
+            output_unit: before.output_unit().to_owned(),
+            output: shifted
+                .map(|(output, time_s)| {
+                    if seconds.contains(time_s) {
+                        output + mm
+                    } else {
+                        *output
+                    }
+                })
+                .collect(),
+            ..RecordingParts::default()
+        };
+        self.training[recording] = Recording::new(parts).unwrap();
+        self.fit = fitted(&self.base, &self.training);
     }
 
     pub(crate) fn case(&self) -> Case<'_> {

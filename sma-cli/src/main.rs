@@ -1,11 +1,15 @@
 //! `sma`: identify shape-memory-alloy actuators from recordings. The program's help says how.
 
 mod commands;
+mod memory;
+mod next_run;
 mod outcome;
 mod provenance;
+mod recordings;
 mod report;
 mod rig;
 mod sink;
+mod specific_heat;
 mod terminal;
 mod track;
 
@@ -13,12 +17,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use commands::diagnose::DiagnoseArgs;
 use commands::identify::IdentifyArgs;
 use commands::inspect::InspectArgs;
 use commands::simulate::SimulateArgs;
 use commands::tune::TuneArgs;
 
-/// Identify the model of a shape-memory-alloy actuator from recordings of drive and displacement.
+/// Identify the model of a shape-memory-alloy actuator from recordings of drive and displacement, tune a
+/// controller on it, and say which physics it leaves out.
 #[derive(Debug, Parser)]
 #[command(name = "sma", version, arg_required_else_help = true)]
 struct Cli {
@@ -32,6 +38,7 @@ enum Command {
     Identify(IdentifyArgs),
     Simulate(SimulateArgs),
     Tune(TuneArgs),
+    Diagnose(DiagnoseArgs),
 }
 
 fn main() -> ExitCode {
@@ -41,6 +48,7 @@ fn main() -> ExitCode {
         Command::Identify(args) => commands::identify::run(args),
         Command::Simulate(args) => commands::simulate::run(args),
         Command::Tune(args) => commands::tune::run(args),
+        Command::Diagnose(args) => commands::diagnose::run(args),
     };
     outcome::report(&result)
 }

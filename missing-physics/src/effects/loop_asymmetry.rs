@@ -16,7 +16,9 @@ parameters! {
     /// c is -1 on the heating curve and +1 on the cooling curve, and moves between them without a step after
     /// a reversal. Around the middle of the loop the spread is h_0 (1 - a) on heating and h_0 (1 + a) on
     /// cooling, where h_0 is not above 2 T_c/π. The factor of a keeps dT/dθ > 0, so every branch stays
-    /// continuous and monotone.
+    /// continuous and monotone. Not so together with a `loop-shape` that makes the loop steeper: it may fold, and
+    /// the end of a sample is then one of several, with what
+    /// [`ExtendedState::residual_k`](crate::ExtendedState::residual_k) tells.
     LoopAsymmetry {
         /// Relative difference of the spreads a; -0.9 to 0.9.
         loop_asymmetry: EffectParameter::size("1", 0.2, [-0.9, 0.9]),

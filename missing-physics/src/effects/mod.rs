@@ -5,6 +5,7 @@ use core::fmt;
 use crate::effect::{
     Acting, Base, Before, Effect, Flow, Mapped, Moment, Seen, Shift, Standing, Trial, ZoneStart,
 };
+use crate::hypothesis::{MOST_HYPOTHESES, MOST_PARAMETERS};
 use crate::info::EffectInfo;
 use crate::{EffectSet, PhysicsError};
 
@@ -92,6 +93,9 @@ macro_rules! effects {
                 #[doc = concat!("Values of [`EffectId::", stringify!($name), "`].")]
                 pub $module: $name,
             )+
+            /// Values of the setting's own hypotheses, by hypothesis and parameter; see
+            /// [`Hypothesis::values`](crate::Hypothesis::values).
+            pub own: [[f64; MOST_PARAMETERS]; MOST_HYPOTHESES],
         }
 
         impl EffectValues {

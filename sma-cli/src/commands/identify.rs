@@ -9,11 +9,12 @@ use identify::{
     Validated, cross_check, fit, predict, validate,
 };
 use recording::Recording;
-use wiener::hysteresis::Rule;
 
 use crate::commands::on_threads;
+use crate::memory::Memory;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
+use crate::recordings::{input_notes, is_trained_on, read_all};
 use crate::report::identified::Identified;
 use crate::report::plot;
 use crate::sink::{Sink, deliver};
@@ -92,32 +93,6 @@ enum LossArg {
     Huber,
 }
 
-/// Reversals remembered.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Memory {
-    /// The last one: the paper's operator.
-    LastReversal,
-    /// All that enclose the present loop: minor loops close.
-    Nested,
-}
-
-impl Memory {
-    fn rule(self) -> Rule {
-        match self {
-            Memory::LastReversal => Rule::LastReversal,
-            Memory::Nested => Rule::Nested,
-        }
-    }
-
-    /// As the flag and the model file write it.
-    fn name(self) -> &'static str {
-        match self {
-            Memory::LastReversal => "last-reversal",
-            Memory::Nested => "nested",
-        }
-    }
-}
-
 /// Runs the command.
 pub(crate) fn run(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     on_threads(args.threads, || identify(args))
@@ -152,7 +127,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         validated: &validated,
         seen: unseen
             .iter()
-            .map(|one| training.iter().any(|other| same_data(one, other)))
+            .map(|one| is_trained_on(one, &training))
             .collect(),
         ambient_degc: rod.ambient_degc,
         cross_check: checked.as_ref(),
@@ -264,58 +239,4 @@ fn met_worst<'a>(
         unreachable!("a fit has at least one recording");
     };
     (recording, point)
-}
-
-/// What is odd about the recordings themselves.
-fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> {
-    let mut notes = Vec::new();
-    for (k, recording) in training.iter().enumerate() {
-        if let Some(twin) = training[..k]
-            .iter()
-            .find(|other| same_data(recording, other))
-        {
-            notes.push(format!(
-                "{} holds the data of {}: its samples count twice, and intervals are too narrow",
-                recording.name(),
-                twin.name()
-            ));
-        }
-    }
-    for recording in unseen {
-        if let Some(twin) = training.iter().find(|other| same_data(recording, other)) {
-            notes.push(format!(
-                "{} holds the data of the training recording {}: it is not unseen",
-                recording.name(),
-                twin.name()
-            ));
-        }
-    }
-    for recording in training.iter().chain(unseen) {
-        for gap in recording.gaps() {
-            notes.push(format!(
-                "{}: nothing recorded from {} s for {:.3} s; the drive is taken to have stayed",
-                recording.name(),
-                gap.start_s,
-                gap.dt_s
-            ));
-        }
-    }
-    notes
-}
-
-/// Whether two recordings are one, whatever their names.
-fn same_data(one: &Recording, other: &Recording) -> bool {
-    let bits = |recording: &Recording| -> Vec<u64> {
-        let values = recording.drive().iter().chain(recording.output());
-        values.map(|value| value.to_bits()).collect()
-    };
-    one.len() == other.len() && bits(one) == bits(other)
-}
-
-fn read_all(rod: &Rod, paths: &[PathBuf]) -> anyhow::Result<Vec<Recording>> {
-    let options = rod.read_options();
-    paths
-        .iter()
-        .map(|path| Ok(recording::read_csv(path, &options)?))
-        .collect()
 }

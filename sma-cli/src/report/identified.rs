@@ -2,14 +2,16 @@
 
 use std::fmt::Write;
 
-use comfy_table::{Cell, CellAlignment, Table, TableComponent, presets};
+use comfy_table::{Cell, Table};
 use identify::{
     Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, ParameterState, Scope,
     Validated,
 };
 use serde_json::{Value, json};
 
+use super::label::label;
 use super::number::{count, percent, significant};
+use super::table::{right, table, unpadded};
 
 /// Unseen error over training error from which the text says that the model leaves something out:
 /// twice is more than a few parameters fitted to thousands of samples explain.
@@ -68,10 +70,7 @@ impl Identified<'_> {
             self.parameters(),
             self.recordings()
         );
-        // Tables pad their last column.
-        text.lines()
-            .map(|line| line.trim_end().to_owned() + "\n")
-            .collect()
+        unpadded(&text)
     }
 
     fn verdict(&self) -> String {
@@ -224,11 +223,9 @@ impl Identified<'_> {
 
     /// The last part of a recording's path, or all of it where two would look alike.
     pub(crate) fn label<'b>(&self, name: &'b str) -> &'b str {
-        let last = |name: &'b str| name.rsplit(['/', '\\']).next().unwrap_or(name);
         let trained = self.fit.recordings.iter().map(|one| one.name.as_str());
         let names = trained.chain(self.validated.iter().map(|one| one.name.as_str()));
-        let alike = names.filter(|other| other.ends_with(last(name))).count();
-        if alike > 1 { name } else { last(name) }
+        label(name, names)
     }
 
     fn recordings(&self) -> Table {
@@ -321,22 +318,6 @@ impl Identified<'_> {
 
     /// For programs: DESIGN's `fit` and `parameters`.
     pub(crate) fn json(&self) -> Value {
-        let parameters: Vec<Value> = self
-            .fit
-            .parameters
-            .iter()
-            .map(|parameter| {
-                json!({
-                    "name": parameter.info.name,
-                    "unit": parameter.info.unit,
-                    "values": parameter.values,
-                    "ci95": parameter.intervals.iter().map(|one| one.map(|one| [one.lower, one.upper])).collect::<Vec<_>>(),
-                    "per_recording": parameter.info.scope == Scope::PerRecording,
-                    "fixed": matches!(parameter.info.state, ParameterState::Fixed(_)),
-                    "at_bound": parameter.at_bound,
-                })
-            })
-            .collect();
         let trained = self.fit.recordings.iter().map(|one| {
             json!({"name": one.name, "role": "train", "n_samples": one.n_samples, "rmse": one.rmse})
         });
@@ -398,10 +379,28 @@ impl Identified<'_> {
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
             "memory": self.memory,
-            "parameters": parameters,
+            "parameters": parameters_json(self.fit),
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
     }
+}
+
+/// The parameters of a fit for programs.
+pub(crate) fn parameters_json(fit: &Fit) -> Vec<Value> {
+    fit.parameters
+        .iter()
+        .map(|parameter| {
+            json!({
+                "name": parameter.info.name,
+                "unit": parameter.info.unit,
+                "values": parameter.values,
+                "ci95": parameter.intervals.iter().map(|one| one.map(|one| [one.lower, one.upper])).collect::<Vec<_>>(),
+                "per_recording": parameter.info.scope == Scope::PerRecording,
+                "fixed": matches!(parameter.info.state, ParameterState::Fixed(_)),
+                "at_bound": parameter.at_bound,
+            })
+        })
+        .collect()
 }
 
 /// Whether a parameter only says that the recordings start at rest.
@@ -442,18 +441,4 @@ fn offset_note(source: OffsetSource) -> String {
         }
         OffsetSource::NeverDriven => "never driven: tests nothing".to_owned(),
     }
-}
-
-/// A table without lines but one below its header.
-pub(crate) fn table<'h>(header: impl IntoIterator<Item = &'h str>) -> Table {
-    let mut table = Table::new();
-    table
-        .load_preset(presets::NOTHING)
-        .set_style(TableComponent::HeaderLines, '─')
-        .set_header(header.into_iter().collect::<Vec<_>>());
-    table
-}
-
-pub(crate) fn right(text: String) -> Cell {
-    Cell::new(text).set_alignment(CellAlignment::Right)
 }

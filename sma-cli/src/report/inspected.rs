@@ -52,6 +52,8 @@ fn channels(inspection: &Inspection) -> impl Iterator<Item = &Channel> {
         .into_iter()
         .chain(&inspection.temperature)
         .chain(&inspection.ambient)
+        .chain(&inspection.stress)
+        .chain(&inspection.resistance)
 }
 
 fn samples(inspection: &Inspection) -> String {

@@ -15,6 +15,32 @@ pub(crate) fn significant(value: f64) -> String {
     }
 }
 
+/// A value with two significant digits, to be read aloud.
+pub(crate) fn spoken(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor();
+    if (-4.0..6.0).contains(&exponent) {
+        // Between 0 and 5 by the range above.
+        let decimals = (1.0 - exponent).max(0.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+/// A share in whole percent, with a decimal where it is all but the whole or all but nothing.
+pub(crate) fn spoken_percent(share: f64) -> String {
+    let whole = 100.0 * share;
+    let is_near_end = (0.0..1.0).contains(&whole) || (99.0..100.0).contains(&whole);
+    if is_near_end {
+        format!("{whole:.1} %")
+    } else {
+        format!("{whole:.0} %")
+    }
+}
+
 /// A share as a percentage with one decimal.
 pub(crate) fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
@@ -35,7 +61,7 @@ pub(crate) fn count(value: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{count, percent, significant};
+    use super::{count, percent, significant, spoken, spoken_percent};
 
     #[test]
     fn numbers_keep_four_digits() {
@@ -50,7 +76,15 @@ mod tests {
         ] {
             assert_eq!(significant(value), shown);
         }
+        assert_eq!(
+            [0.921, 15_234.0, 0.0044, 5.53e-6, 0.0].map(spoken),
+            ["0.92", "15234", "0.0044", "5.5e-6", "0"]
+        );
         assert_eq!(percent(0.95012), "95.0 %");
+        assert_eq!(
+            [0.874, 0.998, 0.004, 1.0, -0.31].map(spoken_percent),
+            ["87 %", "99.8 %", "0.4 %", "100 %", "-31 %"]
+        );
         assert_eq!(
             [999, 1000, 1_234_567].map(count),
             ["999", "1,000", "1,234,567"]

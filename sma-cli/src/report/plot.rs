@@ -20,19 +20,9 @@ const MOST_POINTS: usize = 2000;
 pub(crate) fn pictures(name: &str, recording: &Recording, prediction: &Prediction) -> String {
     let output = recording.output();
     let unit = recording.output_unit();
-    let left: Vec<f64> = output
-        .iter()
-        .zip(&prediction.output)
-        .map(|(recorded, model)| recorded - model)
-        .collect();
-    let samples: Vec<f64>;
-    let (time, time_unit) = match recording.time_s() {
-        [] => {
-            samples = (0..output.len()).map(|k| k as f64).collect();
-            (samples.as_slice(), "samples")
-        }
-        time_s => (time_s, "s"),
-    };
+    let left = left(recording, prediction);
+    let (time, time_unit) = time(recording);
+    let time = time.as_slice();
     let (input, input_unit) = match recording.drive_quantity() {
         Quantity::Temperature => (recording.drive(), recording.drive_unit()),
         _ => (
@@ -43,7 +33,7 @@ pub(crate) fn pictures(name: &str, recording: &Recording, prediction: &Predictio
     let both = [Curve::Dots(output), Curve::Line(&prediction.output)];
     let mut text = format!("\nMet worst: {name}, recorded (dots) and model (line)\n");
     let mut draw = |what: &str, height, x, curves: &[Curve<'_>], x_unit| {
-        let picture = picture(height, x, curves);
+        let picture = picture(height, x, curves, range(curves));
         let _ = write!(text, "{what}: {unit} over {x_unit}\n{picture}\n");
     };
     draw("both", HEIGHT, time, &both, time_unit);
@@ -57,6 +47,61 @@ pub(crate) fn pictures(name: &str, recording: &Recording, prediction: &Predictio
     );
     draw("the loop", HEIGHT, input, &both, input_unit);
     text
+}
+
+/// A model's name and what it says of a recording.
+#[derive(Debug)]
+pub(crate) struct Left {
+    pub(crate) model: &'static str,
+    pub(crate) prediction: Prediction,
+}
+
+/// What models leave of a recording over time, each on the scale of the first.
+pub(crate) fn what_is_left(name: &str, recording: &Recording, models: &[Left]) -> String {
+    let (time, time_unit) = time(recording);
+    let lefts: Vec<Vec<f64>> = models
+        .iter()
+        .map(|one| left(recording, &one.prediction))
+        .collect();
+    let curves: Vec<Curve<'_>> = lefts.iter().map(|left| Curve::Line(left)).collect();
+    let range = range(&curves);
+    let mut text = format!("\nMet worst by the plain model: {name}\n");
+    for (one, curve) in models.iter().zip(curves) {
+        let picture = picture(STRIP_HEIGHT, &time, &[curve], range);
+        let _ = write!(
+            text,
+            "recorded - {} model: {} over {time_unit}\n{picture}\n",
+            one.model,
+            recording.output_unit()
+        );
+    }
+    text
+}
+
+/// What a model leaves of a recording.
+fn left(recording: &Recording, prediction: &Prediction) -> Vec<f64> {
+    recording
+        .output()
+        .iter()
+        .zip(&prediction.output)
+        .map(|(recorded, model)| recorded - model)
+        .collect()
+}
+
+/// Time and its unit, or the number of the sample.
+fn time(recording: &Recording) -> (Vec<f64>, &'static str) {
+    match recording.time_s() {
+        [] => ((0..recording.len()).map(|k| k as f64).collect(), "samples"),
+        time_s => (time_s.to_vec(), "s"),
+    }
+}
+
+/// The lowest and the highest value of curves.
+fn range(curves: &[Curve<'_>]) -> [f64; 2] {
+    let values = curves.iter().flat_map(Curve::values);
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &value| {
+        [low.min(value), high.max(value)]
+    })
 }
 
 /// A curve and how it is drawn.
@@ -80,7 +125,7 @@ impl Curve<'_> {
     }
 }
 
-fn picture(height: u32, x: &[f64], curves: &[Curve<'_>]) -> String {
+fn picture(height: u32, x: &[f64], curves: &[Curve<'_>], [low, high]: [f64; 2]) -> String {
     let points: Vec<Vec<(f32, f32)>> = curves
         .iter()
         .map(|curve| thinned(x, curve.values()))
@@ -93,7 +138,9 @@ fn picture(height: u32, x: &[f64], curves: &[Curve<'_>]) -> String {
     let lowest = x.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let label = || LabelFormat::Custom(Box::new(|value| significant(f64::from(value))));
-    let mut chart = Chart::new(WIDTH, height, lowest as f32, highest as f32);
+    let (lowest, highest) = (lowest as f32, highest as f32);
+    let mut chart =
+        Chart::new_with_y_range(WIDTH, height, lowest, highest, low as f32, high as f32);
     let mut plot = chart.x_label_format(label()).y_label_format(label());
     for shape in &shapes {
         plot = plot.lineplot(shape);

@@ -10,8 +10,8 @@ use pid_tune::{
 };
 use serde_json::{Value, json};
 
-use super::identified::{right, table};
 use super::number::{percent, significant};
+use super::table::{right, table, unpadded};
 use crate::rig::{BEYOND, Rig};
 use crate::track::Track;
 
@@ -84,10 +84,7 @@ impl TunedReport<'_> {
                 let _ = write!(text, "\n{part}\n");
             }
         }
-        // Tables pad their last column.
-        text.lines()
-            .map(|line| line.trim_end().to_owned() + "\n")
-            .collect()
+        unpadded(&text)
     }
 
     fn verdict(&self) -> String {

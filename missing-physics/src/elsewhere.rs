@@ -1,0 +1,31 @@
+//! A model where it was not fitted: in another recording.
+
+use crate::{EffectId, ExtendedModel};
+
+/// Effects whose parameters are those of a recording.
+pub(crate) const DRIFTS: [EffectId; 2] = [EffectId::AmbientDrift, EffectId::SensorDrift];
+
+/// The point for another recording: of a drift of the surroundings it has the mean, which is as a loop that lies
+/// lower, and of that of the sensor's zero nothing.
+pub(crate) fn without_drifts(model: &ExtendedModel, point: &[f64]) -> Vec<f64> {
+    let mut point = point.to_vec();
+    let mut drop = |effect: EffectId| {
+        let first = model.first_parameter(effect)?;
+        let knots = &mut point[first..first + effect.info().parameters.len()];
+        // Straight between knots, from 0 at the start.
+        let last = knots.last().copied().unwrap_or(0.0);
+        let mean = (knots.iter().sum::<f64>() - 0.5 * last) / knots.len() as f64;
+        knots.fill(0.0);
+        Some(mean)
+    };
+    drop(EffectId::SensorDrift);
+    let warmer_k = drop(EffectId::AmbientDrift).unwrap_or(0.0);
+    let infos = identify::ForwardModel::parameters(model);
+    let center = infos
+        .iter()
+        .position(|info| info.name == "loop_center_degc");
+    if let Some(center) = center {
+        point[center] -= warmer_k;
+    }
+    point
+}

@@ -1,0 +1,330 @@
+//! `sma diagnose`: recordings in, the physics that the plain model leaves out.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use identify::{
+    FitConfig, FitProgress, RigModel, Rod, SavedModel, WienerModel, predict, static_effects,
+};
+use indicatif::ProgressBar;
+use missing_physics::{
+    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Setting, Verdict, diagnose,
+};
+use recording::Recording;
+
+use crate::commands::on_threads;
+use crate::memory::Memory;
+use crate::next_run;
+use crate::outcome::Outcome;
+use crate::recordings::{input_notes, is_trained_on, read_all};
+use crate::report::diagnosed::Diagnosed;
+use crate::report::plot::{self, Left};
+use crate::report::static_diagnosed::StaticDiagnosed;
+use crate::sink::{Sink, deliver};
+use crate::specific_heat;
+use crate::terminal::{bar, say};
+
+/// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
+///
+/// Fits the plain model to the training recordings, looks for what it leaves among known effects, refits with
+/// what is found, and checks both on recordings that it has not seen. It also says where model and recordings
+/// part, which effects these recordings exclude, and which they cannot test. Static recordings
+/// (kind = "temperature") are tested for stress coupling and phase-dependent resistance.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    sma diagnose rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-next next.csv\n\n\
+    The first lines are the verdict:\n  \
+    Latent heat is missing: the rod takes up 15 ± 2 kJ/kg while transforming, and gives it back on cooling (literature 4-37).\n  \
+    Error on the unseen recording 0.92 → 0.33 mm; 87 % (80 % to 92 %) of what could be explained is.\n\
+    Then record what next.csv drives, and give it as one more training recording. To see what is said if an effect\n\
+    were not known, leave it out: --without latent-heat\n\n\
+    Effects: supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
+    end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
+    thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge")]
+pub(crate) struct DiagnoseArgs {
+    /// What is known of the rig.
+    rod: PathBuf,
+    /// Recordings that decide, CSV.
+    #[arg(long, num_args = 1.., required = true, value_name = "CSV")]
+    train: Vec<PathBuf>,
+    /// Recordings to check the result on, CSV; opened once, at the end.
+    #[arg(long, num_args = 1.., value_name = "CSV")]
+    validate: Vec<PathBuf>,
+    /// Which reversals the hysteresis of the plain model remembers.
+    #[arg(long, value_enum, default_value_t = Memory::LastReversal)]
+    memory: Memory,
+    /// Effects that are not to be found.
+    #[arg(long, num_args = 1.., value_name = "EFFECT", value_parser = EffectId::parse)]
+    without: Vec<EffectId>,
+    /// Start one more search of the plain model from an earlier one.
+    #[arg(long, value_name = "MODEL")]
+    from_model: Option<PathBuf>,
+    /// Write the run that would tell more, time and drive in the columns of rod.toml.
+    #[arg(long, value_name = "FILE")]
+    save_next: Option<PathBuf>,
+    /// No pictures of the recording that is met worst.
+    #[arg(long)]
+    no_plot: bool,
+    /// Seed: same seed and inputs, same result.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads; 0 takes all. The result does not depend on it.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
+    threads: u16,
+    /// Write the result as JSON to a file, or to stdout instead of the text if it is "-".
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// No progress and no notes.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Places for results.
+#[derive(Debug)]
+struct Places {
+    json: Option<Sink>,
+    next: Option<Sink>,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
+    on_threads(args.threads, || diagnose_rig(args))
+}
+
+fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
+    // Before the long run: a place that cannot be written to is found out now.
+    let inputs = args.inputs();
+    let places = Places {
+        json: Sink::open_if(args.json.as_deref(), &inputs)?,
+        next: Sink::open_if(args.save_next.as_deref(), &inputs)?,
+    };
+    let rod = Rod::read(&args.rod)?;
+    let training = read_all(&rod, &args.train)?;
+    let given = read_all(&rod, &args.validate)?;
+    let notes = input_notes(&training, &given);
+    let unseen: Vec<Recording> = given
+        .into_iter()
+        .filter(|one| !is_trained_on(one, &training))
+        .collect();
+    let rig = Rig {
+        rod,
+        training,
+        unseen,
+        notes,
+    };
+    let model = RigModel::new(&rig.rod, args.memory.rule(), &rig.training)?;
+    match &model {
+        RigModel::Wiener(plain) => with_time(args, &model, plain, rig, places),
+        RigModel::Loop(_) | RigModel::Sadeghi(_) => without_time(args, rig, places),
+    }
+}
+
+/// What is known of a rig, and what it was seen to do.
+#[derive(Debug)]
+struct Rig {
+    rod: Rod,
+    training: Vec<Recording>,
+    unseen: Vec<Recording>,
+    /// What is odd about the recordings.
+    notes: Vec<String>,
+}
+
+fn with_time(
+    args: &DiagnoseArgs,
+    model: &RigModel,
+    plain: &WienerModel,
+    rig: Rig,
+    places: Places,
+) -> anyhow::Result<Outcome> {
+    let config = args.config(model, &rig)?;
+    let bar = bar(
+        args.quiet,
+        config.baseline.starts,
+        "diagnose {bar:20}  {msg}",
+    );
+    let mut diagnosis = diagnose(
+        plain,
+        &rig.training,
+        &rig.unseen,
+        &config,
+        &mut |progress| {
+            show(&bar, progress);
+        },
+    )?;
+    bar.finish_and_clear();
+    let heat = specific_heat::carry(&rig.rod, plain, &mut diagnosis);
+    let run = diagnosis
+        .next_experiment
+        .as_ref()
+        .and_then(|next| next.run.as_ref());
+    let mut notes = rig.notes.clone();
+    if places.next.is_some() && run.is_none() {
+        notes.push("no next run is proposed: --save-next writes nothing".to_owned());
+    }
+    let diagnosed = Diagnosed {
+        diagnosis: &diagnosis,
+        without: &args.without,
+        specific_heat: heat,
+        memory: args.memory.name(),
+        missing_for_temperature: if plain.knows_temperature() {
+            Vec::new()
+        } else {
+            rig.rod.missing_for_temperature()
+        },
+        input_notes: notes,
+    };
+    say(args.quiet, &diagnosed.notes())?;
+    let mut text = diagnosed.text();
+    let has_converged = diagnosis.verdict != Verdict::NotConverged;
+    if !args.no_plot && has_converged {
+        text += &before_and_after(plain, &diagnosis, &diagnosed, &rig)?;
+    }
+    if let Some((sink, run)) = places.next.zip(run) {
+        sink.write(&next_run::csv(run, &rig.rod))?;
+    }
+    deliver(&text, &diagnosed.json(), places.json)?;
+    Ok(if has_converged {
+        Outcome::Done
+    } else {
+        Outcome::NotConverged
+    })
+}
+
+fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result<Outcome> {
+    let config = FitConfig {
+        seed: args.seed,
+        ..FitConfig::default()
+    };
+    let bar = bar(args.quiet, config.starts, "diagnose {bar:20}  {msg}");
+    let effects = static_effects(
+        &rig.rod,
+        args.memory.rule(),
+        &rig.training,
+        &config,
+        &mut |progress| {
+            fitting(&bar, *progress);
+            ControlFlow::Continue(())
+        },
+    )?;
+    bar.finish_and_clear();
+    let mut notes = rig.notes;
+    let unused: Vec<&str> = [
+        ("--validate", !args.validate.is_empty()),
+        ("--without", !args.without.is_empty()),
+        ("--from-model", args.from_model.is_some()),
+        ("--save-next", args.save_next.is_some()),
+    ]
+    .into_iter()
+    .filter_map(|(flag, is_given)| is_given.then_some(flag))
+    .collect();
+    if !unused.is_empty() {
+        notes.push(format!(
+            "not used on static recordings: {}",
+            unused.join(", ")
+        ));
+    }
+    let diagnosed = StaticDiagnosed {
+        effects: &effects,
+        output_unit: rig.training[0].output_unit(),
+        seed: args.seed,
+        memory: args.memory.name(),
+        notes,
+    };
+    say(args.quiet, &diagnosed.notes)?;
+    deliver(&diagnosed.text(), &diagnosed.json(), places.json)?;
+    Ok(match diagnosed.verdict() {
+        Some(Verdict::NotConverged) => Outcome::NotConverged,
+        _ => Outcome::Done,
+    })
+}
+
+impl DiagnoseArgs {
+    /// All files that are read.
+    fn inputs(&self) -> Vec<&Path> {
+        std::iter::once(&self.rod)
+            .chain(&self.train)
+            .chain(&self.validate)
+            .chain(&self.from_model)
+            .map(PathBuf::as_path)
+            .collect()
+    }
+
+    fn config(&self, model: &RigModel, rig: &Rig) -> anyhow::Result<DiagnoseConfig> {
+        let preset = DiagnoseConfig::default();
+        let from = match &self.from_model {
+            None => Vec::new(),
+            Some(path) => vec![SavedModel::read(path)?.coordinates(model, &rig.training)?],
+        };
+        let catalogue = self
+            .without
+            .iter()
+            .fold(EffectSet::all(), |all, effect| all.without(*effect));
+        Ok(DiagnoseConfig {
+            setting: Setting::of_rod(&rig.rod, rig.training[0].output_unit()),
+            catalogue,
+            baseline: FitConfig {
+                from,
+                ..preset.baseline.clone()
+            },
+            seed: self.seed,
+            ..preset
+        })
+    }
+}
+
+fn show(bar: &ProgressBar, progress: DiagnoseProgress) {
+    match progress {
+        DiagnoseProgress::Baseline(so_far) => fitting(bar, so_far),
+        DiagnoseProgress::Search => bar.set_message("trying effects"),
+        DiagnoseProgress::Refit => bar.set_message("refitting with what was found"),
+        DiagnoseProgress::Locate => bar.set_message("locating the mismatch"),
+    }
+}
+
+fn fitting(bar: &ProgressBar, progress: FitProgress) {
+    bar.set_length(progress.of);
+    bar.set_position(progress.starts);
+    bar.set_message(format!("plain model, RMSE {:.4}", progress.lowest_rmse));
+}
+
+/// What is left in the recording that the plain model meets worst, before and after.
+fn before_and_after(
+    plain: &WienerModel,
+    diagnosis: &Diagnosis,
+    diagnosed: &Diagnosed<'_>,
+    rig: &Rig,
+) -> anyhow::Result<String> {
+    let (fit, validated) = (&diagnosis.baseline.fit, &diagnosis.baseline.validated);
+    let errors = fit.recordings.iter().map(|one| one.rmse);
+    let errors: Vec<f64> = errors.chain(validated.iter().map(|one| one.rmse)).collect();
+    let worst = (0..errors.len())
+        .max_by(|&a, &b| errors[a].total_cmp(&errors[b]))
+        .unwrap_or(0);
+    let n_trained = rig.training.len();
+    let (recording, point) = match worst.checked_sub(n_trained) {
+        None => (&rig.training[worst], fit.point(worst)),
+        Some(k) => (&rig.unseen[k], validated[k].point.clone()),
+    };
+    let mut models = vec![Left {
+        model: "plain",
+        prediction: predict(plain, &point, recording)?,
+    }];
+    if let Some(extended) = &diagnosis.extended {
+        let stage = &extended.stage;
+        let point = match worst.checked_sub(n_trained) {
+            None => stage.fit.point(worst),
+            Some(k) => stage.validated[k].point.clone(),
+        };
+        models.push(Left {
+            model: "extended",
+            prediction: predict(&extended.model, &point, recording)?,
+        });
+    }
+    Ok(plot::what_is_left(
+        diagnosed.label(recording.name()),
+        recording,
+        &models,
+    ))
+}

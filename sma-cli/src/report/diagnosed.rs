@@ -1,0 +1,380 @@
+//! What `sma diagnose` says to people.
+
+use std::fmt::Write;
+
+use comfy_table::{Cell, Table};
+use identify::{Bounds, Validated};
+use missing_physics::{
+    Curve, Diagnosis, EffectId, Entry, Finding, Mismatch, Need, NextExperiment, Remainder, Role,
+    Shape, Status, Verdict,
+};
+
+use super::label::label;
+use super::number::{count, percent, significant, spoken, spoken_percent};
+use super::table::{folding, right, table, unpadded};
+use super::verdict::{block_name, named, unit, verdict};
+
+/// Regimes and stretches of time that a person reads; JSON has all.
+const ROWS: usize = 5;
+
+/// The result of `sma diagnose`.
+#[derive(Debug)]
+pub(crate) struct Diagnosed<'a> {
+    pub(crate) diagnosis: &'a Diagnosis,
+    /// Effects that were not to be found.
+    pub(crate) without: &'a [EffectId],
+    /// Range of the specific heat, J/(kg K), if the intervals hold for it.
+    pub(crate) specific_heat: Option<Bounds>,
+    /// Rule of the hysteresis' memory, as the flag names it.
+    pub(crate) memory: &'static str,
+    /// Keys of the rod file without which temperatures are arbitrary.
+    pub(crate) missing_for_temperature: Vec<&'static str>,
+    /// What is odd about the recordings.
+    pub(crate) input_notes: Vec<String>,
+}
+
+impl Diagnosed<'_> {
+    /// For people: the verdict first, then the tables.
+    pub(crate) fn text(&self) -> String {
+        let diagnosis = self.diagnosis;
+        let mut text = verdict(diagnosis);
+        if diagnosis.verdict == Verdict::NotConverged {
+            return text;
+        }
+        let _ = write!(text, "\n{}\n", self.ladder());
+        for (title, findings) in [
+            ("What is missing", &diagnosis.findings),
+            (
+                "Suspects: they help, and are no findings",
+                &diagnosis.suspects,
+            ),
+        ] {
+            if !findings.is_empty() {
+                let _ = write!(text, "\n{title}\n{}\n", estimates(findings));
+            }
+        }
+        let title = "Where the plain model and the recordings part";
+        text += &self.mismatch(title, &diagnosis.mismatch);
+        if let Some(left) = &diagnosis.remainder {
+            text += &self.remainder(left);
+        }
+        let _ = write!(text, "\nThe catalogue\n{}\n", self.catalogue());
+        if let Some(next) = &diagnosis.next_experiment {
+            text += &next_experiment(next);
+        }
+        unpadded(&text)
+    }
+
+    /// Errors from the plain model down to the noise.
+    fn ladder(&self) -> Table {
+        let diagnosis = self.diagnosis;
+        let rmse = format!("RMSE{}, training", unit(diagnosis));
+        let mut table = table(["model", rmse.as_str(), "unseen"]);
+        let mut row = |name: &str, train_rmse: f64, validated: &[Validated]| {
+            let unseen = Validated::rmse_of_all(validated).map_or("-".to_owned(), significant);
+            table.add_row([
+                Cell::new(name),
+                right(significant(train_rmse)),
+                right(unseen),
+            ]);
+        };
+        let baseline = &diagnosis.baseline;
+        row("plain", baseline.fit.train_rmse, &baseline.validated);
+        if let Some(extended) = &diagnosis.extended {
+            let stage = &extended.stage;
+            let name = if diagnosis.findings.is_empty() {
+                "with the suspects"
+            } else {
+                "with the findings"
+            };
+            row(name, stage.fit.train_rmse, &stage.validated);
+        }
+        let floor = diagnosis.noise_floor;
+        let size = match floor.upper {
+            Some(upper) => format!("{} … {}", significant(floor.lower), significant(upper)),
+            None => format!("≥ {}", significant(floor.lower)),
+        };
+        let class = floor.class.id().replace('_', " ");
+        table.add_row([
+            Cell::new(format!("noise ({class})")),
+            right(size),
+            Cell::new(""),
+        ]);
+        table
+    }
+
+    fn mismatch(&self, title: &str, mismatch: &Mismatch) -> String {
+        let Mismatch {
+            block: _,
+            blocks,
+            cells,
+            spans,
+            bands,
+        } = mismatch;
+        if blocks.is_empty() && cells.is_empty() && spans.is_empty() {
+            return String::new();
+        }
+        let mut text = format!("\n{title}");
+        let likely: Vec<String> = blocks
+            .iter()
+            .filter(|(_, probability)| *probability >= 0.01)
+            .map(|(block, probability)| {
+                format!("{} {}", block_name(*block), spoken_percent(*probability))
+            })
+            .collect();
+        if !likely.is_empty() {
+            let _ = write!(text, ": {}", likely.join(", "));
+        }
+        text.push('\n');
+        if !cells.is_empty() {
+            let mut table = table(["regime", "share of the error", "of the samples", "p"]);
+            for cell in cells.iter().take(ROWS) {
+                table.add_row([
+                    Cell::new(&cell.at),
+                    right(percent(cell.share)),
+                    right(percent(cell.occupancy)),
+                    right(spoken(cell.p_value)),
+                ]);
+            }
+            let _ = writeln!(text, "{table}");
+        }
+        if !spans.is_empty() {
+            let mut table = table(["recording", "from s", "to s", "share of the error"]);
+            for span in spans.iter().take(ROWS) {
+                table.add_row([
+                    Cell::new(self.label(&span.recording)),
+                    right(significant(span.start_s)),
+                    right(significant(span.end_s)),
+                    right(percent(span.share)),
+                ]);
+            }
+            let _ = writeln!(text, "{table}");
+        }
+        if let Some(band) = bands.iter().max_by(|a, b| a.share.total_cmp(&b.share)) {
+            let _ = writeln!(
+                text,
+                " {} of it between {} and {} Hz",
+                percent(band.share),
+                significant(band.hz[0]),
+                significant(band.hz[1])
+            );
+        }
+        text
+    }
+
+    fn remainder(&self, left: &Remainder) -> String {
+        let mut text = self.mismatch("What remains", &left.mismatch);
+        if let Some(shape) = &left.shape {
+            text += &curves(shape);
+        }
+        text
+    }
+
+    fn catalogue(&self) -> Table {
+        let mut table = folding(["effect", "", "what these recordings say"]);
+        let mut entries: Vec<&Entry> = self.diagnosis.catalogue.iter().collect();
+        // Stable: within a group the order of the catalogue stays.
+        entries.sort_by_key(|entry| match entry.status {
+            Status::Detected => 0,
+            Status::Ambiguous => 1,
+            Status::Excluded { .. } => 2,
+            Status::NotTestable => 3,
+            Status::Unknown { .. } => 4,
+        });
+        for entry in entries {
+            let (group, said) = self.said(entry);
+            table.add_row([entry.effect.id(), group, &said]);
+        }
+        table
+    }
+
+    /// What recordings say of an effect: in a word, and how far.
+    fn said(&self, entry: &Entry) -> (&'static str, String) {
+        if self.without.contains(&entry.effect) {
+            return ("not tried", "left out by --without".to_owned());
+        }
+        let size = |size: f64| match entry.unit {
+            "1" => spoken(size),
+            unit => format!("{} {unit}", spoken(size)),
+        };
+        match entry.status {
+            Status::Detected if self.diagnosis.findings.is_empty() => (
+                "suspected",
+                "helps, and is not licensed as a name".to_owned(),
+            ),
+            Status::Detected => ("detected", String::new()),
+            Status::Ambiguous => ("possible", "may be there under another name".to_owned()),
+            Status::Excluded { upper } => ("excluded", format!("above {}", size(upper))),
+            Status::NotTestable => {
+                let mut said = entry.minimum_detectable.map_or(
+                    "leaves no trace that the plain model does not take up".to_owned(),
+                    |least| format!("would show from {} up, more than is plausible", size(least)),
+                );
+                if let Some(absorption) = entry
+                    .absorption
+                    .filter(|_| entry.minimum_detectable.is_some())
+                {
+                    let _ = write!(said, "; refitting hides {} of it", percent(absorption));
+                }
+                ("not testable", said)
+            }
+            Status::Unknown { need } => ("not testable", format!("needs {}", self.needed(need))),
+        }
+    }
+
+    /// What is not known of the rig.
+    pub(crate) fn needed(&self, need: Need) -> String {
+        match need {
+            Need::AbsoluteTemperature => format!(
+                "temperatures in kelvins: {} in rod.toml",
+                self.missing_for_temperature.join(", ")
+            ),
+            Need::MassPerMeter => "diameter_mm and density_kg_per_m3 in rod.toml".to_owned(),
+            Need::SurfacePerMeter => "diameter_mm in rod.toml".to_owned(),
+            Need::Length => "length_mm and load.lever in rod.toml, and an output in mm".to_owned(),
+            Need::RunLength => "a recording with time".to_owned(),
+            Need::ElectricalDrive => {
+                "a drive that depends on the resistance, not a power".to_owned()
+            }
+            Need::TemperatureChannel => "a recorded temperature of the rod".to_owned(),
+            Need::Load => "recordings under a second load".to_owned(),
+        }
+    }
+
+    /// A recording's name for people.
+    pub(crate) fn label<'b>(&self, name: &'b str) -> &'b str {
+        let baseline = &self.diagnosis.baseline;
+        let trained = baseline.fit.recordings.iter().map(|one| one.name.as_str());
+        let unseen = baseline.validated.iter().map(|one| one.name.as_str());
+        label(name, trained.chain(unseen))
+    }
+
+    /// What else is worth knowing, a line each.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let fit = &self.diagnosis.baseline.fit;
+        let mut notes = self.input_notes.clone();
+        notes.push(format!(
+            "{} of {} independent starts of the plain model ended here; {} simulations, seed {}",
+            fit.agreeing_starts,
+            fit.starts,
+            count(self.diagnosis.simulations as usize),
+            self.diagnosis.seed,
+        ));
+        if let Some(range) = self.specific_heat {
+            notes.push(format!(
+                "the intervals of what scales with the specific heat hold for {} to {} J/(kg K)",
+                significant(range.lower),
+                significant(range.upper)
+            ));
+        }
+        if !self.missing_for_temperature.is_empty() {
+            notes.push(format!(
+                "temperatures are arbitrary, only ratios of their differences mean anything: rod.toml does not give {}",
+                self.missing_for_temperature.join(", ")
+            ));
+        }
+        notes
+    }
+}
+
+/// Findings with their parameters, a row a parameter.
+fn estimates(findings: &[Finding]) -> Table {
+    let mut table = table([
+        "effect",
+        "probability",
+        "parameter",
+        "value",
+        "95 % interval",
+        "unit",
+        "literature",
+        "plausible",
+    ]);
+    for finding in findings {
+        for (k, one) in finding.parameters.iter().enumerate() {
+            let [effect, probability, plausible] = if k == 0 {
+                let plausible = if finding.plausible { "yes" } else { "NO" };
+                [
+                    finding.effect.id(),
+                    &spoken_percent(finding.probability),
+                    plausible,
+                ]
+                .map(ToOwned::to_owned)
+            } else {
+                ["", "", ""].map(ToOwned::to_owned)
+            };
+            let range = |ends: Option<[f64; 2]>, none: &str, shown: fn(f64) -> String| {
+                ends.map_or(none.to_owned(), |ends| ends.map(shown).join(" … "))
+            };
+            table.add_row([
+                Cell::new(effect),
+                right(probability),
+                Cell::new(one.name),
+                right(significant(one.value)),
+                Cell::new(range(one.ci95, "not fixed", significant)),
+                Cell::new(one.unit),
+                Cell::new(range(one.literature, "", spoken)),
+                Cell::new(plausible),
+            ]);
+        }
+    }
+    table
+}
+
+/// The missing term, branch by branch.
+fn curves(shape: &Shape) -> String {
+    let mut text = format!(
+        "A curve in the {} describes {} of what could be explained:\n",
+        block_name(shape.block),
+        spoken_percent(shape.share)
+    );
+    let mut table = table([shape.variable, "branch", shape.value.as_str(), "± 95 %"]);
+    for Curve { heating, points } in &shape.curves {
+        for [variable, value, half] in points {
+            table.add_row([
+                right(significant(*variable)),
+                Cell::new(if *heating { "heating" } else { "cooling" }),
+                right(significant(*value)),
+                right(significant(*half)),
+            ]);
+        }
+    }
+    let _ = writeln!(text, "{table}");
+    text
+}
+
+/// The run that would tell more.
+fn next_experiment(next: &NextExperiment) -> String {
+    let mut text = format!(
+        "\nNext experiment: tells {}\n",
+        named(&next.separates, "from")
+    );
+    if let Some(run) = &next.run {
+        let highest = run.drive.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let _ = writeln!(
+            text,
+            " {}: {} s, drive up to {}; the explanations lie {} standard deviations apart, {} in a repetition of the \
+             training; look at {} to {} s\n --save-next FILE writes it, ready to play",
+            run.name,
+            significant(run.duration_s()),
+            significant(highest),
+            spoken(run.separation),
+            spoken(run.separation_now),
+            significant(run.dt_s * run.decisive.start as f64),
+            significant(run.dt_s * run.decisive.end as f64),
+        );
+    }
+    text
+}
+
+/// Range in the literature of the first size that has one.
+pub(crate) fn literature(finding: &Finding) -> Option<[f64; 2]> {
+    let parameters = finding
+        .effect
+        .info()
+        .parameters
+        .iter()
+        .zip(&finding.parameters);
+    parameters
+        .filter(|(info, _)| info.role == Role::Size)
+        .find_map(|(_, estimate)| estimate.literature)
+}

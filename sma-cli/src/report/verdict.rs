@@ -1,0 +1,249 @@
+//! The verdict of `sma diagnose`, to be read aloud.
+
+use std::fmt::Write;
+
+use identify::Validated;
+use missing_physics::{Diagnosis, EffectBlock, EffectId, Finding, NoiseClass, Remainder, Verdict};
+
+use super::number::{significant, spoken, spoken_percent};
+
+/// The verdict, how well it holds, and what it does not say: a few lines.
+pub(crate) fn verdict(diagnosis: &Diagnosis) -> String {
+    let parts = [
+        said(diagnosis),
+        errors(diagnosis),
+        noise(diagnosis),
+        diagnosis
+            .remainder
+            .as_ref()
+            .map_or(String::new(), |left| remains(left, &unit(diagnosis))),
+        diagnosis
+            .next_experiment
+            .as_ref()
+            .map_or(String::new(), |next| {
+                format!("Next: {}", full_stop(&next.sentence))
+            }),
+    ];
+    parts
+        .iter()
+        .filter(|part| !part.is_empty())
+        .map(|part| format!("{part}\n"))
+        .collect()
+}
+
+/// The first sentences.
+fn said(diagnosis: &Diagnosis) -> String {
+    let findings: Vec<String> = diagnosis.findings.iter().map(found).collect();
+    let findings = findings.join("\n");
+    match diagnosis.verdict {
+        Verdict::NotConverged => "NOT CONVERGED: the plain model is not fitted, and nothing can be said of what it leaves out. \
+             Try another --seed, or start from an earlier model (--from-model)."
+            .to_owned(),
+        Verdict::Adequate => {
+            let unit = unit(diagnosis);
+            let unseen = Validated::rmse_of_all(&diagnosis.baseline.validated).map_or(
+                "; not yet tested on unseen data (--validate)".to_owned(),
+                |rmse| format!(", and what it has not seen to {}{unit}", spoken(rmse)),
+            );
+            format!(
+                "Nothing is missing that these recordings could show: the plain model meets them to {}{unit}{unseen}.",
+                spoken(diagnosis.baseline.fit.train_rmse),
+            )
+        }
+        Verdict::Explained | Verdict::Ambiguous => findings,
+        Verdict::ExplainedInPart => format!("{findings}\nThese names hold, and something else is left."),
+        Verdict::Unexplained => {
+            let closest: Vec<&str> = diagnosis.suspects.iter().map(|one| one.effect.info().name).collect();
+            let closest = if closest.is_empty() {
+                "None of it even helps.".to_owned()
+            } else {
+                format!("Closest: {}, which is no finding.", listed(&closest, "and"))
+            };
+            format!("Something is missing, and nothing in the catalogue accounts for it. {closest}")
+        }
+    }
+}
+
+/// A finding, under all its names.
+fn found(finding: &Finding) -> String {
+    if finding.could_also_be.is_empty() {
+        return full_stop(&finding.sentence);
+    }
+    let effects = std::iter::once(&finding.effect).chain(&finding.could_also_be);
+    let names: Vec<&str> = effects.map(|effect| effect.info().name).collect();
+    let what = finding
+        .sentence
+        .split_once(": ")
+        .map_or(finding.sentence.as_str(), |(_, what)| what);
+    format!(
+        "{} is missing; these recordings cannot tell which. If it is {}: {}",
+        capitalized(&listed(&names, "or")),
+        names[0],
+        full_stop(what)
+    )
+}
+
+/// How much smaller the error got, where that was tested.
+fn errors(diagnosis: &Diagnosis) -> String {
+    let (Some(extended), Some(explained)) = (&diagnosis.extended, diagnosis.explained) else {
+        return String::new();
+    };
+    let unit = unit(diagnosis);
+    let share = |share: f64, interval: Option<[f64; 2]>| {
+        // A floor that is only a lower bound makes the share one, too.
+        let at_least = if diagnosis.noise_floor.upper.is_none() {
+            "at least "
+        } else {
+            ""
+        };
+        let interval = interval.map_or(String::new(), |[lower, upper]| {
+            format!(" ({} to {})", spoken_percent(lower), spoken_percent(upper))
+        });
+        format!(
+            "{at_least}{}{interval} of what could be explained is",
+            spoken_percent(share)
+        )
+    };
+    let unseen = &diagnosis.baseline.validated;
+    let pair = (
+        Validated::rmse_of_all(unseen),
+        Validated::rmse_of_all(&extended.stage.validated),
+    );
+    let (Some(before), Some(after)) = pair else {
+        let mut text = format!(
+            "Error on the training recordings {}{unit}. Not yet tested on unseen data (--validate)",
+            change(
+                diagnosis.baseline.fit.train_rmse,
+                extended.stage.fit.train_rmse
+            )
+        );
+        if let Some(held_out) = explained.train {
+            let _ = write!(text, "; held out in parts, {}", share(held_out, None));
+        }
+        return text + ".";
+    };
+    let recordings = if unseen.len() == 1 {
+        "recording"
+    } else {
+        "recordings"
+    };
+    let change = format!("{}{unit}", change(before, after));
+    if after >= before {
+        return format!(
+            "Error on the unseen {recordings} {change}: it does not fall, so that this does not carry over to them."
+        );
+    }
+    let Some(validate) = explained.validate else {
+        return format!(
+            "Error on the unseen {recordings} {change}; the plain model's error is the noise's there, and tests nothing."
+        );
+    };
+    let said = share(validate, explained.validate_interval);
+    let doubt = match explained.validate_interval {
+        Some([lower, _]) if lower <= 0.0 => " What was not seen does not bear this out.",
+        _ => "",
+    };
+    format!("Error on the unseen {recordings} {change}; {said}.{doubt}")
+}
+
+/// From one error to another, with the digits that tell them apart.
+fn change(before: f64, after: f64) -> String {
+    let shown: fn(f64) -> String = if spoken(before) == spoken(after) {
+        significant
+    } else {
+        spoken
+    };
+    format!("{} → {}", shown(before), shown(after))
+}
+
+/// The noise, where it limits what may be said.
+fn noise(diagnosis: &Diagnosis) -> String {
+    let floor = diagnosis.noise_floor;
+    if diagnosis.verdict == Verdict::NotConverged {
+        return String::new();
+    }
+    let unit = unit(diagnosis);
+    let size = match floor.upper {
+        Some(upper) if spoken(upper) == spoken(floor.lower) => format!("{}{unit}", spoken(upper)),
+        Some(upper) => format!("{} to {}{unit}", spoken(floor.lower), spoken(upper)),
+        None => format!(
+            "at least {}{unit}; more of the error may be noise",
+            spoken(floor.lower)
+        ),
+    };
+    let forbids = "tests then see effects where there are none, so that an effect is suspected, not named, unless \
+                   cycles are repeated";
+    match floor.class {
+        NoiseClass::White | NoiseClass::Colored => format!("The noise is {size}."),
+        NoiseClass::OneOverF => {
+            format!("The noise is {size}. It grows toward low frequencies without end: {forbids}.")
+        }
+        NoiseClass::Quantized => {
+            format!("The noise is {size}. The converter's step exceeds it: {forbids}.")
+        }
+    }
+}
+
+/// What is left after the findings.
+fn remains(left: &Remainder, unit: &str) -> String {
+    let place = match (left.mismatch.block, left.mismatch.cells.first()) {
+        (Some((block, probability)), cell) => format!(
+            ", most likely in the {} ({}){}",
+            block_name(block),
+            spoken_percent(probability),
+            cell.map_or(String::new(), |cell| format!(", most of it at {}", cell.at))
+        ),
+        (None, Some(cell)) => format!(", most of it at {}", cell.at),
+        (None, None) => String::new(),
+    };
+    format!(
+        "What remains: {}{unit} beyond the noise, {} of what could be explained{place}.",
+        spoken(left.rms),
+        spoken_percent(left.share)
+    )
+}
+
+/// A block in a sentence.
+pub(crate) fn block_name(block: EffectBlock) -> &'static str {
+    match block {
+        EffectBlock::Drive => "drive",
+        EffectBlock::HeatBalance => "heat balance",
+        EffectBlock::Transformation => "transformation",
+        EffectBlock::Displacement => "displacement",
+        EffectBlock::Sensor => "thermometer",
+    }
+}
+
+/// Names of effects in a sentence.
+pub(crate) fn named(effects: &[EffectId], word: &str) -> String {
+    let names: Vec<&str> = effects.iter().map(|effect| effect.info().name).collect();
+    listed(&names, word)
+}
+
+/// Unit of the output behind a number: nothing where it has none.
+pub(crate) fn unit(diagnosis: &Diagnosis) -> String {
+    match diagnosis.baseline.fit.output_unit.as_str() {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
+/// "a, b and c".
+fn listed(names: &[&str], word: &str) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., last] => format!("{} {word} {last}", first.join(", ")),
+    }
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().to_string() + letters.as_str()
+    })
+}
+
+fn full_stop(text: &str) -> String {
+    text.trim_end_matches('.').to_owned() + "."
+}

@@ -1,0 +1,442 @@
+//! `sma diagnose` as a user calls it.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use identify::Rod;
+use missing_physics::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Normal};
+use recording::{Recording, RecordingParts, read_csv, write_csv};
+use serde_json::Value;
+use wiener::{Plant, Profile, run};
+
+#[path = "../examples/generate_recording.rs"]
+#[allow(dead_code, reason = "the truth alone is wanted of it")]
+mod generate_recording;
+
+const AMBIENT_DEGC: f64 = 22.0;
+const NOISE_MM: f64 = 0.005;
+const LATENT_HEAT_J_PER_KG: f64 = 12e3;
+
+fn bundled(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("bundled")
+        .join(name)
+}
+
+/// A folder with the bundled rod file, and the bundled drives played on the same rod with latent heat.
+fn with_latent_heat() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let rod = Rod::read(&bundled("rod.toml")).unwrap();
+    std::fs::copy(bundled("rod.toml"), folder.path().join("rod.toml")).unwrap();
+    let setting = Setting {
+        active: EffectSet::of(EffectId::LatentHeat),
+        ..Setting::of_rod(&rod, "mm")
+    };
+    let mut effects = EffectValues::default();
+    effects.latent_heat.latent_heat_j_per_kg = LATENT_HEAT_J_PER_KG;
+    let truth = generate_recording::truth().unwrap();
+    let plant = ExtendedPlant::<1>::new(&setting, &[truth], &[effects]).unwrap();
+    let noise = Normal::new(0.0, NOISE_MM).unwrap();
+    for (name, seed) in [("train.csv", 1), ("validate.csv", 2)] {
+        let driven = read_csv(&bundled(name), &rod.read_options()).unwrap();
+        let profile = Profile::uniform(driven.drive(), 0.2, AMBIENT_DEGC).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut output = Vec::new();
+        run(
+            &plant,
+            &mut plant.rest(AMBIENT_DEGC),
+            &profile,
+            |_, shown| {
+                output.push(shown.displacement[0] + noise.sample(&mut rng));
+            },
+        );
+        let recording = Recording::new(RecordingParts {
+            name: name.to_owned(),
+            time_s: Some(driven.time_s().to_vec()),
+            drive: driven.drive().to_vec(),
+            output_unit: "mm".to_owned(),
+            output,
+            ..RecordingParts::default()
+        })
+        .unwrap();
+        let mut bytes = Vec::new();
+        write_csv(&recording, &mut bytes).unwrap();
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    folder
+}
+
+fn diagnose(folder: &Path, args: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("sma").unwrap();
+    command
+        .current_dir(folder)
+        .args(["diagnose", "rod.toml", "--train", "train.csv"])
+        .args(args);
+    command
+}
+
+fn stdout(command: &mut Command) -> String {
+    String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+}
+
+fn json(folder: &Path, args: &[&str]) -> Value {
+    serde_json::from_str(&stdout(diagnose(folder, args).args(["--json", "-"]))).unwrap()
+}
+
+/// Exit code and stderr of a call that fails.
+fn refusal(folder: &Path, args: &[&str]) -> (i32, String) {
+    let assert = diagnose(folder, args).assert().failure();
+    let output = assert.get_output();
+    assert!(output.stdout.is_empty(), "stdout is for results");
+    let error = String::from_utf8(output.stderr.clone()).unwrap();
+    (output.status.code().unwrap(), error)
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect()
+}
+
+#[test]
+fn latent_heat_is_named_and_measured() {
+    let folder = with_latent_heat();
+    let json = json(folder.path(), &["--validate", "validate.csv"]);
+    assert_eq!(json["schema_version"], 1);
+    assert_eq!(json["command"], "diagnose");
+    assert_eq!(json["seed"], 1);
+    assert_eq!(json["output_unit"], "mm");
+    assert_eq!(json["verdict"], "explained");
+    let finding = &json["findings"][0];
+    assert_eq!(finding["effect"], "latent-heat");
+    assert_eq!(finding["plausible"], true);
+    assert_eq!(finding["literature"], serde_json::json!([4000.0, 37000.0]));
+    let size = &finding["parameters"][0];
+    assert_eq!(size["name"], "latent_heat_j_per_kg");
+    assert_eq!(size["unit"], "J/kg");
+    let value = size["value"].as_f64().unwrap();
+    assert!((value / LATENT_HEAT_J_PER_KG - 1.0).abs() < 0.05, "{value}");
+    assert_eq!(
+        json["extended"]["effects"],
+        serde_json::json!(["latent-heat"])
+    );
+    for (stage, key) in [("extended", "train_rmse"), ("extended", "validate_rmse")] {
+        let rmse = json[stage][key].as_f64().unwrap();
+        assert!((0.0045..0.0055).contains(&rmse), "{stage} {key} = {rmse}");
+    }
+    let share = json["explained_fraction"]["validate"].as_f64().unwrap();
+    assert!((0.98..1.02).contains(&share), "{share}");
+}
+
+#[test]
+fn the_document_has_its_keys() {
+    let folder = with_latent_heat();
+    let json = json(folder.path(), &["--validate", "validate.csv"]);
+    insta::assert_snapshot!(
+        [
+            ("", &json),
+            ("noise_floor", &json["noise_floor"]),
+            ("baseline", &json["baseline"]),
+            ("baseline.parameters", &json["baseline"]["parameters"][0]),
+            ("extended", &json["extended"]),
+            ("explained_fraction", &json["explained_fraction"]),
+            ("mismatch", &json["mismatch"]),
+            ("findings", &json["findings"][0]),
+            ("findings.parameters", &json["findings"][0]["parameters"][0]),
+            ("catalogue", &json["catalogue"][0]),
+        ]
+        .map(|(place, value)| format!("{place}: {}", keys(value).join(" ")))
+        .join("\n")
+    );
+    let effects: Vec<&str> = json["catalogue"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|entry| entry["effect"].as_str().unwrap())
+        .collect();
+    assert_eq!(effects, EffectId::ALL.map(EffectId::id));
+}
+
+#[test]
+fn the_verdict_comes_first_and_can_be_read_aloud() {
+    let folder = with_latent_heat();
+    let text = stdout(&mut diagnose(
+        folder.path(),
+        &["--validate", "validate.csv", "--quiet"],
+    ));
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(
+        lines[0].starts_with("Latent heat is missing: the rod takes up 12.0"),
+        "{text}"
+    );
+    assert!(
+        lines[1].starts_with("Error on the unseen recording "),
+        "{text}"
+    );
+    assert!(
+        lines[1].ends_with(" of what could be explained is."),
+        "{text}"
+    );
+    assert!(
+        text.contains("recorded - plain model: mm over s\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("recorded - extended model: mm over s\n"),
+        "{text}"
+    );
+    // Without unseen data, and without pictures.
+    let text = stdout(&mut diagnose(folder.path(), &["--no-plot", "--quiet"]));
+    assert!(
+        text.contains("Not yet tested on unseen data (--validate); held out in parts, "),
+        "{text}"
+    );
+    assert!(!text.contains("recorded - "), "{text}");
+}
+
+#[test]
+fn an_effect_that_may_not_be_found_is_no_finding() {
+    let folder = with_latent_heat();
+    let json = json(folder.path(), &["--without", "latent-heat"]);
+    assert_ne!(json["verdict"], "adequate");
+    for key in ["findings", "suspects"] {
+        let named = json[key].as_array().unwrap();
+        assert!(named.iter().all(|one| one["effect"] != "latent-heat"));
+    }
+    let entries = json["catalogue"].as_array().unwrap();
+    let entry = entries
+        .iter()
+        .find(|one| one["effect"] == "latent-heat")
+        .unwrap();
+    assert_eq!(entry["verdict"], "not_testable");
+    assert_eq!(entry["reason"], "left out by --without");
+}
+
+#[test]
+fn a_rod_that_lacks_nothing_is_adequate() {
+    let text = stdout(&mut diagnose(
+        &bundled(""),
+        &["--validate", "validate.csv", "--no-plot", "-q"],
+    ));
+    insta::assert_snapshot!(text);
+    let json = json(&bundled(""), &["--validate", "validate.csv"]);
+    assert_eq!(json["verdict"], "adequate");
+    assert_eq!(json["findings"], serde_json::json!([]));
+    assert_eq!(json["extended"], Value::Null);
+    assert_eq!(json["mismatch"]["block"], Value::Null);
+}
+
+#[test]
+fn training_data_are_not_unseen() {
+    let assert = diagnose(&bundled(""), &["--validate", "train.csv", "--json", "-"])
+        .assert()
+        .success();
+    let output = assert.get_output();
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["baseline"]["validate_rmse"], Value::Null);
+    let notes = String::from_utf8(output.stderr.clone()).unwrap();
+    assert!(notes.contains("train.csv: it is not unseen\n"), "{notes}");
+}
+
+#[test]
+fn threads_do_not_move_a_byte() {
+    let folder = with_latent_heat();
+    let on = |threads| {
+        stdout(&mut diagnose(
+            folder.path(),
+            &["--threads", threads, "--json", "-"],
+        ))
+    };
+    assert_eq!(on("1"), on("2"));
+}
+
+#[test]
+fn an_uncertain_specific_heat_widens_what_scales_with_it() {
+    let folder = with_latent_heat();
+    let sharp = json(folder.path(), &[]);
+    let rod = std::fs::read_to_string(folder.path().join("rod.toml")).unwrap();
+    let uncertain = rod.replace(
+        "specific_heat_j_per_kg_k = 480.0",
+        "specific_heat_j_per_kg_k = { value = 480.0, range = [450.0, 840.0] }",
+    );
+    std::fs::write(folder.path().join("rod.toml"), uncertain).unwrap();
+    let wide = json(folder.path(), &[]);
+    assert_eq!(
+        wide["specific_heat_range_carried"],
+        serde_json::json!([450.0, 840.0])
+    );
+    let width = |json: &Value, stage: &str, name: &str| {
+        let parameters = json[stage]["parameters"].as_array().unwrap();
+        let parameter = parameters.iter().find(|one| one["name"] == name).unwrap();
+        let end = |k: usize| parameter["ci95"][0][k].as_f64().unwrap();
+        end(1) - end(0)
+    };
+    for stage in ["baseline", "extended"] {
+        let name = "loop_half_width_k";
+        assert!(
+            width(&wide, stage, name) > 2.0 * width(&sharp, stage, name),
+            "{stage}"
+        );
+    }
+    // A heat over a power is a time: no temperature enters.
+    assert_eq!(wide["findings"], sharp["findings"]);
+}
+
+#[test]
+fn effects_that_do_not_exist_are_named_with_those_that_do() {
+    let (code, error) = refusal(&bundled(""), &["--without", "latent-heta"]);
+    assert_eq!(code, 2);
+    assert!(
+        error.contains("effect 'latent-heta': unknown; known are supply-lag dead-time latent-heat"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_help_lists_every_effect() {
+    let mut command = Command::cargo_bin("sma").unwrap();
+    let help = stdout(command.args(["diagnose", "--help"]));
+    for effect in EffectId::ALL {
+        assert!(help.contains(effect.id()), "{effect}");
+    }
+}
+
+#[test]
+fn errors_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(bundled("rod.toml"), folder.path().join("rod.toml")).unwrap();
+    let outputs = ["--json", "found.json", "--save-next", "next.csv"];
+    let (code, error) = refusal(folder.path(), &outputs);
+    assert_eq!(code, 3);
+    assert_eq!(
+        error,
+        "sma: train.csv: cannot be read: No such file or directory (os error 2)\n"
+    );
+    std::fs::copy(bundled("train.csv"), folder.path().join("train.csv")).unwrap();
+    for flag in ["--json", "--save-next"] {
+        let (code, error) = refusal(folder.path(), &[flag, "train.csv"]);
+        assert_eq!(code, 1);
+        assert_eq!(
+            error,
+            "sma: train.csv: is an input of this command; give another file for the result\n"
+        );
+    }
+    let (code, error) = refusal(
+        folder.path(),
+        &["--from-model", "none.toml", "--save-next", "next.csv"],
+    );
+    assert_eq!(code, 3);
+    assert!(
+        error.starts_with("sma: none.toml: cannot be read: "),
+        "{error}"
+    );
+    let files = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(files, 2, "nothing is left half written");
+}
+
+#[test]
+fn no_next_run_is_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["rod.toml", "train.csv"] {
+        std::fs::copy(bundled(name), folder.path().join(name)).unwrap();
+    }
+    let assert = diagnose(folder.path(), &["--save-next", "next.csv"])
+        .assert()
+        .success();
+    let notes = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    assert!(
+        notes.contains("no next run is proposed: --save-next writes nothing\n"),
+        "{notes}"
+    );
+    assert!(!folder.path().join("next.csv").exists());
+}
+
+/// A loop under a load: heated and cooled twice between 20 and 110 °C, once in part, and shifted by a kelvin
+/// for each 7.5 MPa.
+fn static_loop(stress_mpa: f64) -> String {
+    let mut text = "temperature_degc,displacement_mm,stress_mpa\n".to_owned();
+    let shift_k = stress_mpa / 7.5;
+    let up = (0..90).map(|k| (20.0 + f64::from(k), 66.0));
+    let down = (0..90).map(|k| (110.0 - f64::from(k), 52.0));
+    for (k, (temperature_degc, center_degc)) in up.chain(down).enumerate() {
+        let place = (temperature_degc - center_degc - shift_k) / 8.0;
+        // A wiggle in place of noise.
+        let wiggle_mm = 0.01 * (7.0 * k as f64).sin();
+        let displacement_mm = 2.0 + 4.0 * (0.5 + place.atan() / std::f64::consts::PI) + wiggle_mm;
+        let _ = writeln!(text, "{temperature_degc},{displacement_mm:.5},{stress_mpa}");
+    }
+    text
+}
+
+/// A folder with static recordings under these loads, MPa.
+fn static_rig(loads_mpa: &[f64]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("rod.toml"),
+        "[drive]\nkind = \"temperature\"\n",
+    )
+    .unwrap();
+    for (stress_mpa, name) in loads_mpa.iter().zip(["train.csv", "other.csv"]) {
+        std::fs::write(folder.path().join(name), static_loop(*stress_mpa)).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn static_recordings_under_two_loads_tell_the_stress_coupling() {
+    let folder = static_rig(&[50.0, 150.0]);
+    let json = json(folder.path(), &["other.csv", "--quiet"]);
+    assert_eq!(json["verdict"], "explained_in_part");
+    assert_eq!(json["findings"][0]["effect"], "stress-coupling");
+    let parameters = json["findings"][0]["parameters"].as_array().unwrap();
+    let found = parameters
+        .iter()
+        .find(|one| one["name"] == "stress_coupling_mpa_per_k")
+        .unwrap();
+    let value = found["value"].as_f64().unwrap();
+    assert!((value / 7.5 - 1.0).abs() < 0.05, "{value}");
+    let entries = json["catalogue"].as_array().unwrap();
+    let said = |id: &str| {
+        let entry = entries.iter().find(|one| one["effect"] == id).unwrap();
+        (entry["verdict"].as_str().unwrap(), entry["reason"].as_str())
+    };
+    assert_eq!(said("stress-coupling"), ("detected", None));
+    assert_eq!(said("latent-heat"), ("not_testable", Some("needs time")));
+    assert_eq!(
+        said("phase-dependent-resistance"),
+        ("not_testable", Some("no recording has a resistance"))
+    );
+    // The same keys as with time.
+    let own = with_latent_heat();
+    let with_time: Value =
+        serde_json::from_str(&stdout(diagnose(own.path(), &[]).args(["--json", "-"]))).unwrap();
+    for key in keys(&with_time) {
+        assert!(
+            ["simulations", "specific_heat_range_carried"].contains(&key)
+                || json.get(key).is_some(),
+            "{key}"
+        );
+    }
+    let text = stdout(&mut diagnose(folder.path(), &["other.csv", "--quiet"]));
+    assert!(
+        text.starts_with("Stress coupling is missing: the loop shifts with the stress, 7."),
+        "{text}"
+    );
+}
+
+#[test]
+fn one_load_tests_no_coupling_and_the_verdict_is_null() {
+    let folder = static_rig(&[50.0]);
+    let json = json(folder.path(), &["--quiet"]);
+    assert_eq!(json["verdict"], Value::Null);
+    assert_eq!(json["findings"], serde_json::json!([]));
+}
