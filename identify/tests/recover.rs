@@ -9,8 +9,8 @@ mod common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles, with_output};
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, RefineConfig, Loss, OffsetSource,
-    ParameterVector, WienerModel, fit, refine, validate,
+    Fit, FitConfig, ForwardModel, IdentifyError, Loss, OffsetSource, ParameterVector, RefineConfig,
+    WienerModel, fit, refine, validate,
 };
 use recording::{Quantity, Recording, RecordingParts};
 use std::ops::ControlFlow;

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use identify::{
-    Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig,
-    Refined, WienerModel, refine,
+    Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig, Refined,
+    WienerModel, refine,
 };
 use rayon::prelude::*;
 use recording::Recording;
@@ -134,7 +134,9 @@ impl<'a> Case<'a> {
                 let is_left_out = |k: usize| part.iter().any(|range| range.contains(&k));
                 let weights = (0..self.training.len()).map(|r| {
                     let place = self.layout.segments[r].range.clone();
-                    place.map(|k| f64::from(u8::from(!is_left_out(k)))).collect()
+                    place
+                        .map(|k| f64::from(u8::from(!is_left_out(k))))
+                        .collect()
                 });
                 let config = RefineConfig {
                     weights: Some(weights.collect()),
@@ -145,7 +147,9 @@ impl<'a> Case<'a> {
                 let moved =
                     self.node(node.model.clone(), refined.coordinates, refined.points, 0)?;
                 let residuals = part.iter().map(|range| &moved.residual[range.clone()]);
-                Ok(residuals.map(|residual| dot(residual, residual)).sum::<f64>())
+                Ok(residuals
+                    .map(|residual| dot(residual, residual))
+                    .sum::<f64>())
             })
             .collect::<Result<Vec<f64>, IdentifyError>>()?;
         let n: usize = parts.iter().flatten().map(ExactSizeIterator::len).sum();

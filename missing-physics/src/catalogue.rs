@@ -70,9 +70,19 @@ pub(crate) fn catalogue(
     let critical = last.found.critical;
     let entry = |effect: EffectId| {
         let unit = effect.info().parameters[0].unit;
-        let score = plain.found.scores.iter().find(|score| score.effect == effect);
-        let left = last.found.scores.iter().find(|score| score.effect == effect);
-        let detectable = left.or(score).map(|score| (critical + POWER) * score.errors[0]);
+        let score = plain
+            .found
+            .scores
+            .iter()
+            .find(|score| score.effect == effect);
+        let left = last
+            .found
+            .scores
+            .iter()
+            .find(|score| score.effect == effect);
+        let detectable = left
+            .or(score)
+            .map(|score| (critical + POWER) * score.errors[0]);
         let is_other = |named: &Named| named.others.iter().any(|(other, _)| *other == effect);
         let status = if let Some(need) = search.case.missing(effect) {
             Status::Unknown { need }

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use identify::{
-    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, ParameterVector, Validated, WienerModel, fit,
-    validate, validate_at,
+    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, ParameterVector, Validated,
+    WienerModel, fit, validate, validate_at,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -144,13 +144,21 @@ pub fn diagnose_from(
         .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
         .transpose()?;
     let catalogue = catalogue(&mut search, &judged)?;
-    let mut mismatch = located(&mut search, EffectSet::EMPTY, noise.gate.sqrt(), config.seed)?.0;
+    let mut mismatch = located(
+        &mut search,
+        EffectSet::EMPTY,
+        noise.gate.sqrt(),
+        config.seed,
+    )?
+    .0;
     if !judged.named.is_empty() {
         mismatch.blocks = blocks_of(&judged.named);
         mismatch.block = mismatch.blocks.first().copied();
     }
-    let has_remainder =
-        matches!(judged.verdict, Verdict::ExplainedInPart | Verdict::Unexplained);
+    let has_remainder = matches!(
+        judged.verdict,
+        Verdict::ExplainedInPart | Verdict::Unexplained
+    );
     let remainder = if has_remainder {
         remainder(&mut search, &judged, noise.gate, config.seed)?
     } else {
@@ -214,7 +222,11 @@ fn blocks_of(named: &[Named]) -> Vec<(EffectBlock, f64)> {
     let all: f64 = named.iter().map(|named| named.contribution.max(0.0)).sum();
     let mut blocks: Vec<(EffectBlock, f64)> = Vec::new();
     for named in named {
-        let weight = if all > 0.0 { named.contribution.max(0.0) / all } else { 0.0 };
+        let weight = if all > 0.0 {
+            named.contribution.max(0.0) / all
+        } else {
+            0.0
+        };
         let others = named.others.iter().copied();
         for (effect, probability) in others.chain([(named.effect, named.probability)]) {
             let block = effect.info().block;
@@ -276,7 +288,10 @@ fn extended(
     unseen: &[Recording],
     seed: u64,
 ) -> Result<Option<ExtendedStage>, IdentifyError> {
-    let Some(node) = search.get(judged.effects).filter(|node| !node.effects.is_empty()) else {
+    let Some(node) = search
+        .get(judged.effects)
+        .filter(|node| !node.effects.is_empty())
+    else {
         return Ok(None);
     };
     let from = best_starts(case, node, seed);
@@ -316,7 +331,10 @@ fn without_drifts(fit: &Fit, node: &Node) -> Vec<f64> {
     drop(EffectId::SensorDrift);
     let warmer_k = drop(EffectId::AmbientDrift).unwrap_or(0.0);
     let infos = node.model.parameters();
-    if let Some(center) = infos.iter().position(|info| info.name == "loop_center_degc") {
+    if let Some(center) = infos
+        .iter()
+        .position(|info| info.name == "loop_center_degc")
+    {
         point[center] -= warmer_k;
     }
     point

@@ -95,7 +95,7 @@ pub(crate) fn library() -> Vec<Plan> {
     for (period, most) in [(3.0, 6), (10.0, 4), (30.0, 2)] {
         plan(Triangle { period, most }, &[Full, Working, Middle]);
     }
-    for (period, most) in [(0.5, 24), (2.0, 12), (8.0, 4)] {
+    for (period, most) in [(0.5, 24), (2.0, 12), (2.0, 3), (8.0, 4)] {
         plan(Square { period, most }, &[Full, Working, Middle]);
     }
     for (hold, steps) in [(1.0, 8), (4.0, 6)] {

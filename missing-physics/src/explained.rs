@@ -28,7 +28,11 @@ pub(crate) fn explained(
     let mut after = Vec::new();
     for (k, recording) in unseen.iter().enumerate() {
         before.extend(blocks(base, &baseline.validated[k], recording)?);
-        after.extend(blocks(&extended.model, &extended.stage.validated[k], recording)?);
+        after.extend(blocks(
+            &extended.model,
+            &extended.stage.validated[k],
+            recording,
+        )?);
     }
     let share = |pick: &mut dyn FnMut(usize) -> usize| {
         let (mut n, mut sums) = (0.0, [0.0; 2]);

@@ -123,5 +123,9 @@ fn low_exponent(case: &Case<'_>, node: &Node) -> f64 {
     }
     let [x, y, xx, xy] = sums;
     let spread = xx - x * x / n;
-    if spread > 0.0 { (xy - x * y / n) / spread } else { 0.0 }
+    if spread > 0.0 {
+        (xy - x * y / n) / spread
+    } else {
+        0.0
+    }
 }

@@ -80,7 +80,11 @@ fn gap_samples(recording: &Recording, gap_s: f64) -> usize {
     let time_s = recording.time_s();
     let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / time_s.len() as f64;
     let most = recording.len() / (4 * FEWEST);
-    if dt_s > 0.0 { ((gap_s / dt_s) as usize).min(most) } else { 0 }
+    if dt_s > 0.0 {
+        ((gap_s / dt_s) as usize).min(most)
+    } else {
+        0
+    }
 }
 
 /// Residual of each fold when its samples are left out of the fit, to first order: elsewhere as it is.

@@ -171,8 +171,15 @@ pub(crate) fn judge(
 /// How much less than their number the samples tell where the best model leaves more than noise.
 fn dispersion(search: &Search<'_>, noise: &Measured) -> f64 {
     let floor = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
-    let least = search.nodes().map(Node::mean_square).fold(f64::INFINITY, f64::min);
-    if floor > 0.0 { (least / (floor * floor)).max(1.0) } else { 1.0 }
+    let least = search
+        .nodes()
+        .map(Node::mean_square)
+        .fold(f64::INFINITY, f64::min);
+    if floor > 0.0 {
+        (least / (floor * floor)).max(1.0)
+    } else {
+        1.0
+    }
 }
 
 /// The likeliest model, or where all leave more than noise that of the lowest held-out error among the first by
@@ -228,7 +235,9 @@ fn improved(
         let (error, allowed) = (trial.held_out(search, here)?, NEAR * here.mean_square());
         // Those with more effects fit better; the others must not be far.
         neighbors.retain(|&set| {
-            search.get(set).is_some_and(|node| node.mean_square() < allowed)
+            search
+                .get(set)
+                .is_some_and(|node| node.mean_square() < allowed)
         });
         neighbors.sort_by(|&a, &b| {
             let at = |set| search.get(set).map_or(f64::INFINITY, Node::mean_square);
@@ -238,7 +247,9 @@ fn improved(
         search.finish(&neighbors)?;
         let mut best = (error, effects);
         for set in neighbors {
-            let Some(node) = search.get(set) else { continue };
+            let Some(node) = search.get(set) else {
+                continue;
+            };
             let error = trial.held_out(search, node)?;
             if error < best.0 {
                 best = (error, set);
@@ -262,7 +273,11 @@ fn rivals(
         return Ok(Vec::new());
     };
     let sifted = search.sifted(less)?;
-    let own = sifted.found.scores.iter().find(|score| score.effect == effect);
+    let own = sifted
+        .found
+        .scores
+        .iter()
+        .find(|score| score.effect == effect);
     let direction = own.map(|own| own.direction.clone()).unwrap_or_default();
     Ok(sifted
         .found
@@ -337,7 +352,11 @@ fn lack(search: &Search<'_>, node: &Node) -> Result<Lack, IdentifyError> {
     let residual = span.outside(&white(&node.residual));
     let own = span.dimension();
     let terms = local_terms(case, node, &sensitivities)?;
-    for column in terms.iter().map(|term| &term.column).chain(&slow_terms(case)) {
+    for column in terms
+        .iter()
+        .map(|term| &term.column)
+        .chain(&slow_terms(case))
+    {
         span.widen(&white(column));
     }
     let added = &span.basis()[own..];
@@ -412,11 +431,7 @@ impl Trial {
     }
 
     /// Share of the explainable error that a model explains where it was not fitted.
-    fn explained(
-        &self,
-        search: &Search<'_>,
-        node: &Node,
-    ) -> Result<Option<f64>, IdentifyError> {
+    fn explained(&self, search: &Search<'_>, node: &Node) -> Result<Option<f64>, IdentifyError> {
         if !self.is_resolved() || node.effects.is_empty() {
             return Ok(None);
         }

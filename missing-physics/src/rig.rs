@@ -6,31 +6,31 @@ use identify::Rod;
 
 use crate::Setting;
 
-impl Setting {
-    /// What effects need to know of a rig, from its rod file: mass and surface per meter where diameter and
-    /// density are given, and the length in the unit of the output where a lever is given, without which
-    /// coefficients per length cannot be claimed.
-    #[must_use]
-    pub fn of_rod(rod: &Rod, output_unit: &str) -> Self {
-        let section_m2 = rod.diameter_m.map(|diameter_m| PI * diameter_m * diameter_m / 4.0);
-        let lever = rod.load.and_then(|load| load.lever);
-        let per_m = match output_unit {
-            "m" => Some(1.0),
-            "mm" => Some(1e3),
-            "um" | "µm" => Some(1e6),
-            _ => None,
-        };
-        Self {
-            mass_kg_per_m: section_m2
-                .zip(rod.density_kg_per_m3)
-                .map(|(section_m2, density)| section_m2 * density),
-            surface_m2_per_m: rod.diameter_m.map(|diameter_m| PI * diameter_m),
-            length_output: rod
-                .length_m
-                .zip(lever)
-                .zip(per_m)
-                .map(|((length_m, lever), per_m)| length_m * lever.abs() * per_m),
-            ..Self::default()
-        }
+/// What effects need to know of a rig, from its rod file: mass and surface per meter where diameter and
+/// density are given, and the length in the unit of the output where a lever is given, without which
+/// coefficients per length cannot be claimed.
+#[must_use]
+pub fn setting_of_rod(rod: &Rod, output_unit: &str) -> Setting {
+    let section_m2 = rod
+        .diameter_m
+        .map(|diameter_m| PI * diameter_m * diameter_m / 4.0);
+    let lever = rod.load.and_then(|load| load.lever);
+    let per_m = match output_unit {
+        "m" => Some(1.0),
+        "mm" => Some(1e3),
+        "um" | "µm" => Some(1e6),
+        _ => None,
+    };
+    Setting {
+        mass_kg_per_m: section_m2
+            .zip(rod.density_kg_per_m3)
+            .map(|(section_m2, density)| section_m2 * density),
+        surface_m2_per_m: rod.diameter_m.map(|diameter_m| PI * diameter_m),
+        length_output: rod
+            .length_m
+            .zip(lever)
+            .zip(per_m)
+            .map(|((length_m, lever), per_m)| length_m * lever.abs() * per_m),
+        ..Setting::default()
     }
 }

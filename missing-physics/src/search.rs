@@ -51,12 +51,7 @@ pub(crate) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(
-        case: &'a Case<'a>,
-        baseline: Node,
-        catalogue: EffectSet,
-        seed: u64,
-    ) -> Self {
+    pub(crate) fn new(case: &'a Case<'a>, baseline: Node, catalogue: EffectSet, seed: u64) -> Self {
         Self {
             case,
             catalogue,
@@ -79,7 +74,9 @@ impl<'a> Search<'a> {
     }
 
     fn index(&self, effects: EffectSet) -> Option<usize> {
-        self.visited.iter().position(|one| one.node.effects == effects)
+        self.visited
+            .iter()
+            .position(|one| one.node.effects == effects)
     }
 
     /// Scores at a model that was visited.
@@ -174,7 +171,11 @@ impl<'a> Search<'a> {
     pub(crate) fn children(&mut self, effects: EffectSet) -> Result<Vec<EffectSet>, IdentifyError> {
         let sifted = self.sifted(effects)?;
         let critical = sifted.found.critical;
-        let most = if effects.is_empty() { [usize::MAX; 2] } else { [BY_PLAIN, BY_WHITENED] };
+        let most = if effects.is_empty() {
+            [usize::MAX; 2]
+        } else {
+            [BY_PLAIN, BY_WHITENED]
+        };
         let shortlist = shortlist(&sifted.found.scores, critical, most);
         let wanted: Vec<(EffectSet, &Score)> = shortlist
             .iter()

@@ -26,7 +26,9 @@ impl Said {
         };
         Self {
             value: factor * estimate.value,
-            half: estimate.ci95.map(|[lower, upper]| 0.5 * factor * (upper - lower)),
+            half: estimate
+                .ci95
+                .map(|[lower, upper]| 0.5 * factor * (upper - lower)),
             unit,
             factor,
         }
@@ -35,7 +37,10 @@ impl Said {
 
 /// Value, half of the interval and unit, with as many digits as the interval leaves.
 fn quantity(said: &Said) -> String {
-    let coarse = said.half.filter(|half| *half > 0.0).unwrap_or(said.value.abs() / 100.0);
+    let coarse = said
+        .half
+        .filter(|half| *half > 0.0)
+        .unwrap_or(said.value.abs() / 100.0);
     let decimals = if coarse > 0.0 {
         // One digit of the uncertainty, two where it begins with 1.
         (-(coarse * 0.5).log10().floor()).clamp(0.0, 6.0) as usize
@@ -61,7 +66,9 @@ fn quantity(said: &Said) -> String {
 /// Whether a template's pure number is a share: "{value} of the stroke", "up to {value}".
 fn is_share(template: &str, place: &str) -> bool {
     let after = template.split(place).nth(1).unwrap_or("");
-    after.starts_with(" of") || after.starts_with(" wider") || template.contains(&format!("up to {place}"))
+    after.starts_with(" of")
+        || after.starts_with(" wider")
+        || template.contains(&format!("up to {place}"))
 }
 
 /// What a finding means: the effect's sentence with its numbers, and where the literature has them.
@@ -97,7 +104,11 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
 
 /// With three digits at most.
 fn round(value: f64) -> String {
-    let exponent = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    let exponent = if value == 0.0 {
+        0.0
+    } else {
+        value.abs().log10().floor()
+    };
     let decimals = (2.0 - exponent).clamp(0.0, 6.0) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') {
@@ -109,7 +120,7 @@ fn round(value: f64) -> String {
 
 fn capitalized(text: &str) -> String {
     let mut letters = text.chars();
-    letters
-        .next()
-        .map_or(String::new(), |first| first.to_uppercase().to_string() + letters.as_str())
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().to_string() + letters.as_str()
+    })
 }

@@ -11,7 +11,7 @@ use wiener::hysteresis::{LoopParams, Rule};
 use wiener::{Profile, Start, WienerParams};
 
 use crate::case::Case;
-use crate::{EffectSet, EffectValues, Extended, Member, Setting};
+use crate::{EffectSet, EffectValues, Extended, Member, Setting, setting_of_rod};
 
 const ROD: &str = r#"
 [rod]
@@ -48,7 +48,7 @@ impl Synthetic {
         let rod = Rod::parse("rod.toml", ROD).unwrap();
         let setting = Setting {
             rule: Rule::LastReversal,
-            ..Setting::of_rod(&rod, "mm")
+            ..setting_of_rod(&rod, "mm")
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let training: Vec<Recording> = [("slow", slow_a(), 0.3), ("steps", steps_a(), 0.1)]

@@ -2,8 +2,8 @@
 
 use identify::{ForwardModel, IdentifyError, ParameterVector};
 
+use crate::Sign;
 use crate::case::{Case, Node};
-use crate::info::Sign;
 use crate::projection::{dot, norm};
 use crate::{EffectId, Role};
 

@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 use identify::{
-    Fit, FitConfig, ForwardModel, ParameterVector, RefineConfig, Rod, WienerModel, fit,
-    refine, validate, validate_at,
+    Fit, FitConfig, ForwardModel, ParameterVector, RefineConfig, Rod, WienerModel, fit, refine,
+    validate, validate_at,
 };
 use missing_physics::{EffectId, ExtendedModel, Role, ScreenConfig, Setting, screen};
 use recording::{Recording, read_csv};

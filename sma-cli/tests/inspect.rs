@@ -50,3 +50,24 @@ fn a_missing_column_is_bad_input() {
     let error = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
     assert!(error.starts_with("sma: rod.toml:"), "{error}");
 }
+
+#[test]
+fn stress_and_resistance_are_described() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("static.csv");
+    let rows = "temperature_degc,displacement_mm,stress_mpa,resistance_ohm\n20,0,50,0.8\n40,1,52,0.75\n60,4,51,0.7\n";
+    std::fs::write(&file, rows).unwrap();
+    let rod = folder.path().join("rod.toml");
+    let resistance =
+        "[drive]\nkind = \"temperature\"\n[columns]\nresistance = \"resistance_ohm\"\n";
+    std::fs::write(&rod, resistance).unwrap();
+    let text = inspect(&[file.to_str().unwrap(), "--rod", rod.to_str().unwrap()]);
+    assert!(
+        text.contains("  stress      5.000e7 to 5.200e7 Pa\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("  resistance  0.7000 to 0.8000 ohm\n"),
+        "{text}"
+    );
+}

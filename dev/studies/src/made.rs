@@ -1,5 +1,7 @@
 use identify::Rod;
-use missing_physics::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
+use missing_physics::{
+    EffectId, EffectSet, EffectValues, Extended, Member, Setting, setting_of_rod,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -90,7 +92,9 @@ pub fn made_up(made: &Made) -> MadeUp {
         convective_coefficient_w_per_m2_k: drawn(50.0, 75.0),
     };
     let params = WienerParams {
-        heat: rod.heat_balance().unwrap_or_else(|_| unreachable!("positive values")),
+        heat: rod
+            .heat_balance()
+            .unwrap_or_else(|_| unreachable!("positive values")),
         limiting_loop: LoopParams {
             loop_center_degc: drawn(52.0, 62.0),
             loop_half_width_k: drawn(5.0, 9.0),
@@ -127,7 +131,7 @@ fn recording(
     let setting = Setting {
         active: made.effects,
         run_length_s: Some(DT_S * current_a.len() as f64),
-        ..Setting::of_rod(rod, "mm")
+        ..setting_of_rod(rod, "mm")
     };
     let member = Member {
         params: *params,
@@ -232,6 +236,7 @@ impl Played {
     fn ramp(&mut self, from: f64, to: f64, seconds: f64) {
         let n = (seconds / DT_S).round() as usize;
         let step = (to - from) / n as f64;
-        self.current_a.extend((0..n).map(|k| from + step * k as f64));
+        self.current_a
+            .extend((0..n).map(|k| from + step * k as f64));
     }
 }

@@ -9,7 +9,8 @@ use identify::{
 };
 use indicatif::ProgressBar;
 use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Setting, Verdict, diagnose,
+    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Verdict, diagnose,
+    setting_of_rod,
 };
 use recording::Recording;
 
@@ -262,7 +263,7 @@ impl DiagnoseArgs {
             .iter()
             .fold(EffectSet::all(), |all, effect| all.without(*effect));
         Ok(DiagnoseConfig {
-            setting: Setting::of_rod(&rig.rod, rig.training[0].output_unit()),
+            setting: setting_of_rod(&rig.rod, rig.training[0].output_unit()),
             catalogue,
             baseline: FitConfig {
                 from,

@@ -207,7 +207,7 @@ impl Diagnosed<'_> {
             Status::Excluded { upper } => ("excluded", format!("above {}", size(upper))),
             Status::NotTestable => {
                 let mut said = entry.minimum_detectable.map_or(
-                    "leaves no trace that the plain model does not take up".to_owned(),
+                    "would leave no trace in these recordings".to_owned(),
                     |least| format!("would show from {} up, more than is plausible", size(least)),
                 );
                 if let Some(absorption) = entry

@@ -33,7 +33,7 @@ pub(crate) fn spoken(value: f64) -> String {
 /// A share in whole percent, with a decimal where it is all but the whole or all but nothing.
 pub(crate) fn spoken_percent(share: f64) -> String {
     let whole = 100.0 * share;
-    let is_near_end = (0.0..1.0).contains(&whole) || (99.0..100.0).contains(&whole);
+    let is_near_end = (0.05..1.0).contains(&whole) || (99.0..99.95).contains(&whole);
     if is_near_end {
         format!("{whole:.1} %")
     } else {
@@ -82,8 +82,8 @@ mod tests {
         );
         assert_eq!(percent(0.95012), "95.0 %");
         assert_eq!(
-            [0.874, 0.998, 0.004, 1.0, -0.31].map(spoken_percent),
-            ["87 %", "99.8 %", "0.4 %", "100 %", "-31 %"]
+            [0.874, 0.998, 0.9998, 0.004, 1.0, -0.31].map(spoken_percent),
+            ["87 %", "99.8 %", "100 %", "0.4 %", "100 %", "-31 %"]
         );
         assert_eq!(
             [999, 1000, 1_234_567].map(count),

@@ -90,19 +90,16 @@ fn errors(diagnosis: &Diagnosis) -> String {
     };
     let unit = unit(diagnosis);
     let share = |share: f64, interval: Option<[f64; 2]>| {
+        let said = spoken_percent(share);
         // A floor that is only a lower bound makes the share one, too.
-        let at_least = if diagnosis.noise_floor.upper.is_none() {
-            "at least "
-        } else {
-            ""
-        };
-        let interval = interval.map_or(String::new(), |[lower, upper]| {
-            format!(" ({} to {})", spoken_percent(lower), spoken_percent(upper))
+        let is_least = diagnosis.noise_floor.upper.is_none() && said != spoken_percent(1.0);
+        let at_least = if is_least { "at least " } else { "" };
+        let ends = interval.map(|ends| ends.map(spoken_percent));
+        let ends = ends.filter(|ends| ends.iter().any(|end| *end != said));
+        let ends = ends.map_or(String::new(), |[lower, upper]| {
+            format!(" ({lower} to {upper})")
         });
-        format!(
-            "{at_least}{}{interval} of what could be explained is",
-            spoken_percent(share)
-        )
+        format!("{at_least}{said}{ends} of what could be explained is")
     };
     let unseen = &diagnosis.baseline.validated;
     let pair = (

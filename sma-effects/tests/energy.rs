@@ -4,7 +4,7 @@
 
 mod support;
 
-use missing_physics::{EffectId, EffectSet, EffectValues};
+use sma_effects::{EffectId, EffectSet, EffectValues};
 use support::{AMBIENT_DEGC, params, rod, setting, trace};
 
 /// What the rod lost to the air over a sample, J/m, from its temperatures alone: they run exponentially

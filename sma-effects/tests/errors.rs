@@ -6,7 +6,7 @@ mod support;
 
 use std::error::Error;
 
-use missing_physics::{EffectId, EffectSet, EffectValues, ExtendedPlant, PhysicsError, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, PhysicsError, Setting};
 use support::{params, setting};
 use wiener::Drive;
 

@@ -4,8 +4,8 @@
 
 mod support;
 
-use missing_physics::{EffectId, EffectSet, EffectValues, ExtendedPlant, Member};
 use proptest::prelude::*;
+use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Member};
 use support::{AMBIENT_DEGC, all_typical, current_a, fleet, params, setting, various};
 use wiener::{Input, Plant, Profile};
 

@@ -4,7 +4,7 @@
 
 mod support;
 
-use missing_physics::{EffectId, EffectSet, EffectValues, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 use support::{Trace, current_a, drive_of, params, setting, trace, with_effect};
 use wiener::Drive;
 

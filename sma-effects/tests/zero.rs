@@ -4,7 +4,7 @@
 
 mod support;
 
-use missing_physics::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
 use support::{AMBIENT_DEGC, DRIVES, current_a, drive_of, fleet, params, setting, trace, various};
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Ensemble, Input, Plant, Profile, Wiener, WienerParams};
@@ -18,7 +18,7 @@ fn every_set() -> Vec<EffectSet> {
 /// Bits that the baseline shows for the same members.
 fn baseline(
     setting: &Setting,
-    members: &[missing_physics::Member],
+    members: &[sma_effects::Member],
     profile: &Profile<'_>,
 ) -> Vec<Vec<u64>> {
     let members: Vec<wiener::Member> = members
@@ -125,7 +125,7 @@ fn partners_do_nothing_without_a_size() {
     );
     for effect in EffectId::ALL {
         for (index, parameter) in effect.info().parameters.iter().enumerate() {
-            if matches!(parameter.role, missing_physics::Role::Partner { .. }) {
+            if matches!(parameter.role, sma_effects::Role::Partner { .. }) {
                 *values.slot(effect, index).unwrap() = parameter.bounds[1];
             }
         }

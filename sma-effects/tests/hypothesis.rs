@@ -6,7 +6,7 @@ mod support;
 
 use std::path::Path;
 
-use missing_physics::{
+use sma_effects::{
     EffectBlock, EffectId, EffectSet, EffectValues, ExtendedPlant, Hypothesis, PhysicsError, Role,
     Setting,
 };

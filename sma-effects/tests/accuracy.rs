@@ -4,7 +4,7 @@
 
 mod support;
 
-use missing_physics::{EffectId, EffectSet, EffectValues, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 use support::{Trace, all_typical, current_a, largest, params, setting, trace, with_effect};
 use wiener::WienerParams;
 

@@ -7,7 +7,7 @@ mod support;
 use std::f64::consts::PI;
 
 use approx::assert_abs_diff_eq;
-use missing_physics::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
 use support::{
     AMBIENT_DEGC, DRIVES, Trace, current_a, drive_of, largest, params, rod, setting, trace,
     with_effect,

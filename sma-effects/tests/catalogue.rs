@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use missing_physics::{EffectBlock, EffectId, EffectSet, EffectValues, Role, Sign};
+use sma_effects::{EffectBlock, EffectId, EffectSet, EffectValues, Role, Sign};
 
 #[test]
 fn the_ids_are_those_of_the_design() {

@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::io::{self, Write};
 
-use missing_physics::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
 use wiener::hysteresis::LoopParams;
 use wiener::thermal::RodParams;
 use wiener::{Profile, Start, WienerParams};

@@ -4,9 +4,7 @@
 #![allow(dead_code, reason = "no test file uses all of it")]
 #![allow(unreachable_pub, reason = "shared by test files, each its own crate")]
 
-use missing_physics::{
-    EffectId, EffectSet, EffectValues, Extended, ExtendedPlant, Member, Setting,
-};
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, ExtendedPlant, Member, Setting};
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
 use wiener::{Drive, Input, Plant, Profile, Start, WienerParams};

@@ -1,0 +1,42 @@
+#![doc = include_str!("../README.md")]
+
+mod advance;
+mod bracket;
+mod effect;
+mod effects;
+mod elementary;
+mod error;
+mod fleet;
+mod heat;
+mod hypothesis;
+mod info;
+mod knots;
+mod lag;
+mod loop_scale;
+mod part;
+mod plant;
+mod play;
+mod set;
+mod setting;
+mod shown;
+mod solve;
+mod start;
+mod state;
+mod values;
+
+pub use effects::{
+    AmbientDrift, Backlash, DeadTime, EffectId, EffectValues, EndConduction, EndStop,
+    FunctionalFatigue, LatentHeat, LoopAsymmetry, LoopShape, NaturalConvection, OutputLag,
+    PhaseDependentResistance, RPhase, Radiation, ReturnPointMemory, SensorDrift,
+    SensorNonlinearity, StressCoupling, SupplyLag, ThermalExpansion, ThermocoupleLag,
+};
+pub use error::PhysicsError;
+pub use fleet::{Extended, Member};
+pub use hypothesis::Hypothesis;
+pub use info::{
+    EffectBlock, EffectInfo, EffectParameter, Literature, Need, Role, Sign, Smoothness,
+};
+pub use plant::ExtendedPlant;
+pub use set::EffectSet;
+pub use setting::Setting;
+pub use state::ExtendedState;
