@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use identify::{
     Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig, Refined,
-    WienerModel, refine,
+    WienerModel, refine, validate_at,
 };
 use rayon::prelude::*;
 use recording::Recording;
@@ -121,9 +121,31 @@ impl<'a> Case<'a> {
         )
     }
 
+    /// Mean square error of a node on each recording when it is refitted to the others from where it stands.
+    pub(crate) fn without_recordings(&self, node: &Node) -> Result<f64, IdentifyError> {
+        let squares = (0..self.training.len())
+            .into_par_iter()
+            .map(|left_out| {
+                let others: Vec<usize> = (0..self.training.len())
+                    .filter(|&r| r != left_out)
+                    .collect();
+                let training: Vec<Recording> =
+                    others.iter().map(|&r| self.training[r].clone()).collect();
+                let vector = ParameterVector::new(node.model.parameters(), training.len());
+                let start =
+                    vector.coordinates(|parameter, r| Some(node.points[others[r]][parameter]));
+                let refined = refine(&node.model, &training, &[start], &self.config(SHORT))?;
+                let recording = &self.training[left_out];
+                let rmse = validate_at(&node.model, &refined.points[0], recording)?.rmse;
+                Ok(rmse * rmse * recording.len() as f64)
+            })
+            .collect::<Result<Vec<f64>, IdentifyError>>()?;
+        Ok(squares.iter().sum::<f64>() / self.layout.n_outputs() as f64)
+    }
+
     /// Mean square error of a node on parts of the training, each of some ranges of a series, when it is refitted
     /// to the rest from where it stands.
-    pub(crate) fn refitted_without(
+    pub(crate) fn without_parts(
         &self,
         node: &Node,
         parts: &[Vec<Range<usize>>],
@@ -301,6 +323,25 @@ impl Node {
     pub(crate) fn values(&self, effect: EffectId) -> Option<&[f64]> {
         let first = self.model.first_parameter(effect)?;
         Some(&self.points[0][first..first + effect.info().parameters.len()])
+    }
+
+    /// Whether a parameter of an effect stands on a bound that is no end of what can be: the recordings pull it
+    /// beyond what is physical.
+    pub(crate) fn is_pressed(&self, effect: EffectId) -> bool {
+        /// Distance from a bound, as a share of the range.
+        const NEAR: f64 = 1e-3;
+        // A hard stop holds back all, and a rod may remember by the other rule alone.
+        let ends_there = matches!(effect, EffectId::EndStop | EffectId::ReturnPointMemory);
+        let values = self.values(effect).unwrap_or(&[]);
+        let parameters = effect.info().parameters.iter().zip(values);
+        parameters.into_iter().any(|(parameter, &value)| {
+            let [lower, upper] = parameter.bounds;
+            let margin = NEAR * (upper - lower);
+            let is_size = parameter.role == Role::Size;
+            let at_lower = value <= lower + margin && !(is_size && lower == 0.0);
+            let at_upper = value >= upper - margin && !(is_size && ends_there);
+            at_lower || at_upper
+        })
     }
 
     /// Whether a size of an effect is all but zero: it is there by name only.

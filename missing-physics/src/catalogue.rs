@@ -4,6 +4,7 @@ use identify::IdentifyError;
 
 use crate::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
 use crate::judge::{Judged, Named};
+use crate::scores::Score;
 use crate::screening::POWER;
 use crate::search::Search;
 use crate::sentence;
@@ -91,11 +92,18 @@ pub(crate) fn catalogue(
         } else if judged.named.iter().any(is_other) {
             Status::Ambiguous
         } else {
-            let largest = largest(effect);
+            let (largest, signed) = largest(effect);
+            let upper = |left: &Score| {
+                let size = left.sizes[0];
+                let size = if signed { size.abs() } else { size.max(0.0) };
+                size + HALF_95 * left.errors[0]
+            };
             match left {
-                Some(left) if (critical + POWER) * left.errors[0] <= largest => Status::Excluded {
-                    upper: left.sizes[0].max(0.0) + HALF_95 * left.errors[0],
-                },
+                Some(left)
+                    if (critical + POWER) * left.errors[0] <= largest && upper(left) < largest =>
+                {
+                    Status::Excluded { upper: upper(left) }
+                }
                 _ => Status::NotTestable,
             }
         };
@@ -111,14 +119,15 @@ pub(crate) fn catalogue(
     Ok(EffectId::ALL.into_iter().map(entry).collect())
 }
 
-/// Largest plausible size of an effect's first parameter, in magnitude.
-fn largest(effect: EffectId) -> f64 {
+/// Largest plausible size of an effect's first parameter, in magnitude, and whether it may be negative.
+fn largest(effect: EffectId) -> (f64, bool) {
     let first = effect
         .info()
         .parameters
         .iter()
         .find(|parameter| parameter.role == Role::Size);
-    first.map_or(0.0, |parameter| {
-        parameter.bounds[0].abs().max(parameter.bounds[1].abs())
+    first.map_or((0.0, false), |parameter| {
+        let [lower, upper] = parameter.bounds;
+        (lower.abs().max(upper.abs()), lower < 0.0)
     })
 }

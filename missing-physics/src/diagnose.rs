@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use identify::{
-    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, ParameterVector, Validated,
+    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, Limits, ParameterVector, Validated,
     WienerModel, fit, validate, validate_at,
 };
 use rand::{Rng, SeedableRng};
@@ -14,15 +14,18 @@ use recording::Recording;
 use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
-    Diagnosis, ExtendedStage, Floor, Mismatch, NoiseClass, Remainder, Shape, Stage, Verdict,
+    Diagnosis, ExtendedStage, Floor, Mismatch, NextExperiment, NoiseClass, Remainder, Shape, Stage,
+    Verdict,
 };
+use crate::elsewhere::without_drifts;
 use crate::explained::explained;
 use crate::floor::{Measured, measured};
 use crate::judge::{Judged, Named, judge};
 use crate::locate::{Located, locate, remainder_shape};
+use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
 use crate::whiten::Whitener;
-use crate::{EffectBlock, EffectId, EffectSet, Role, Setting};
+use crate::{EffectBlock, EffectSet, Role, Setting};
 
 /// Places from which the final refit could start.
 const PLACES: usize = 63;
@@ -33,6 +36,9 @@ const SHORT_SEARCHES: usize = 15;
 /// Those of them that are followed to the end.
 const FOLLOWED: usize = 3;
 
+/// Most explanations that a run is sought for.
+const RIVALS: usize = 3;
+
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
@@ -40,6 +46,8 @@ pub struct DiagnoseConfig {
     pub setting: Setting,
     /// Effects that may be found.
     pub catalogue: EffectSet,
+    /// What the rig stands: for the run that is proposed.
+    pub limits: Limits,
     /// Search of the baseline.
     pub baseline: FitConfig,
     /// Seed of everything that is drawn.
@@ -51,6 +59,7 @@ impl Default for DiagnoseConfig {
         Self {
             setting: Setting::default(),
             catalogue: EffectSet::all(),
+            limits: Limits::default(),
             baseline: FitConfig {
                 starts: 16,
                 ..FitConfig::default()
@@ -164,6 +173,7 @@ pub fn diagnose_from(
     } else {
         None
     };
+    let next_experiment = next(&search, &judged, &config.limits)?;
     let simulations = plain.simulations
         + search.simulations()
         + extended.as_ref().map_or(0, |one| one.stage.fit.simulations);
@@ -183,7 +193,7 @@ pub fn diagnose_from(
         suspects,
         remainder,
         catalogue,
-        next_experiment: None,
+        next_experiment,
         simulations,
         seed: config.seed,
     })
@@ -214,6 +224,30 @@ fn located(
         None => None,
     };
     Ok((mismatch, shape))
+}
+
+/// The run that would tell apart a name that is not sure and what else it could be.
+fn next(
+    search: &Search<'_>,
+    judged: &Judged,
+    limits: &Limits,
+) -> Result<Option<NextExperiment>, IdentifyError> {
+    let unsure = judged.named.iter().filter(|named| !named.others.is_empty());
+    let strongest = unsure.max_by(|a, b| a.contribution.total_cmp(&b.contribution));
+    let (Some(named), Some(best)) = (strongest, search.get(judged.effects)) else {
+        return Ok(None);
+    };
+    let less = judged.effects.without(named.effect);
+    let others = named.others.iter().filter_map(|&(effect, _)| {
+        let node = search.get(less.with(effect))?;
+        Some(Rival { effect, node })
+    });
+    let own = Rival {
+        effect: named.effect,
+        node: best,
+    };
+    let rivals: Vec<Rival<'_>> = std::iter::once(own).chain(others).take(RIVALS).collect();
+    next_experiment(search.case, &rivals, limits, &best.noise)
 }
 
 /// Blocks of what was found, with the probabilities of the names: what an effect can do is known better than
@@ -303,7 +337,7 @@ fn extended(
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let fit = fit(&node.model, case.training, &config, go_on)?;
-    let point = without_drifts(&fit, node);
+    let point = without_drifts(&node.model, &fit.point(0));
     let validated = unseen
         .iter()
         .map(|recording| validate_at(&node.model, &point, recording))
@@ -313,31 +347,6 @@ fn extended(
         model: node.model.clone(),
         stage: Stage { fit, validated },
     }))
-}
-
-/// A drift is of its recording: of that of the surroundings another one has the mean, which is as a loop that
-/// lies lower, and of that of the sensor's zero nothing.
-fn without_drifts(fit: &Fit, node: &Node) -> Vec<f64> {
-    let mut point = fit.point(0);
-    let mut drop = |effect: EffectId| {
-        let first = node.model.first_parameter(effect)?;
-        let knots = &mut point[first..first + effect.info().parameters.len()];
-        // Straight between knots, from 0 at the start.
-        let ends = knots.last().copied().unwrap_or(0.0);
-        let mean = (knots.iter().sum::<f64>() - 0.5 * ends) / knots.len() as f64;
-        knots.fill(0.0);
-        Some(mean)
-    };
-    drop(EffectId::SensorDrift);
-    let warmer_k = drop(EffectId::AmbientDrift).unwrap_or(0.0);
-    let infos = node.model.parameters();
-    if let Some(center) = infos
-        .iter()
-        .position(|info| info.name == "loop_center_degc")
-    {
-        point[center] -= warmer_k;
-    }
-    point
 }
 
 /// Where a node stands, and the ends of short searches from elsewhere that got lowest.

@@ -152,7 +152,8 @@ impl Plan {
 }
 
 impl Kind {
-    /// Its name and course; `None` if no part of it fits the bench. Long, since each kind's words stand beside its course.
+    /// Its name and course; `None` if no part of it fits the bench. Long, for each kind's words stand beside its
+    /// course.
     fn legs(self, bench: &Bench, levels: Levels) -> Option<(String, Vec<Leg>)> {
         let Levels { low, high } = levels;
         let range = range(levels, &bench.unit);

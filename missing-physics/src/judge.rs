@@ -38,14 +38,23 @@ const ALIKE: f64 = 0.5;
 /// Residual over noise, squared, from which likelihoods are no longer to be believed, nor linear views.
 const MISFIT: f64 = 2.0;
 
-/// Models that are tried on held-out parts, by likelihood and by error each.
-const CANDIDATES: usize = 4;
+/// Models of each number of effects that are tried on held-out parts for their error, beside the likeliest.
+const BY_ERROR: usize = 2;
+
+/// Neighbors of a model that are tried.
+const NEIGHBORS: usize = 4;
 
 /// Rounds of exchanges.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
+
+/// Held-out mean square over that of the chosen model up to which another one does nearly as well.
+const NEARLY: f64 = 1.2;
 
 /// Squared error of a neighbor over that of the model, up to which it is tried.
 const NEAR: f64 = 1.5;
+
+/// Recordings from which whole ones are left out in turn.
+const FEWEST_RECORDINGS: usize = 3;
 
 /// Parts of the training that are left out in turn, each with a refit.
 const PARTS: usize = 4;
@@ -63,8 +72,6 @@ pub(crate) struct Judged {
     /// Share of the explainable error that the chosen model explains, held out; `None` where the baseline's
     /// error is the noise's.
     pub(crate) explained: Option<f64>,
-    /// What no parameter of the chosen model explains.
-    pub(crate) lack: Lack,
 }
 
 /// An effect of the chosen model.
@@ -133,6 +140,7 @@ pub(crate) fn judge(
             contribution,
         });
     }
+    let shared = trial.shared(search, effects);
     let Some(best) = search.get(effects) else {
         unreachable!("a chosen model was visited");
     };
@@ -150,7 +158,8 @@ pub(crate) fn judge(
         } else {
             Verdict::Adequate
         }
-    } else if !passes {
+    } else if !passes || shared != effects {
+        // Other roads lead as far without some of these.
         Verdict::Unexplained
     } else if is_left && left > SMALL_REMAINDER && trial.far_off(search, best, noise) {
         Verdict::ExplainedInPart
@@ -164,7 +173,6 @@ pub(crate) fn judge(
         effects,
         named,
         explained: explained.or((!effects.is_empty()).then_some(by_lack)),
-        lack,
     })
 }
 
@@ -182,26 +190,33 @@ fn dispersion(search: &Search<'_>, noise: &Measured) -> f64 {
     }
 }
 
-/// The likeliest model, or where all leave more than noise that of the lowest held-out error among the first by
-/// likelihood and by error.
+/// The likeliest model, or where all leave more than noise that of the lowest held-out error.
 fn chosen(search: &Search<'_>, trial: &Trial) -> Result<EffectSet, IdentifyError> {
-    let mut sets: Vec<EffectSet> = search.nodes().map(|node| node.effects).collect();
+    let mut sets: Vec<EffectSet> = search
+        .nodes()
+        .filter(|node| trial.admits(node))
+        .map(|node| node.effects)
+        .collect();
     sets.sort_by(|&a, &b| search.worth(b).total_cmp(&search.worth(a)));
     if !trial.refits {
         return Ok(sets[0]);
     }
-    let mut candidates: Vec<&Node> = sets
-        .iter()
-        .take(CANDIDATES)
-        .filter_map(|&set| search.get(set))
-        .collect();
-    let mut nodes: Vec<&Node> = search.nodes().collect();
-    nodes.sort_by(|a, b| a.mean_square().total_cmp(&b.mean_square()));
-    for node in nodes.into_iter().take(CANDIDATES) {
-        if !candidates.iter().any(|other| other.effects == node.effects) {
-            candidates.push(node);
-        }
-    }
+    let mut by_error = sets.clone();
+    by_error.sort_by(|&a, &b| {
+        let at = |set| search.get(set).map_or(f64::INFINITY, Node::mean_square);
+        at(a).total_cmp(&at(b))
+    });
+    // Of every number of effects: large models fit best, and need not predict best.
+    let most = sets.iter().map(|set| set.len()).max().unwrap_or(0);
+    let candidates = (0..=most).flat_map(|n| {
+        let of_size = move |set: &&EffectSet| set.len() == n;
+        let first = by_error.iter().filter(of_size).take(BY_ERROR);
+        first
+            .chain(sets.iter().filter(of_size).take(1))
+            .copied()
+            .collect::<Vec<_>>()
+    });
+    let candidates = candidates.filter_map(|set| search.get(set));
     let mut best = (f64::INFINITY, EffectSet::EMPTY);
     for node in candidates {
         let error = trial.held_out(search, node)?;
@@ -243,7 +258,7 @@ fn improved(
             let at = |set| search.get(set).map_or(f64::INFINITY, Node::mean_square);
             at(a).total_cmp(&at(b))
         });
-        neighbors.truncate(CANDIDATES);
+        neighbors.truncate(NEIGHBORS);
         search.finish(&neighbors)?;
         let mut best = (error, effects);
         for set in neighbors {
@@ -409,20 +424,51 @@ impl Trial {
             return Ok(*error);
         }
         drop(known);
-        let error = if self.refits {
+        let error = if self.refits && search.case.training.len() >= FEWEST_RECORDINGS {
+            // Another rate or amplitude is the harder test.
+            search.case.without_recordings(node)?
+        } else if self.refits {
             let parts: Vec<Vec<Range<usize>>> = (0..PARTS)
                 .map(|part| {
                     let own = self.folds.iter().skip(part).step_by(PARTS);
                     own.map(|fold| fold.scored.clone()).collect()
                 })
                 .collect();
-            search.case.refitted_without(node, &parts)?
+            search.case.without_parts(node, &parts)?
         } else {
             let sensitivities = sensitivities(search.case, node)?;
             mean_square(&held_out(node, &sensitivities, &self.folds), &self.folds)
         };
         self.known.borrow_mut().push((node.effects, error));
         Ok(error)
+    }
+
+    /// Whether a model may be chosen: none of its effects is pressed against a bound, and where much is left a
+    /// flexible one does not help others to their names.
+    fn admits(&self, node: &Node) -> bool {
+        let helps = self.refits && node.effects.len() > 1;
+        node.effects
+            .iter()
+            .all(|effect| !node.is_pressed(effect) && !(helps && effect.info().flexible))
+    }
+
+    /// Effects that all models share whose held-out error is nearly as low as that of a model.
+    fn shared(&self, search: &Search<'_>, effects: EffectSet) -> EffectSet {
+        let known = self.known.borrow();
+        let of = |wanted| known.iter().find(|(set, _)| *set == wanted);
+        let Some((_, least)) = of(effects).filter(|_| self.refits) else {
+            return effects;
+        };
+        let near = known.iter().filter(|(set, error)| {
+            let node = search.get(*set);
+            *error < NEARLY * least && node.is_some_and(|node| self.admits(node))
+        });
+        near.fold(effects, |shared, (set, _)| {
+            shared
+                .iter()
+                .filter(|&effect| set.contains(effect))
+                .collect()
+        })
     }
 
     /// Whether the baseline leaves more than noise beyond doubt.

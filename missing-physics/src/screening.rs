@@ -96,7 +96,6 @@ pub fn screen(
 pub(crate) struct Sifted {
     pub(crate) found: Scores,
     pub(crate) sensitivities: Vec<Sensitivity>,
-    pub(crate) traces: Vec<Trace>,
 }
 
 /// Scores the effects of a set that a node does not have and that can be computed.
@@ -133,6 +132,5 @@ pub(crate) fn sift(
     Ok(Sifted {
         found,
         sensitivities,
-        traces,
     })
 }

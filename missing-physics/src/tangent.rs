@@ -25,8 +25,6 @@ const AT_BOUND: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub(crate) struct Trace {
     pub(crate) effect: EffectId,
-    /// Number of the size among the effect's parameters.
-    pub(crate) parameter: usize,
     /// Value of the partner, where there is one.
     pub(crate) partner: Option<f64>,
     /// Whether the size may only be positive.
@@ -148,7 +146,6 @@ pub(crate) fn traces(
             }
             Trace {
                 effect,
-                parameter,
                 partner,
                 one_sided: parameters[parameter].sign() == Sign::NonNegative,
                 secant,

@@ -45,7 +45,7 @@ fn with_latent_heat() -> tempfile::TempDir {
     let plant = ExtendedPlant::<1>::new(&setting, &[truth], &[effects]).unwrap();
     let noise = Normal::new(0.0, NOISE_MM).unwrap();
     for (name, seed) in [("train.csv", 1), ("validate.csv", 2)] {
-        let driven = read_csv(&bundled(name), &rod.read_options()).unwrap();
+        let driven = read_csv(bundled(name), &rod.read_options()).unwrap();
         let profile = Profile::uniform(driven.drive(), 0.2, AMBIENT_DEGC).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut output = Vec::new();

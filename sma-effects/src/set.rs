@@ -17,6 +17,7 @@ impl EffectSet {
     }
 
     /// One effect.
+    #[inline(always)]
     #[must_use]
     pub const fn of(effect: EffectId) -> Self {
         Self {
@@ -25,6 +26,7 @@ impl EffectSet {
     }
 
     /// This set and one effect more.
+    #[inline(always)]
     #[must_use]
     pub const fn with(self, effect: EffectId) -> Self {
         Self {

@@ -79,9 +79,24 @@ pub struct MadeUp {
 ///
 /// # Panics
 ///
-/// Never for values within their bounds.
+/// If a value is outside its bounds.
 #[must_use]
 pub fn made_up(made: &Made) -> MadeUp {
+    driven(made, training_current_a())
+}
+
+/// The same with `n_samples` for training: the drive starts again, or is cut.
+///
+/// # Panics
+///
+/// As [`made_up`].
+#[must_use]
+pub fn made_up_of_length(made: &Made, n_samples: usize) -> MadeUp {
+    let round = training_current_a();
+    driven(made, round.into_iter().cycle().take(n_samples).collect())
+}
+
+fn driven(made: &Made, training_current_a: Vec<f64>) -> MadeUp {
     let mut rng = ChaCha8Rng::seed_from_u64(made.seed);
     let mut drawn = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
     let rod = RodParams {
@@ -113,7 +128,7 @@ pub fn made_up(made: &Made) -> MadeUp {
         recording(name, &current_a, made, &params, &known, &mut noise)
     };
     MadeUp {
-        training: vec![played("train.csv", training_current_a(), 1)],
+        training: vec![played("train.csv", training_current_a, 1)],
         unseen: vec![played("held.csv", unseen_current_a(), 2)],
         rod: known,
         noise_mm,

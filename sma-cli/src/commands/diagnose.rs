@@ -252,6 +252,10 @@ impl DiagnoseArgs {
             .collect()
     }
 
+    #[allow(
+        clippy::needless_update,
+        reason = "a setting that is not a flag has its default"
+    )]
     fn config(&self, model: &RigModel, rig: &Rig) -> anyhow::Result<DiagnoseConfig> {
         let preset = DiagnoseConfig::default();
         let from = match &self.from_model {
@@ -265,6 +269,7 @@ impl DiagnoseArgs {
         Ok(DiagnoseConfig {
             setting: setting_of_rod(&rig.rod, rig.training[0].output_unit()),
             catalogue,
+            limits: rig.rod.limits,
             baseline: FitConfig {
                 from,
                 ..preset.baseline.clone()

@@ -148,15 +148,15 @@ impl Diagnosed<'_> {
                     right(percent(span.share)),
                 ]);
             }
-            let _ = writeln!(text, "{table}");
+            let _ = writeln!(text, "\n{table}");
         }
         if let Some(band) = bands.iter().max_by(|a, b| a.share.total_cmp(&b.share)) {
             let _ = writeln!(
                 text,
-                " {} of it between {} and {} Hz",
-                percent(band.share),
-                significant(band.hz[0]),
-                significant(band.hz[1])
+                "In frequency: {} of it between {} and {} Hz",
+                spoken_percent(band.share),
+                spoken(band.hz[0]),
+                spoken(band.hz[1])
             );
         }
         text

@@ -7,7 +7,7 @@ use identify::{Bounds, Estimate, NotTestable, StaticEffect, StaticEffects, Stati
 use missing_physics::{EffectId, Verdict};
 use serde_json::{Value, json};
 
-use super::number::{significant, spoken, spoken_percent};
+use super::number::{percent, significant, spoken};
 use super::table::{folding, right, table, unpadded};
 
 /// What keeps static recordings from telling of any other effect.
@@ -226,8 +226,8 @@ fn sentence(one: &StaticEffect) -> String {
     let change = &one.estimates[0];
     format!(
         "Phase-dependent resistance is missing: the resistance changes by {}{} of its cold value while transforming.",
-        spoken_percent(change.value),
-        bracketed(change, spoken_percent)
+        percent(change.value),
+        bracketed(change, percent)
     )
 }
 

@@ -7,11 +7,22 @@ use missing_physics::{Diagnosis, EffectBlock, EffectId, Finding, NoiseClass, Rem
 
 use super::number::{significant, spoken, spoken_percent};
 
+/// Distance to a bound, as a share of the range, at which a value stands on it.
+const NEAR_BOUND: f64 = 1e-6;
+
 /// The verdict, how well it holds, and what it does not say: a few lines.
 pub(crate) fn verdict(diagnosis: &Diagnosis) -> String {
+    let (said, errors) = (said(diagnosis), errors(diagnosis));
+    // What the unseen recordings do not bear out is not said without that.
+    let [first, third] = if fails_unseen(diagnosis) {
+        [errors, said]
+    } else {
+        [said, errors]
+    };
     let parts = [
-        said(diagnosis),
-        errors(diagnosis),
+        first,
+        at_bounds(diagnosis),
+        third,
         noise(diagnosis),
         diagnosis
             .remainder
@@ -51,13 +62,15 @@ fn said(diagnosis: &Diagnosis) -> String {
             )
         }
         Verdict::Explained | Verdict::Ambiguous => findings,
-        Verdict::ExplainedInPart => format!("{findings}\nThese names hold, and something else is left."),
+        // What it is follows.
+        Verdict::ExplainedInPart if diagnosis.remainder.is_some() => findings,
+        Verdict::ExplainedInPart => format!("{findings}\nSomething else is left."),
         Verdict::Unexplained => {
             let closest: Vec<&str> = diagnosis.suspects.iter().map(|one| one.effect.info().name).collect();
-            let closest = if closest.is_empty() {
-                "None of it even helps.".to_owned()
-            } else {
-                format!("Closest: {}, which is no finding.", listed(&closest, "and"))
+            let closest = match closest.as_slice() {
+                [] => "None of it even helps.".to_owned(),
+                [one] => format!("Closest: {one}, which is no finding."),
+                several => format!("Closest: {}, which are no findings.", listed(several, "and")),
             };
             format!("Something is missing, and nothing in the catalogue accounts for it. {closest}")
         }
@@ -80,6 +93,40 @@ fn found(finding: &Finding) -> String {
         capitalized(&listed(&names, "or")),
         names[0],
         full_stop(what)
+    )
+}
+
+/// Whether the unseen recordings are met no better with what was found.
+fn fails_unseen(diagnosis: &Diagnosis) -> bool {
+    let before = Validated::rmse_of_all(&diagnosis.baseline.validated);
+    let extended = diagnosis.extended.as_ref();
+    let after = extended.and_then(|one| Validated::rmse_of_all(&one.stage.validated));
+    before
+        .zip(after)
+        .is_some_and(|(before, after)| after >= before)
+}
+
+/// Which sizes would be larger still if they could: a sign that another effect is meant.
+fn at_bounds(diagnosis: &Diagnosis) -> String {
+    let estimates = diagnosis.findings.iter().flat_map(|finding| {
+        let infos = finding.effect.info().parameters.iter();
+        infos.zip(&finding.parameters)
+    });
+    let on_bound: Vec<&str> = estimates
+        .filter(|(info, estimate)| {
+            let near = NEAR_BOUND * (info.bounds[1] - info.bounds[0]);
+            let is_whole = info.name.ends_with("_share") && info.bounds[1] >= 1.0;
+            let is_on = |bound: f64| bound != 0.0 && (estimate.value - bound).abs() <= near;
+            !is_whole && info.bounds.into_iter().any(is_on)
+        })
+        .map(|(info, _)| info.name)
+        .collect();
+    if on_bound.is_empty() {
+        return String::new();
+    }
+    format!(
+        "DOUBTFUL, on a bound of what is possible: {}. The data pull further: something else may be meant.",
+        listed(&on_bound, "and")
     )
 }
 
@@ -119,20 +166,25 @@ fn errors(diagnosis: &Diagnosis) -> String {
         }
         return text + ".";
     };
+    let error = if diagnosis.verdict == Verdict::Unexplained {
+        "With what is closest, error"
+    } else {
+        "Error"
+    };
     let recordings = if unseen.len() == 1 {
         "recording"
     } else {
         "recordings"
     };
     let change = format!("{}{unit}", change(before, after));
-    if after >= before {
+    if fails_unseen(diagnosis) {
         return format!(
-            "Error on the unseen {recordings} {change}: it does not fall, so that this does not carry over to them."
+            "{error} on the unseen {recordings} {change}: it does not fall. What follows fits the training recordings only."
         );
     }
     let Some(validate) = explained.validate else {
         return format!(
-            "Error on the unseen {recordings} {change}; the plain model's error is the noise's there, and tests nothing."
+            "{error} on the unseen {recordings} {change}; the plain model's error is the noise's there, and tests nothing."
         );
     };
     let said = share(validate, explained.validate_interval);
@@ -140,7 +192,7 @@ fn errors(diagnosis: &Diagnosis) -> String {
         Some([lower, _]) if lower <= 0.0 => " What was not seen does not bear this out.",
         _ => "",
     };
-    format!("Error on the unseen {recordings} {change}; {said}.{doubt}")
+    format!("{error} on the unseen {recordings} {change}; {said}.{doubt}")
 }
 
 /// From one error to another, with the digits that tell them apart.
@@ -188,9 +240,9 @@ fn remains(left: &Remainder, unit: &str) -> String {
             ", most likely in the {} ({}){}",
             block_name(block),
             spoken_percent(probability),
-            cell.map_or(String::new(), |cell| format!(", most of it at {}", cell.at))
+            cell.map_or(String::new(), |cell| format!(", above all: {}", cell.at))
         ),
-        (None, Some(cell)) => format!(", most of it at {}", cell.at),
+        (None, Some(cell)) => format!(", above all: {}", cell.at),
         (None, None) => String::new(),
     };
     format!(

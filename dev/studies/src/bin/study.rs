@@ -1,0 +1,172 @@
+//! Runs a study, or the rest of it, and prints what its cases come to.
+//!
+//! `study <study> [--cases a..b] [--out FILE]`; see the README.
+
+use std::error::Error;
+use std::fs;
+use std::io::{self, ErrorKind, Write};
+use std::num::NonZero;
+use std::ops::{ControlFlow, Range};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::thread::available_parallelism;
+
+use studies::{CaseLine, Results, Study, StudyError, in_order, run_case, summary};
+
+/// Where results go unless told otherwise, from the workspace's root.
+const RESULTS: &str = "dev/studies/results";
+
+/// Exit code of a command line that is none.
+const USAGE: u8 = 2;
+
+/// What is to be run.
+struct Job {
+    study: Study,
+    cases: Range<u64>,
+    out: PathBuf,
+}
+
+fn main() -> ExitCode {
+    let job = match job(std::env::args().skip(1)) {
+        Ok(job) => job,
+        Err(text) => {
+            say(&format!(
+                "{text}\nusage: study <study> [--cases a..b] [--out FILE]\nstudies: {}",
+                Study::ALL.map(Study::id).join(" ")
+            ));
+            return ExitCode::from(USAGE);
+        }
+    };
+    match run(&job) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(n_failed) => {
+            say(&format!(
+                "{n_failed} cases failed; another run tries them again"
+            ));
+            ExitCode::FAILURE
+        }
+        Err(error) => {
+            say(&with_sources(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn job(mut args: impl Iterator<Item = String>) -> Result<Job, String> {
+    let id = args.next().ok_or("no study is given")?;
+    let study = Study::parse(&id).map_err(|error| error.to_string())?;
+    let mut job = Job {
+        study,
+        cases: 0..study.n_cases(),
+        out: [RESULTS, &format!("{}.jsonl", study.id())].iter().collect(),
+    };
+    while let Some(flag) = args.next() {
+        let value = args.next().ok_or(format!("{flag}: a value is missing"))?;
+        match flag.as_str() {
+            "--cases" => job.cases = cases(&value)?,
+            "--out" => job.out = value.into(),
+            _ => return Err(format!("{flag}: no such flag")),
+        }
+    }
+    Ok(job)
+}
+
+fn cases(text: &str) -> Result<Range<u64>, String> {
+    let ends = text.split_once("..");
+    ends.and_then(|(first, end)| Some(first.parse().ok()?..end.parse().ok()?))
+        .ok_or(format!(
+            "--cases {text}: must be two whole numbers, as 0..20"
+        ))
+}
+
+/// Runs what is not in the file yet, prints the summary, and returns how many cases failed.
+fn run(job: &Job) -> Result<usize, StudyError> {
+    // Only the last folder is made: a whole path of them would hide that this is not the workspace's root.
+    if let Some(folder) = job
+        .out
+        .parent()
+        .filter(|folder| folder.starts_with(RESULTS))
+    {
+        match fs::create_dir(folder) {
+            Err(source) if source.kind() != ErrorKind::AlreadyExists => {
+                let path = folder.to_owned();
+                return Err(StudyError::File { path, source });
+            }
+            _ => (),
+        }
+    }
+    let mut results = Results::open(&job.out)?;
+    let missing: Vec<u64> = job
+        .cases
+        .clone()
+        .filter(|&case| !results.contains(job.study, case))
+        .collect();
+    let n_threads = available_parallelism().map_or(1, NonZero::get);
+    let (mut n_failed, mut broken) = (0, None);
+    in_order(
+        &missing,
+        n_threads,
+        |&case| run_case(job.study, case),
+        |done| {
+            let appended = match done {
+                Ok(line) => {
+                    say(&progress(&line));
+                    results.append(line)
+                }
+                Err(error) => {
+                    n_failed += 1;
+                    say(&with_sources(&error));
+                    Ok(())
+                }
+            };
+            match appended {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => {
+                    broken = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
+        },
+    );
+    if let Some(error) = broken {
+        return Err(error);
+    }
+    let results = results.sorted()?;
+    let lines: Vec<&CaseLine> = results.of(job.study).collect();
+    // A closed pipe is not a fault of the study.
+    let _ = io::stdout().write_all(summary(job.study, &lines).as_bytes());
+    Ok(n_failed)
+}
+
+fn progress(line: &CaseLine) -> String {
+    let concealed = line.truth.as_ref().map_or("clean".to_owned(), |truth| {
+        format!("{} x {}", truth.effect, truth.multiple)
+    });
+    let names = line
+        .diagnosis
+        .findings
+        .iter()
+        .map(|one| one.effect.as_str());
+    format!(
+        "{} {}: {concealed}: {} {}",
+        line.study.id(),
+        line.case,
+        line.diagnosis.verdict,
+        names.collect::<Vec<_>>().join(" ")
+    )
+}
+
+fn with_sources(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(error) = source {
+        text += &format!(": {error}");
+        source = error.source();
+    }
+    text
+}
+
+/// Notes go to stderr; whoever closes it does not want them.
+fn say(text: &str) {
+    let _ = writeln!(io::stderr(), "{}", text.trim_end());
+}
