@@ -14,11 +14,7 @@ use crate::{EffectId, EffectSet, Role};
 const HALF_95: f64 = 1.96;
 
 /// An effect of the chosen model with its numbers.
-pub(crate) fn finding(
-    named: &Named,
-    extended: Option<&ExtendedStage>,
-    _search: &Search<'_>,
-) -> Finding {
+pub(crate) fn finding(named: &Named, extended: Option<&ExtendedStage>) -> Finding {
     let info = named.effect.info();
     let fitted = |name: &str| extended.and_then(|one| one.stage.fit.parameter(name));
     let parameters: Vec<Estimate> = info
@@ -87,9 +83,9 @@ pub(crate) fn catalogue(
         let is_other = |named: &Named| named.others.iter().any(|(other, _)| *other == effect);
         let status = if let Some(need) = search.case.missing(effect) {
             Status::Unknown { need }
-        } else if judged.effects.contains(effect) {
+        } else if judged.named.iter().any(|named| named.effect == effect) {
             Status::Detected
-        } else if judged.named.iter().any(is_other) {
+        } else if judged.effects.contains(effect) || judged.named.iter().any(is_other) {
             Status::Ambiguous
         } else {
             let (largest, signed) = largest(effect);

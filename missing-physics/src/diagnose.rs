@@ -14,8 +14,8 @@ use recording::Recording;
 use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
-    Diagnosis, ExtendedStage, Floor, Mismatch, NextExperiment, NoiseClass, Remainder, Shape, Stage,
-    Verdict,
+    Diagnosis, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass, Remainder,
+    Shape, Stage, Verdict,
 };
 use crate::elsewhere::without_drifts;
 use crate::explained::explained;
@@ -133,7 +133,9 @@ pub fn diagnose_from(
     }
     let case = Case::new(base, &plain, training, config.setting);
     progress(DiagnoseProgress::Search);
-    let mut search = Search::new(&case, case.baseline()?, config.catalogue, config.seed);
+    let highest = noise.upper.unwrap_or(noise.lower).powi(2).max(noise.gate);
+    let baseline_node = case.baseline()?;
+    let mut search = Search::new(&case, baseline_node, config.catalogue, highest, config.seed);
     search.grow()?;
     let judged = judge(&mut search, &noise, tau_s)?;
     progress(DiagnoseProgress::Refit);
@@ -141,13 +143,15 @@ pub fn diagnose_from(
     progress(DiagnoseProgress::Locate);
     let best = search.get(judged.effects).unwrap_or(search.baseline());
     let floor = noise.floor(&case, best);
-    let mut findings: Vec<_> = judged
-        .named
-        .iter()
-        .map(|named| finding(named, extended.as_ref(), &search))
-        .collect();
-    findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
-    let is_licensed = judged.verdict != Verdict::Unexplained;
+    let written = |named: &[Named]| {
+        let mut findings: Vec<Finding> = named
+            .iter()
+            .map(|named| finding(named, extended.as_ref()))
+            .collect();
+        findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
+        findings
+    };
+    let (findings, suspects) = (written(&judged.named), written(&judged.suspects));
     let explained = extended
         .as_ref()
         .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
@@ -177,11 +181,6 @@ pub fn diagnose_from(
     let simulations = plain.simulations
         + search.simulations()
         + extended.as_ref().map_or(0, |one| one.stage.fit.simulations);
-    let (findings, suspects) = if is_licensed {
-        (findings, Vec::new())
-    } else {
-        (Vec::new(), findings)
-    };
     Ok(Diagnosis {
         verdict: judged.verdict,
         noise_floor: floor,

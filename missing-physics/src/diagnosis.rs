@@ -287,7 +287,7 @@ pub struct Entry {
 pub enum Status {
     /// It is there.
     Detected,
-    /// It may be there under another name: see `could_also_be`.
+    /// It may be there, under this name or another: see `could_also_be` and the suspects.
     Ambiguous,
     /// It is at most this large, in the unit of its size.
     Excluded {

@@ -12,7 +12,7 @@ use crate::folds::{Fold, folds, held_out, mean_square};
 use crate::local_terms::{local_terms, slow_terms};
 use crate::projection::{Span, dot};
 use crate::scores::Score;
-use crate::search::Search;
+use crate::search::{Search, UNIVERSAL};
 use crate::tangent::sensitivities;
 use crate::whiten::Whitener;
 use crate::{EffectId, EffectSet};
@@ -35,23 +35,14 @@ const SMALL_REMAINDER: f64 = 0.02;
 /// Cosine of two traces from which they could be one another's names.
 const ALIKE: f64 = 0.5;
 
-/// Residual over noise, squared, from which likelihoods are no longer to be believed, nor linear views.
-const MISFIT: f64 = 2.0;
-
-/// Models of each number of effects that are tried on held-out parts for their error, beside the likeliest.
-const BY_ERROR: usize = 2;
+/// Residual over noise, squared, from which not every effect gets a name.
+const FAR: f64 = 4.0;
 
 /// Neighbors of a model that are tried.
 const NEIGHBORS: usize = 4;
 
 /// Rounds of exchanges.
 const ROUNDS: usize = 3;
-
-/// Held-out mean square over that of the chosen model up to which another one does nearly as well.
-const NEARLY: f64 = 1.2;
-
-/// Squared error of a neighbor over that of the model, up to which it is tried.
-const NEAR: f64 = 1.5;
 
 /// Recordings from which whole ones are left out in turn.
 const FEWEST_RECORDINGS: usize = 3;
@@ -69,6 +60,8 @@ pub(crate) struct Judged {
     /// Effects of the chosen model.
     pub(crate) effects: EffectSet,
     pub(crate) named: Vec<Named>,
+    /// Effects of the chosen model whose names do not hold.
+    pub(crate) suspects: Vec<Named>,
     /// Share of the explainable error that the chosen model explains, held out; `None` where the baseline's
     /// error is the noise's.
     pub(crate) explained: Option<f64>,
@@ -113,12 +106,12 @@ pub(crate) fn judge(
     noise: &Measured,
     tau_s: f64,
 ) -> Result<Judged, IdentifyError> {
-    let dispersion = dispersion(search, noise);
-    let trial = Trial::of(search, noise, tau_s, dispersion > MISFIT)?;
-    let mut effects = chosen(search, &trial)?;
-    if trial.refits {
-        effects = improved(search, &trial, effects)?;
+    let mut effects = chosen(search);
+    if search.is_misfit() {
+        effects = improved(search, effects)?;
     }
+    let dispersion = search.dispersion();
+    let trial = Trial::of(search, noise, tau_s, search.is_misfit())?;
     let contributions = loop {
         let contributions = contributions(search, &trial, effects)?;
         let weakest = contributions.iter().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -140,140 +133,83 @@ pub(crate) fn judge(
             contribution,
         });
     }
-    let shared = trial.shared(search, effects);
+    let shared = shared(search, effects);
     let Some(best) = search.get(effects) else {
         unreachable!("a chosen model was visited");
     };
+    // Far above the noise something else is going on, and whatever bends can help: then only what every rod has
+    // gets a name, and only if no other road leads as far without it.
+    let is_far = best.mean_square() > FAR * search.noise();
+    let (mut licensed, mut suspects): (Vec<Named>, Vec<Named>) =
+        named.into_iter().partition(|named| {
+            let is_shared = shared.contains(named.effect) || !named.others.is_empty();
+            is_shared && (!is_far || UNIVERSAL.contains(&named.effect))
+        });
     let lack = lack(search, best)?;
     let explained = trial.explained(search, best)?;
     let gained = 2.0 * (best.noise.nats() - search.baseline().noise.nats());
     let by_lack = gained / (gained + lack.beyond);
-    let share = explained.filter(|_| trial.tells(search, best, noise));
+    let share = explained.filter(|_| trial.tells(best, noise));
     let passes = share.unwrap_or(by_lack) >= GATE;
     let left = 1.0 - explained.unwrap_or(by_lack).min(by_lack);
     let is_left = lack.p_value < LACK_OF_FIT;
-    let verdict = if named.is_empty() {
-        if is_left && trial.far_off(search, search.baseline(), noise) {
+    let verdict = if effects.is_empty() {
+        if is_left && Trial::far_off(search.baseline(), noise) {
             Verdict::Unexplained
         } else {
             Verdict::Adequate
         }
-    } else if !passes || shared != effects {
-        // Other roads lead as far without some of these.
+    } else if !passes || licensed.is_empty() {
         Verdict::Unexplained
-    } else if is_left && left > SMALL_REMAINDER && trial.far_off(search, best, noise) {
+    } else if is_left && left > SMALL_REMAINDER && Trial::far_off(best, noise) {
         Verdict::ExplainedInPart
-    } else if named.iter().any(|named| !named.others.is_empty()) {
+    } else if licensed.iter().any(|named| !named.others.is_empty()) {
         Verdict::Ambiguous
     } else {
         Verdict::Explained
     };
+    if verdict == Verdict::Unexplained {
+        suspects.append(&mut licensed);
+    }
     Ok(Judged {
         verdict,
         effects,
-        named,
+        named: licensed,
+        suspects,
         explained: explained.or((!effects.is_empty()).then_some(by_lack)),
     })
 }
 
-/// How much less than their number the samples tell where the best model leaves more than noise.
-fn dispersion(search: &Search<'_>, noise: &Measured) -> f64 {
-    let floor = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
-    let least = search
-        .nodes()
-        .map(Node::mean_square)
-        .fold(f64::INFINITY, f64::min);
-    if floor > 0.0 {
-        (least / (floor * floor)).max(1.0)
-    } else {
-        1.0
-    }
+/// The most credible model.
+fn chosen(search: &Search<'_>) -> EffectSet {
+    let admitted = search.nodes().filter(|node| search.admits(node));
+    let best = admitted
+        .map(|node| (search.credit(node.effects), node.effects))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or(EffectSet::EMPTY, |(_, effects)| effects)
 }
 
-/// The likeliest model, or where all leave more than noise that of the lowest held-out error.
-fn chosen(search: &Search<'_>, trial: &Trial) -> Result<EffectSet, IdentifyError> {
-    let mut sets: Vec<EffectSet> = search
-        .nodes()
-        .filter(|node| trial.admits(node))
-        .map(|node| node.effects)
-        .collect();
-    sets.sort_by(|&a, &b| search.worth(b).total_cmp(&search.worth(a)));
-    if !trial.refits {
-        return Ok(sets[0]);
-    }
-    let mut by_error = sets.clone();
-    by_error.sort_by(|&a, &b| {
-        let at = |set| search.get(set).map_or(f64::INFINITY, Node::mean_square);
-        at(a).total_cmp(&at(b))
-    });
-    // Of every number of effects: large models fit best, and need not predict best.
-    let most = sets.iter().map(|set| set.len()).max().unwrap_or(0);
-    let candidates = (0..=most).flat_map(|n| {
-        let of_size = move |set: &&EffectSet| set.len() == n;
-        let first = by_error.iter().filter(of_size).take(BY_ERROR);
-        first
-            .chain(sets.iter().filter(of_size).take(1))
-            .copied()
-            .collect::<Vec<_>>()
-    });
-    let candidates = candidates.filter_map(|set| search.get(set));
-    let mut best = (f64::INFINITY, EffectSet::EMPTY);
-    for node in candidates {
-        let error = trial.held_out(search, node)?;
-        if error < best.0 {
-            best = (error, node.effects);
-        }
-    }
-    Ok(best.1)
-}
-
-/// The model with effects exchanged, added or left out for as long as that lowers the held-out error: roads that
+/// The model with effects exchanged, added or left out for as long as that makes it more credible: roads that
 /// lead to one place differ in their order.
-fn improved(
-    search: &mut Search<'_>,
-    trial: &Trial,
-    mut effects: EffectSet,
-) -> Result<EffectSet, IdentifyError> {
+fn improved(search: &mut Search<'_>, mut effects: EffectSet) -> Result<EffectSet, IdentifyError> {
     for _ in 0..ROUNDS {
         let mut neighbors: Vec<EffectSet> = search.children(effects)?;
         for effect in effects.iter() {
             neighbors.extend(search.exchanged(effects, effect, None));
-            for (rival, direction) in rivals(search, effects, effect)? {
-                if direction > ALIKE {
+            for (rival, cosine) in rivals(search, effects, effect)? {
+                if cosine > ALIKE {
                     neighbors.extend(search.exchanged(effects, effect, Some(&rival)));
                 }
             }
         }
-        let Some(here) = search.get(effects) else {
-            return Ok(effects);
-        };
-        let (error, allowed) = (trial.held_out(search, here)?, NEAR * here.mean_square());
-        // Those with more effects fit better; the others must not be far.
-        neighbors.retain(|&set| {
-            search
-                .get(set)
-                .is_some_and(|node| node.mean_square() < allowed)
-        });
-        neighbors.sort_by(|&a, &b| {
-            let at = |set| search.get(set).map_or(f64::INFINITY, Node::mean_square);
-            at(a).total_cmp(&at(b))
-        });
+        neighbors.sort_by(|&a, &b| search.credit(b).total_cmp(&search.credit(a)));
         neighbors.truncate(NEIGHBORS);
         search.finish(&neighbors)?;
-        let mut best = (error, effects);
-        for set in neighbors {
-            let Some(node) = search.get(set) else {
-                continue;
-            };
-            let error = trial.held_out(search, node)?;
-            if error < best.0 {
-                best = (error, set);
-            }
-        }
-        if best.1 == effects {
+        let best = chosen(search);
+        if best == effects {
             break;
         }
-        effects = best.1;
+        effects = best;
     }
     Ok(effects)
 }
@@ -329,6 +265,21 @@ fn contributions(
         shares.push((effect, share));
     }
     Ok(shares)
+}
+
+/// Effects that all models share which are nearly as credible as a model, where all leave more than noise.
+fn shared(search: &Search<'_>, effects: EffectSet) -> EffectSet {
+    let least = search.credit(effects) - AS_WELL;
+    let near = search
+        .nodes()
+        .filter(|node| search.is_misfit() && search.admits(node))
+        .filter(|node| search.credit(node.effects) > least);
+    near.fold(effects, |shared, node| {
+        shared
+            .iter()
+            .filter(|&effect| node.effects.contains(effect))
+            .collect()
+    })
 }
 
 /// Probability of an effect against those that would do as well in its place, and these.
@@ -443,34 +394,6 @@ impl Trial {
         Ok(error)
     }
 
-    /// Whether a model may be chosen: none of its effects is pressed against a bound, and where much is left a
-    /// flexible one does not help others to their names.
-    fn admits(&self, node: &Node) -> bool {
-        let helps = self.refits && node.effects.len() > 1;
-        node.effects
-            .iter()
-            .all(|effect| !node.is_pressed(effect) && !(helps && effect.info().flexible))
-    }
-
-    /// Effects that all models share whose held-out error is nearly as low as that of a model.
-    fn shared(&self, search: &Search<'_>, effects: EffectSet) -> EffectSet {
-        let known = self.known.borrow();
-        let of = |wanted| known.iter().find(|(set, _)| *set == wanted);
-        let Some((_, least)) = of(effects).filter(|_| self.refits) else {
-            return effects;
-        };
-        let near = known.iter().filter(|(set, error)| {
-            let node = search.get(*set);
-            *error < NEARLY * least && node.is_some_and(|node| self.admits(node))
-        });
-        near.fold(effects, |shared, (set, _)| {
-            shared
-                .iter()
-                .filter(|&effect| set.contains(effect))
-                .collect()
-        })
-    }
-
     /// Whether the baseline leaves more than noise beyond doubt.
     fn is_resolved(&self) -> bool {
         self.baseline - self.noise > 2.0 * self.error
@@ -486,7 +409,7 @@ impl Trial {
     }
 
     /// Whether a model leaves more than the noise that was measured.
-    fn far_off(&self, _search: &Search<'_>, node: &Node, noise: &Measured) -> bool {
+    fn far_off(node: &Node, noise: &Measured) -> bool {
         let highest = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
         let spread = 1.0 + 2.0 * (2.0 / node.noise.output.n_effective).sqrt();
         node.mean_square() > highest * highest * spread
@@ -494,7 +417,7 @@ impl Trial {
 
     /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more
     /// than noise, and the model does, too.
-    fn tells(&self, search: &Search<'_>, node: &Node, noise: &Measured) -> bool {
-        self.is_resolved() && self.far_off(search, node, noise)
+    fn tells(&self, node: &Node, noise: &Measured) -> bool {
+        self.is_resolved() && Self::far_off(node, noise)
     }
 }

@@ -187,7 +187,7 @@ mod tests {
         let wave: Vec<f64> = (0..100).map(|k| (0.7 * f64::from(k)).sin()).collect();
         let target: Vec<f64> = line.iter().map(|value| 2.0 * value).collect();
         let folds: Vec<Vec<Range<usize>>> = (0..10)
-            .map(|fold| vec![10 * fold..10 * (fold + 1)])
+            .map(|fold| std::iter::once(10 * fold..10 * (fold + 1)).collect())
             .collect();
         let folded = Folded::of(&[line, wave], &target, &folds);
         let none = Mat::zeros(2, 2);

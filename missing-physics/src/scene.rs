@@ -46,8 +46,6 @@ pub(crate) struct Passage {
     pub(crate) first_ambient_degc: f64,
     /// Time constant of the heat balance, s.
     pub(crate) tau_s: f64,
-    /// Heat capacity per meter of rod, J/(m K).
-    pub(crate) heat_capacity_j_per_m_k: f64,
 }
 
 /// What happens in all recordings.
@@ -163,7 +161,6 @@ fn passage(
         output: shown.output,
         power_k_per_s: recording.drive().iter().map(power_k_per_s).collect(),
         tau_s: params.heat.heat_capacity_j_per_m_k / params.heat.conductance_w_per_m_k,
-        heat_capacity_j_per_m_k: params.heat.heat_capacity_j_per_m_k,
         dt_s,
     })
 }

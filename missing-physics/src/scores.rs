@@ -306,3 +306,115 @@ pub(crate) fn sizes_of(effect: EffectId) -> impl Iterator<Item = usize> {
     let parameters = effect.info().parameters;
     (0..parameters.len()).filter(|&k| parameters[k].role == Role::Size)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::series::{Channel, Layout, Noise, Segment};
+    use identify::ResidualNoise;
+
+    const N: usize = 2000;
+
+    fn wave(rate: f64) -> Vec<f64> {
+        (0..N).map(|k| (rate * k as f64).sin()).collect()
+    }
+
+    fn noise(seed: u64) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        (0..N).map(|_| StandardNormal.sample(&mut rng)).collect()
+    }
+
+    /// Three effects of one size, two of them nearly alike, and one of two sizes.
+    fn traces() -> Vec<Trace> {
+        [
+            (EffectId::LatentHeat, 0.013),
+            (EffectId::Radiation, 0.0131),
+            (EffectId::Backlash, 0.05),
+            (EffectId::SensorNonlinearity, 0.2),
+            (EffectId::SensorNonlinearity, 0.3),
+        ]
+        .into_iter()
+        .map(|(effect, rate)| Trace {
+            effect,
+            partner: None,
+            one_sided: effect != EffectId::SensorNonlinearity,
+            secant: wave(rate),
+        })
+        .collect()
+    }
+
+    fn scored(residual: &[f64], fitted: &[Vec<f64>], deviation: f64) -> Scores {
+        let layout = Layout {
+            segments: vec![Segment {
+                recording: 0,
+                channel: Channel::Output,
+                range: 0..N,
+            }],
+            per_k: 0.0,
+        };
+        let white = ResidualNoise {
+            innovation_variance: deviation * deviation,
+            ..ResidualNoise::of(&[])
+        };
+        let noise = Noise {
+            temperature: white.clone(),
+            output: white,
+        };
+        let fitted: Vec<&Vec<f64>> = fitted.iter().collect();
+        let ground = Ground {
+            residual,
+            fitted: &fitted,
+            whitener: &Whitener::new(&layout, &noise),
+        };
+        scores(&traces(), &ground, 7)
+    }
+
+    #[test]
+    fn the_effect_that_is_there_scores_what_it_should() {
+        let trace = wave(0.05);
+        let residual: Vec<f64> = noise(1)
+            .iter()
+            .zip(&trace)
+            .map(|(e, s)| 0.1 * e + 0.02 * s)
+            .collect();
+        let found = scored(&residual, &[vec![1.0; N], wave(0.007)], 0.1);
+        let expected = 0.02 * norm(&trace) / 0.1;
+        let own = &found.scores[2];
+        assert!((own.whitened - expected).abs() < 3.0 && own.whitened > found.critical);
+        assert!((own.plain / own.whitened - 1.0).abs() < 1e-6);
+        assert!((own.sizes[0] - 0.02).abs() < 3.0 * own.errors[0]);
+        for other in [0, 1, 3] {
+            assert!(found.scores[other].whitened < found.critical);
+        }
+        // Those nearly alike point the same way.
+        let cosine = dot(&found.scores[0].direction, &found.scores[1].direction);
+        assert!(cosine.abs() > 0.7, "{cosine}");
+    }
+
+    #[test]
+    fn noise_alone_exceeds_the_critical_value_in_one_file_of_twenty() {
+        let mut above = 0;
+        for seed in 0..400 {
+            let found = scored(&noise(1000 + seed), &[vec![1.0; N]], 1.0);
+            let largest = found.scores.iter().map(|one| one.whitened);
+            above += usize::from(largest.fold(f64::MIN, f64::max) > found.critical);
+        }
+        assert!((8..=34).contains(&above), "{above}");
+    }
+
+    #[test]
+    fn what_the_model_can_do_is_absorbed() {
+        let found = scored(&noise(1), &[wave(0.05), vec![1.0; N]], 1.0);
+        assert!(found.scores[2].absorbed > 1.0 - 1e-12);
+        assert!(found.scores[2].whitened.abs() < 1e-6);
+    }
+
+    #[test]
+    fn several_degrees_count_as_one_that_is_as_unlikely() {
+        // 95 % quantiles of χ² with 1, 2 and 4 degrees: 3.841, 5.991, 9.488.
+        assert!((as_one(3.841, 1) - 1.96).abs() < 0.01);
+        for (value, degrees) in [(5.991, 2), (9.488, 4)] {
+            assert!((as_one(value, degrees) - 1.96).abs() < 0.05, "{degrees}");
+        }
+    }
+}

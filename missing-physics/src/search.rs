@@ -11,15 +11,29 @@ use crate::screening::{Sifted, sift};
 use crate::{EffectId, EffectSet, Role};
 
 /// Most effects of a model.
-const MOST_EFFECTS: usize = 5;
+const MOST_EFFECTS: usize = 4;
 
 /// Models of each number of effects that are followed further: so many by likelihood, and by error.
 const BRANCHES: usize = 2;
 
 /// Candidates that are refitted beside other effects: so many by the plain score, and so many by the whitened one.
 /// Alone, all that could matter are.
-const BY_PLAIN: usize = 6;
-const BY_WHITENED: usize = 4;
+const BY_PLAIN: usize = 9;
+const BY_WHITENED: usize = 5;
+
+/// Residual over noise, squared, of the best model from which all are misfits.
+const MISFIT: f64 = 2.0;
+
+/// Effects that physics knows in every rod, whatever their size.
+pub(crate) const UNIVERSAL: [EffectId; 4] = [
+    EffectId::LatentHeat,
+    EffectId::ThermalExpansion,
+    EffectId::NaturalConvection,
+    EffectId::Radiation,
+];
+
+/// Odds against each other effect, in units of log-likelihood: 20 to 1.
+const ODDS: f64 = 3.0;
 
 /// Share of the critical score from which a candidate could matter.
 const COULD_MATTER: f64 = 0.7;
@@ -44,6 +58,8 @@ pub(crate) struct Search<'a> {
     pub(crate) case: &'a Case<'a>,
     /// Effects that may be found.
     catalogue: EffectSet,
+    /// Variance of the noise, at most.
+    noise: f64,
     seed: u64,
     visited: Vec<Visited>,
     /// Sets of effects that lead nowhere.
@@ -51,10 +67,17 @@ pub(crate) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(case: &'a Case<'a>, baseline: Node, catalogue: EffectSet, seed: u64) -> Self {
+    pub(crate) fn new(
+        case: &'a Case<'a>,
+        baseline: Node,
+        catalogue: EffectSet,
+        noise: f64,
+        seed: u64,
+    ) -> Self {
         Self {
             case,
             catalogue,
+            noise,
             seed,
             visited: vec![Visited {
                 node: baseline,
@@ -132,20 +155,77 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// The most likely of some models, the best first, then those of the lowest error.
+    /// The most credible of some models, the best first, then those of the lowest error.
     fn best_of(&self, mut sets: Vec<EffectSet>) -> Vec<EffectSet> {
-        let error = |set: &EffectSet| self.get(*set).map_or(f64::INFINITY, Node::mean_square);
+        let admitted = |set: &EffectSet| self.get(*set).is_some_and(|node| self.admits(node));
+        if sets.iter().any(admitted) {
+            sets.retain(admitted);
+        }
         let mut by_error = sets.clone();
-        by_error.sort_by(|a, b| error(a).total_cmp(&error(b)));
-        sets.sort_by(|&a, &b| self.worth(b).total_cmp(&self.worth(a)));
+        by_error.sort_by(|&a, &b| self.error(a).total_cmp(&self.error(b)));
+        sets.sort_by(|&a, &b| self.credit(b).total_cmp(&self.credit(a)));
         let mut best: Vec<EffectSet> = sets.into_iter().take(BRANCHES).collect();
-        let others = by_error.into_iter().take(BRANCHES);
-        for set in others {
+        for set in by_error.into_iter().take(BRANCHES) {
             if !best.contains(&set) {
                 best.push(set);
             }
         }
         best
+    }
+
+    /// Variance of the noise, at most.
+    pub(crate) fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    /// Mean square of what a model leaves of the output.
+    fn error(&self, effects: EffectSet) -> f64 {
+        self.get(effects).map_or(f64::INFINITY, Node::mean_square)
+    }
+
+    /// How much less than their number the samples tell where the best model leaves more than noise.
+    pub(crate) fn dispersion(&self) -> f64 {
+        let least = self
+            .nodes()
+            .map(Node::mean_square)
+            .fold(f64::INFINITY, f64::min);
+        if self.noise > 0.0 {
+            (least / self.noise).max(1.0)
+        } else {
+            1.0
+        }
+    }
+
+    /// Whether all models leave so much more than noise that likelihoods and linear views are not to be believed
+    /// as they are.
+    pub(crate) fn is_misfit(&self) -> bool {
+        self.dispersion() > MISFIT
+    }
+
+    /// Whether a model may be chosen: none of its effects is pressed against a bound, and where much is left a
+    /// flexible one does not help others to their names.
+    pub(crate) fn admits(&self, node: &Node) -> bool {
+        let helps = node.effects.len() > 1 && self.is_misfit();
+        node.effects
+            .iter()
+            .all(|effect| !(node.is_pressed(effect) || helps && effect.info().flexible))
+    }
+
+    /// Logarithm of the credibility of a model: its likelihood, tempered by how much is left, Schwarz's price of
+    /// its parameters, and the odds against effects that not every rod has.
+    pub(crate) fn credit(&self, effects: EffectSet) -> f64 {
+        let Some(node) = self.get(effects) else {
+            return f64::NEG_INFINITY;
+        };
+        let dispersion = self.dispersion();
+        let n = self.case.layout.len() as f64 / dispersion;
+        let odd = effects
+            .iter()
+            .filter(|effect| !UNIVERSAL.contains(effect))
+            .count();
+        node.noise.nats() / dispersion
+            - 0.5 * node.n_free() as f64 * n.max(1.0).ln()
+            - ODDS * odd as f64
     }
 
     /// The model with these effects, if it was visited.

@@ -24,7 +24,15 @@ pub enum StudyError {
         case: u64,
         /// Why.
         #[source]
-        source: IdentifyError,
+        source: Box<IdentifyError>,
+    },
+    /// A case came to a fault of the program; what the fault is has been printed.
+    #[error("{study}, case {case}: a fault of the program, printed above")]
+    Panicked {
+        /// Name of the study.
+        study: &'static str,
+        /// Number of the case.
+        case: u64,
     },
     /// The file of results cannot be read or written.
     #[error("{}", path.display())]
@@ -64,4 +72,30 @@ pub enum StudyError {
         /// Number of the case.
         case: u64,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_name_the_case_or_the_file() {
+        let study = "single";
+        let source = Box::new(IdentifyError::NoRecordings);
+        let case = StudyError::Case {
+            study,
+            case: 3,
+            source,
+        };
+        assert_eq!(case.to_string(), "single, case 3");
+        let text = StudyError::Panicked { study, case: 3 }.to_string();
+        assert_eq!(
+            text,
+            "single, case 3: a fault of the program, printed above"
+        );
+        let source = io::Error::from(io::ErrorKind::NotFound);
+        let path = PathBuf::from("single.jsonl");
+        let file = StudyError::File { path, source };
+        assert_eq!(file.to_string(), "single.jsonl");
+    }
 }

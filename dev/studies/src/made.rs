@@ -122,7 +122,7 @@ fn driven(made: &Made, training_current_a: Vec<f64>) -> MadeUp {
     };
     let known = Rod::parse("rod.toml", ROD).unwrap_or_else(|error| unreachable!("{error}"));
     let noise_mm = made.noise_share * STROKE_MM;
-    let mut played = |name: &str, current_a: Vec<f64>, stream: u64| {
+    let played = |name: &str, current_a: Vec<f64>, stream: u64| {
         let mut noise = ChaCha8Rng::seed_from_u64(made.seed);
         noise.set_stream(stream);
         recording(name, &current_a, made, &params, &known, &mut noise)

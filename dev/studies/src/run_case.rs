@@ -17,7 +17,7 @@ pub fn run_case(study: Study, case: u64) -> Result<CaseLine, StudyError> {
     line(study, case).map_err(|source| StudyError::Case {
         study: study.id(),
         case,
-        source,
+        source: Box::new(source),
     })
 }
 

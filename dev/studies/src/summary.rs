@@ -95,6 +95,12 @@ fn hit(line: &CaseLine) -> Hit {
     }
 }
 
+/// Whether the concealed effect helps, and its name is not licensed.
+fn is_suspect(line: &CaseLine) -> bool {
+    let mut suspects = line.diagnosis.suspects.iter();
+    suspects.any(|suspect| suspect == effect_of(line))
+}
+
 fn is_visible(line: &CaseLine) -> bool {
     line.diagnosis.t.is_some_and(|t| t.abs() >= VISIBLE_T)
 }
@@ -122,6 +128,7 @@ fn single(lines: &[&CaseLine]) -> String {
             let count = |wanted| Proportion::of(&lines, |line| hit(line) == wanted).to_string();
             let mut row = vec![name];
             row.extend(HITS.map(count));
+            row.push(Proportion::of(&lines, |line| is_suspect(line)).to_string());
             row.push(Proportion::of(&lines, |line| has_other_names(line)).to_string());
             row
         })
@@ -131,6 +138,7 @@ fn single(lines: &[&CaseLine]) -> String {
         "named",
         "in the stated set",
         "not found",
+        "of these a suspect",
         "another name stated",
     ];
     table(&head, &rows)
@@ -253,7 +261,28 @@ fn removed(lines: &[&CaseLine]) -> String {
     ];
     let n_hidden = lines.len() - shown.len();
     table(&head, &rows)
-        + &format!("\nNot counted: {n_hidden} cases in which the whole catalogue finds nothing.\n")
+        + &format!(
+            "\nNot counted: {n_hidden} cases in which the whole catalogue finds nothing.\n\n"
+        )
+        + &table(
+            &["truth, struck alone", "wrong names"],
+            &wrong_names(&shown),
+        )
+}
+
+/// The cases whose first step has a wrong name, with the wrong names.
+fn wrong_names(lines: &[&CaseLine]) -> Vec<Vec<String>> {
+    let of = |line: &&CaseLine| {
+        let aliases = &line.steps.last()?.removed[1..];
+        let findings = line.steps.first()?.diagnosis.findings.iter();
+        let wrong: Vec<String> = findings
+            .filter(|finding| !finding.meets(aliases))
+            .map(|finding| format!("{} (P = {:.2})", finding.effect, finding.probability))
+            .collect();
+        let case = format!("{} (case {})", effect_of(line), line.case);
+        (!wrong.is_empty()).then(|| vec![case, wrong.join(", ")])
+    };
+    lines.iter().filter_map(of).collect()
 }
 
 fn coverage(lines: &[&CaseLine]) -> String {

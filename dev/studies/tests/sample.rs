@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use missing_physics::EffectId;
-use studies::{CaseLine, Study, in_order, run_case};
+use studies::{CaseLine, Study, StudyError, in_order, run_case};
 
 /// Effects that are concealed, one a rig, at their typical size.
 const CONCEALED: [EffectId; 8] = [
@@ -17,18 +17,18 @@ const CONCEALED: [EffectId; 8] = [
     EffectId::ReturnPointMemory,
 ];
 
-fn ran(cases: &[(Study, u64)]) -> Vec<CaseLine> {
+fn ran(cases: &[(Study, u64)]) -> Result<Vec<CaseLine>, StudyError> {
     let mut lines = Vec::new();
     in_order(
         cases,
         2,
-        |&(study, case)| run_case(study, case).unwrap(),
+        |&(study, case)| run_case(study, case),
         |line| {
             lines.push(line);
             ControlFlow::Continue(())
         },
     );
-    lines
+    lines.into_iter().collect()
 }
 
 #[test]
@@ -38,11 +38,8 @@ fn clean_recordings_have_no_finding_and_single_effects_are_found() {
     // The first round of cases has every effect once, in the catalogue's order.
     let single = CONCEALED.map(|effect| (Study::Single, effect as u64));
     // The long ones first: two threads then end together.
-    let lines = ran(&single
-        .into_iter()
-        .chain(colored)
-        .chain(white)
-        .collect::<Vec<_>>());
+    let cases: Vec<_> = single.into_iter().chain(colored).chain(white).collect();
+    let lines = ran(&cases).unwrap();
     let (single, clean) = lines.split_at(CONCEALED.len());
     assert_eq!(clean.len(), 12);
     for (line, effect) in single.iter().zip(CONCEALED) {

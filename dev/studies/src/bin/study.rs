@@ -7,7 +7,8 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::num::NonZero;
 use std::ops::{ControlFlow, Range};
-use std::path::PathBuf;
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
 
@@ -31,8 +32,7 @@ fn main() -> ExitCode {
         Ok(job) => job,
         Err(text) => {
             say(&format!(
-                "{text}\nusage: study <study> [--cases a..b] [--out FILE]\nstudies: {}",
-                Study::ALL.map(Study::id).join(" ")
+                "{text}\nusage: study <study> [--cases a..b] [--out FILE]"
             ));
             return ExitCode::from(USAGE);
         }
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
 }
 
 fn job(mut args: impl Iterator<Item = String>) -> Result<Job, String> {
-    let id = args.next().ok_or("no study is given")?;
+    let id = args.next().unwrap_or_default();
     let study = Study::parse(&id).map_err(|error| error.to_string())?;
     let mut job = Job {
         study,
@@ -81,20 +81,7 @@ fn cases(text: &str) -> Result<Range<u64>, String> {
 
 /// Runs what is not in the file yet, prints the summary, and returns how many cases failed.
 fn run(job: &Job) -> Result<usize, StudyError> {
-    // Only the last folder is made: a whole path of them would hide that this is not the workspace's root.
-    if let Some(folder) = job
-        .out
-        .parent()
-        .filter(|folder| folder.starts_with(RESULTS))
-    {
-        match fs::create_dir(folder) {
-            Err(source) if source.kind() != ErrorKind::AlreadyExists => {
-                let path = folder.to_owned();
-                return Err(StudyError::File { path, source });
-            }
-            _ => (),
-        }
-    }
+    make_folder(&job.out)?;
     let mut results = Results::open(&job.out)?;
     let missing: Vec<u64> = job
         .cases
@@ -106,7 +93,7 @@ fn run(job: &Job) -> Result<usize, StudyError> {
     in_order(
         &missing,
         n_threads,
-        |&case| run_case(job.study, case),
+        |&case| sound(job.study, case),
         |done| {
             let appended = match done {
                 Ok(line) => {
@@ -136,6 +123,28 @@ fn run(job: &Job) -> Result<usize, StudyError> {
     // A closed pipe is not a fault of the study.
     let _ = io::stdout().write_all(summary(job.study, &lines).as_bytes());
     Ok(n_failed)
+}
+
+/// Makes the folder of the results, and none above it: that would hide that this is not the workspace's root.
+fn make_folder(out: &Path) -> Result<(), StudyError> {
+    let Some(folder) = out.parent().filter(|folder| folder.starts_with(RESULTS)) else {
+        return Ok(());
+    };
+    match fs::create_dir(folder) {
+        Err(source) if source.kind() != ErrorKind::AlreadyExists => {
+            let path = folder.to_owned();
+            Err(StudyError::File { path, source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A fault of the program in one case leaves the others alone.
+fn sound(study: Study, case: u64) -> Result<CaseLine, StudyError> {
+    catch_unwind(|| run_case(study, case)).unwrap_or(Err(StudyError::Panicked {
+        study: study.id(),
+        case,
+    }))
 }
 
 fn progress(line: &CaseLine) -> String {
