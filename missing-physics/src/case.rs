@@ -344,6 +344,15 @@ impl Node {
         })
     }
 
+    /// Whether the model may be chosen: none of its effects is pressed against a bound, and no flexible one helps
+    /// others to their names.
+    pub(crate) fn is_admitted(&self) -> bool {
+        let helps = self.effects.len() > 1;
+        self.effects
+            .iter()
+            .all(|effect| !(self.is_pressed(effect) || helps && effect.info().flexible))
+    }
+
     /// Whether a size of an effect is all but zero: it is there by name only.
     pub(crate) fn has_vanished(&self, effect: EffectId) -> bool {
         let values = self.values(effect).unwrap_or(&[]);

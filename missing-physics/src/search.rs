@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
 
     /// The most credible of some models, the best first, then those of the lowest error.
     fn best_of(&self, mut sets: Vec<EffectSet>) -> Vec<EffectSet> {
-        let admitted = |set: &EffectSet| self.get(*set).is_some_and(|node| self.admits(node));
+        let admitted = |set: &EffectSet| self.get(*set).is_some_and(|node| node.is_admitted());
         if sets.iter().any(admitted) {
             sets.retain(admitted);
         }
@@ -200,15 +200,6 @@ impl<'a> Search<'a> {
     /// as they are.
     pub(crate) fn is_misfit(&self) -> bool {
         self.dispersion() > MISFIT
-    }
-
-    /// Whether a model may be chosen: none of its effects is pressed against a bound, and where much is left a
-    /// flexible one does not help others to their names.
-    pub(crate) fn admits(&self, node: &Node) -> bool {
-        let helps = node.effects.len() > 1 && self.is_misfit();
-        node.effects
-            .iter()
-            .all(|effect| !(node.is_pressed(effect) || helps && effect.info().flexible))
     }
 
     /// Logarithm of the credibility of a model: its likelihood, tempered by how much is left, Schwarz's price of
