@@ -35,6 +35,9 @@ const SMALL_REMAINDER: f64 = 0.02;
 /// Cosine of two traces from which they could be one another's names.
 const ALIKE: f64 = 0.5;
 
+/// Accuracy to which holds and repeats tell the variance of the noise, as a factor.
+const KNOWN: f64 = 1.1;
+
 /// Residual of the plain model over noise, squared, that cannot be noise.
 const LARGE: f64 = 1.5;
 
@@ -418,7 +421,7 @@ impl Trial {
     fn far_off(node: &Node, noise: &Measured) -> bool {
         let highest = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
         let spread = 1.0 + 2.0 * (2.0 / node.noise.output.n_effective).sqrt();
-        node.mean_square() > highest * highest * spread
+        node.mean_square() > KNOWN * highest * highest * spread
     }
 
     /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more

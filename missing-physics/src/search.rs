@@ -247,7 +247,13 @@ impl<'a> Search<'a> {
         } else {
             [BY_PLAIN, BY_WHITENED]
         };
-        let shortlist = shortlist(&sifted.found.scores, critical, most);
+        let least = if effects.is_empty() && self.error(effects) > MISFIT * self.noise {
+            // Large effects hide in the memory that the residual seems to have: all are tried.
+            f64::NEG_INFINITY
+        } else {
+            COULD_MATTER * critical
+        };
+        let shortlist = shortlist(&sifted.found.scores, least, most);
         let wanted: Vec<(EffectSet, &Score)> = shortlist
             .iter()
             .map(|&score| (effects.with(score.effect), score))
@@ -357,13 +363,10 @@ pub(crate) fn gained(parent: &Node, child: &Node, effect: EffectId) -> f64 {
     as_one(ratio.max(0.0), sizes_of(effect).count())
 }
 
-/// Candidates that could matter, the first by the plain score, and the first by the whitened one.
-fn shortlist(scores: &[Score], critical: f64, most: [usize; 2]) -> Vec<&Score> {
+/// Candidates of at least some score: the first by the plain one, and the first by the whitened one.
+fn shortlist(scores: &[Score], least: f64, most: [usize; 2]) -> Vec<&Score> {
     let first = |of: fn(&Score) -> f64, n: usize| {
-        let mut sorted: Vec<&Score> = scores
-            .iter()
-            .filter(|score| of(score) > COULD_MATTER * critical)
-            .collect();
+        let mut sorted: Vec<&Score> = scores.iter().filter(|score| of(score) > least).collect();
         sorted.sort_by(|a, b| of(b).total_cmp(&of(a)));
         sorted.truncate(n);
         sorted
