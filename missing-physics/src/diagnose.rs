@@ -20,7 +20,7 @@ use crate::diagnosis::{
 use crate::elsewhere::without_drifts;
 use crate::explained::explained;
 use crate::floor::{Measured, measured};
-use crate::judge::{Judged, Named, judge};
+use crate::judge::{Judged, Named, judge, without_effects};
 use crate::locate::{Located, locate, remainder_shape};
 use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
@@ -138,11 +138,10 @@ pub fn diagnose_from(
     let mut search = Search::new(&case, baseline_node, config.catalogue, highest, config.seed);
     search.grow()?;
     let judged = judge(&mut search, &noise, tau_s)?;
+    let (judged, floor) = licensed(&search, judged, &noise);
     progress(DiagnoseProgress::Refit);
     let extended = extended(&case, &search, &judged, unseen, config.seed)?;
     progress(DiagnoseProgress::Locate);
-    let best = search.get(judged.effects).unwrap_or(search.baseline());
-    let floor = noise.floor(&case, best);
     let written = |named: &[Named]| {
         let mut findings: Vec<Finding> = named
             .iter()
@@ -196,6 +195,19 @@ pub fn diagnose_from(
         simulations,
         seed: config.seed,
     })
+}
+
+/// What the noise lets be said of what was judged, and the noise.
+fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, Floor) {
+    let plain = search.baseline();
+    let best = search.get(judged.effects).unwrap_or(plain);
+    let floor = noise.floor(search.case, best);
+    let gained = plain.mean_square() - best.mean_square();
+    if judged.named.is_empty() || !noise.forbids(floor.class, gained) {
+        return (judged, floor);
+    }
+    let verdict = without_effects(search, noise, false);
+    (judged.demoted(verdict), floor)
 }
 
 /// Where a model and the recordings part, and the shape of what is missing in the likeliest block.

@@ -67,6 +67,18 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
 }
 
 impl Measured {
+    /// Whether noise of a class forbids names for what lowers the mean square of the residual by `gained`: what
+    /// grows toward low frequencies bends like physics, and rounding is a function of the output. Repeated cycles
+    /// tell such noise all the same.
+    pub(crate) fn forbids(&self, class: NoiseClass, gained: f64) -> bool {
+        let is_unknown = !self.has_repeats;
+        match class {
+            NoiseClass::White | NoiseClass::Colored => false,
+            NoiseClass::OneOverF => is_unknown,
+            NoiseClass::Quantized => is_unknown && gained < self.rounding.unwrap_or(0.0).powi(2),
+        }
+    }
+
     /// The floor as it is reported, with the residual of the best model to tell what it is like.
     pub(crate) fn floor(&self, case: &Case<'_>, best: &Node) -> Floor {
         Floor {

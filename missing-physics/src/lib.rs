@@ -15,6 +15,7 @@ mod extended_model;
 mod floor;
 mod folds;
 mod judge;
+mod lack;
 mod local_terms;
 mod locate;
 mod next_experiment;
@@ -34,6 +35,7 @@ mod spans;
 #[cfg(test)]
 mod synthetic;
 mod tangent;
+mod trial;
 mod whiten;
 
 pub use diagnose::{DiagnoseConfig, DiagnoseProgress, diagnose, diagnose_from};

@@ -1,0 +1,120 @@
+//! Errors of models on parts of the training that they have not seen, against the noise.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use identify::IdentifyError;
+
+use crate::EffectSet;
+use crate::case::Node;
+use crate::floor::Measured;
+use crate::folds::{Fold, folds, held_out, mean_square};
+use crate::search::Search;
+use crate::tangent::sensitivities;
+
+/// Accuracy to which holds and repeats tell the variance of the noise, as a factor.
+const KNOWN: f64 = 1.1;
+
+/// Recordings from which whole ones are left out in turn.
+const FEWEST_RECORDINGS: usize = 3;
+
+/// Parts of the training that are left out in turn, each with a refit.
+const PARTS: usize = 4;
+
+/// Gap between training and held-out samples, time constants.
+const GAP: f64 = 5.0;
+
+/// The held-out errors of models of one case.
+#[derive(Debug)]
+pub(crate) struct Trial {
+    folds: Vec<Fold>,
+    /// Whether models are refitted without each part: what is far from the recordings is not linear.
+    refits: bool,
+    known: RefCell<Vec<(EffectSet, f64)>>,
+    /// Mean square of the baseline's.
+    pub(crate) baseline: f64,
+    /// Standard error of it.
+    error: f64,
+    /// Variance of the noise.
+    pub(crate) noise: f64,
+}
+
+impl Trial {
+    pub(crate) fn of(
+        search: &Search<'_>,
+        noise: &Measured,
+        tau_s: f64,
+        refits: bool,
+    ) -> Result<Self, IdentifyError> {
+        let mut trial = Self {
+            folds: folds(search.case, GAP * tau_s),
+            refits,
+            known: RefCell::default(),
+            baseline: 0.0,
+            error: 0.0,
+            noise: noise.gate,
+        };
+        let baseline = search.baseline();
+        trial.baseline = trial.held_out(search, baseline)?;
+        let spread = (2.0 / baseline.noise.output.n_effective).sqrt();
+        trial.error = trial.baseline * spread;
+        Ok(trial)
+    }
+
+    /// Mean square error of a model on what it has not seen of the training.
+    pub(crate) fn held_out(&self, search: &Search<'_>, node: &Node) -> Result<f64, IdentifyError> {
+        let known = self.known.borrow();
+        if let Some((_, error)) = known.iter().find(|(set, _)| *set == node.effects) {
+            return Ok(*error);
+        }
+        drop(known);
+        let error = if self.refits && search.case.training.len() >= FEWEST_RECORDINGS {
+            // Another rate or amplitude is the harder test.
+            search.case.without_recordings(node)?
+        } else if self.refits {
+            let parts: Vec<Vec<Range<usize>>> = (0..PARTS)
+                .map(|part| {
+                    let own = self.folds.iter().skip(part).step_by(PARTS);
+                    own.map(|fold| fold.scored.clone()).collect()
+                })
+                .collect();
+            search.case.without_parts(node, &parts)?
+        } else {
+            let sensitivities = sensitivities(search.case, node)?;
+            mean_square(&held_out(node, &sensitivities, &self.folds), &self.folds)
+        };
+        self.known.borrow_mut().push((node.effects, error));
+        Ok(error)
+    }
+
+    /// Whether the baseline leaves more than noise beyond doubt.
+    pub(crate) fn is_resolved(&self) -> bool {
+        self.baseline - self.noise > 2.0 * self.error
+    }
+
+    /// Share of the explainable error that a model explains where it was not fitted.
+    pub(crate) fn explained(
+        &self,
+        search: &Search<'_>,
+        node: &Node,
+    ) -> Result<Option<f64>, IdentifyError> {
+        if !self.is_resolved() || node.effects.is_empty() {
+            return Ok(None);
+        }
+        let left = self.held_out(search, node)?;
+        Ok(Some((self.baseline - left) / (self.baseline - self.noise)))
+    }
+
+    /// Whether a model leaves more than the noise that was measured.
+    pub(crate) fn far_off(node: &Node, noise: &Measured) -> bool {
+        let highest = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
+        let spread = 1.0 + 2.0 * (2.0 / node.noise.output.n_effective).sqrt();
+        node.mean_square() > KNOWN * highest * highest * spread
+    }
+
+    /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more
+    /// than noise, and the model does, too.
+    pub(crate) fn tells(&self, node: &Node, noise: &Measured) -> bool {
+        self.is_resolved() && Self::far_off(node, noise)
+    }
+}
