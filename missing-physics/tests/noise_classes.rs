@@ -43,7 +43,7 @@ fn current_a() -> Vec<f64> {
         (2.1, 0.0, 20.0),
         (0.0, 0.0, 80.0),
     ] {
-        let n = (f64::from(seconds) / DT_S) as usize;
+        let n = (seconds / DT_S) as usize;
         current_a.extend((0..n).map(|k| from + (to - from) * k as f64 / n as f64));
     }
     current_a
