@@ -15,7 +15,7 @@ use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
     Diagnosis, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass, Remainder,
-    Shape, Stage, Verdict,
+    Stage, Verdict,
 };
 use crate::elsewhere::without_drifts;
 use crate::explained::explained;
@@ -133,9 +133,8 @@ pub fn diagnose_from(
     }
     let case = Case::new(base, &plain, training, config.setting);
     progress(DiagnoseProgress::Search);
-    let highest = noise.upper.unwrap_or(noise.lower).powi(2).max(noise.gate);
-    let baseline_node = case.baseline()?;
-    let mut search = Search::new(&case, baseline_node, config.catalogue, highest, config.seed);
+    let start = case.baseline()?;
+    let mut search = Search::new(&case, start, config.catalogue, noise.highest(), config.seed);
     search.grow()?;
     let judged = judge(&mut search, &noise, tau_s)?;
     let (judged, floor) = licensed(&search, judged, &noise);
@@ -156,13 +155,8 @@ pub fn diagnose_from(
         .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
         .transpose()?;
     let catalogue = catalogue(&mut search, &judged)?;
-    let mut mismatch = located(
-        &mut search,
-        EffectSet::EMPTY,
-        noise.gate.sqrt(),
-        config.seed,
-    )?
-    .0;
+    let at = (noise.gate.sqrt(), config.seed);
+    let mut mismatch = located(&mut search, EffectSet::EMPTY, at, locate)?;
     if !judged.named.is_empty() {
         mismatch.blocks = blocks_of(&judged.named);
         mismatch.block = mismatch.blocks.first().copied();
@@ -172,7 +166,7 @@ pub fn diagnose_from(
         Verdict::ExplainedInPart | Verdict::Unexplained
     );
     let remainder = if has_remainder {
-        remainder(&mut search, &judged, noise.gate, config.seed)?
+        remainder(&mut search, &judged, &mismatch, at)?
     } else {
         None
     };
@@ -210,31 +204,26 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     (judged.demoted(verdict), floor)
 }
 
-/// Where a model and the recordings part, and the shape of what is missing in the likeliest block.
-fn located(
+/// A look at what a model that was visited leaves; `at` holds the noise's standard deviation and the seed.
+fn located<T>(
     search: &mut Search<'_>,
     effects: EffectSet,
-    floor: f64,
-    seed: u64,
-) -> Result<(Mismatch, Option<Shape>), IdentifyError> {
+    at: (f64, u64),
+    look: impl FnOnce(&Located<'_>) -> Result<T, IdentifyError>,
+) -> Result<T, IdentifyError> {
     let sifted = search.sifted(effects)?;
     let Some(node) = search.get(effects) else {
-        return Ok((Mismatch::default(), None));
+        unreachable!("its scores were just taken");
     };
-    let located = Located {
+    let (floor, seed) = at;
+    look(&Located {
         case: search.case,
         node,
         sensitivities: &sifted.sensitivities,
         whitener: &Whitener::new(&search.case.layout, &node.noise),
         floor,
         seed,
-    };
-    let mismatch = locate(&located)?;
-    let shape = match mismatch.block {
-        Some((block, _)) => remainder_shape(&located, block)?,
-        None => None,
-    };
-    Ok((mismatch, shape))
+    })
 }
 
 /// The run that would tell apart a name that is not sure and what else it could be.
@@ -289,10 +278,21 @@ fn blocks_of(named: &[Named]) -> Vec<(EffectBlock, f64)> {
 fn remainder(
     search: &mut Search<'_>,
     judged: &Judged,
-    noise: f64,
-    seed: u64,
+    plain: &Mismatch,
+    at: (f64, u64),
 ) -> Result<Option<Remainder>, IdentifyError> {
-    let (mismatch, shape) = located(search, judged.effects, noise.sqrt(), seed)?;
+    let mismatch = if judged.effects.is_empty() {
+        plain.clone()
+    } else {
+        located(search, judged.effects, at, locate)?
+    };
+    let shape = match mismatch.block {
+        Some((block, _)) => located(search, judged.effects, at, |located| {
+            remainder_shape(located, block)
+        })?,
+        None => None,
+    };
+    let noise = at.0.powi(2);
     let of = |effects| search.get(effects).map_or(0.0, Node::mean_square) - noise;
     let (left, all) = (of(judged.effects), of(EffectSet::EMPTY));
     Ok((left > 0.0 && all > 0.0).then(|| Remainder {

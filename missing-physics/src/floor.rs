@@ -67,6 +67,11 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
 }
 
 impl Measured {
+    /// Variance that there is at most.
+    pub(crate) fn highest(&self) -> f64 {
+        self.upper.unwrap_or(self.lower).powi(2).max(self.gate)
+    }
+
     /// Whether noise of a class forbids names for what lowers the mean square of the residual by `gained`: what
     /// grows toward low frequencies bends like physics, and rounding is a function of the output. Repeated cycles
     /// tell such noise all the same.

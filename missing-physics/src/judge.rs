@@ -94,7 +94,7 @@ pub(crate) fn judge(
         effects = improved(search, effects)?;
     }
     let dispersion = search.dispersion();
-    let trial = Trial::of(search, noise, tau_s, search.is_misfit())?;
+    let trial = Trial::of(search, noise, tau_s)?;
     let contributions = pruned(search, &trial, &mut effects)?;
     let mut named = Vec::new();
     for (effect, contribution) in contributions {

@@ -6,7 +6,6 @@ use crate::case::Node;
 use crate::local_terms::{local_terms, slow_terms};
 use crate::projection::{Span, dot};
 use crate::search::Search;
-use crate::tangent::sensitivities;
 use crate::whiten::Whitener;
 
 /// What is left of a residual along local and slow terms of any shape.
@@ -21,7 +20,7 @@ pub(crate) struct Lack {
 /// How much of a node's residual lies along terms of any shape in the blocks of the cascade.
 pub(crate) fn lack(search: &Search<'_>, node: &Node) -> Result<Lack, IdentifyError> {
     let case = search.case;
-    let sensitivities = sensitivities(case, node)?;
+    let sensitivities = search.sensitivities(node)?;
     let whitener = Whitener::new(&case.layout, &node.noise);
     let white = |column: &Vec<f64>| whitener.whiten(column);
     let fitted: Vec<Vec<f64>> = sensitivities.iter().map(|one| white(&one.column)).collect();

@@ -1,5 +1,7 @@
 //! Which effects could explain what a fitted model leaves, before anything is refitted.
 
+use std::sync::Arc;
+
 use identify::{Fit, IdentifyError, WienerModel};
 use rayon::prelude::*;
 use recording::Recording;
@@ -95,7 +97,7 @@ pub fn screen(
 #[derive(Debug)]
 pub(crate) struct Sifted {
     pub(crate) found: Scores,
-    pub(crate) sensitivities: Vec<Sensitivity>,
+    pub(crate) sensitivities: Arc<[Sensitivity]>,
 }
 
 /// Scores the effects of a set that a node does not have and that can be computed.
@@ -131,6 +133,6 @@ pub(crate) fn sift(
     let found = scores(&traces, &ground, seed);
     Ok(Sifted {
         found,
-        sensitivities,
+        sensitivities: sensitivities.into(),
     })
 }

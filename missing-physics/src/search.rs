@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::case::{Case, Node};
 use crate::scores::{Score, as_one, sizes_of};
 use crate::screening::{Sifted, sift};
+use crate::tangent::{Sensitivity, sensitivities};
 use crate::{EffectId, EffectSet, Role};
 
 /// Most effects of a model.
@@ -114,6 +115,15 @@ impl<'a> Search<'a> {
         let sifted = Arc::new(sift(self.case, node, self.catalogue, self.seed)?);
         self.visited[index].sifted = Some(Arc::clone(&sifted));
         Ok(sifted)
+    }
+
+    /// Derivatives of a model that was visited by its free parameters: those of its scores, if it has them.
+    pub(crate) fn sensitivities(&self, node: &Node) -> Result<Arc<[Sensitivity]>, IdentifyError> {
+        let visited = self.index(node.effects).map(|index| &self.visited[index]);
+        match visited.and_then(|visited| visited.sifted.as_ref()) {
+            Some(sifted) => Ok(Arc::clone(&sifted.sensitivities)),
+            None => Ok(sensitivities(self.case, node)?.into()),
+        }
     }
 
     /// Goes from the baseline to models that leave nothing significant, by several roads.

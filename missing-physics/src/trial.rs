@@ -10,7 +10,6 @@ use crate::case::Node;
 use crate::floor::Measured;
 use crate::folds::{Fold, folds, held_out, mean_square};
 use crate::search::Search;
-use crate::tangent::sensitivities;
 
 /// Accuracy to which holds and repeats tell the variance of the noise, as a factor.
 const KNOWN: f64 = 1.1;
@@ -44,11 +43,10 @@ impl Trial {
         search: &Search<'_>,
         noise: &Measured,
         tau_s: f64,
-        refits: bool,
     ) -> Result<Self, IdentifyError> {
         let mut trial = Self {
             folds: folds(search.case, GAP * tau_s),
-            refits,
+            refits: search.is_misfit(),
             known: RefCell::default(),
             baseline: 0.0,
             error: 0.0,
@@ -80,7 +78,7 @@ impl Trial {
                 .collect();
             search.case.without_parts(node, &parts)?
         } else {
-            let sensitivities = sensitivities(search.case, node)?;
+            let sensitivities = search.sensitivities(node)?;
             mean_square(&held_out(node, &sensitivities, &self.folds), &self.folds)
         };
         self.known.borrow_mut().push((node.effects, error));
@@ -107,9 +105,8 @@ impl Trial {
 
     /// Whether a model leaves more than the noise that was measured.
     pub(crate) fn far_off(node: &Node, noise: &Measured) -> bool {
-        let highest = noise.upper.unwrap_or(noise.lower).max(noise.gate.sqrt());
         let spread = 1.0 + 2.0 * (2.0 / node.noise.output.n_effective).sqrt();
-        node.mean_square() > KNOWN * highest * highest * spread
+        node.mean_square() > KNOWN * noise.highest() * spread
     }
 
     /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more
