@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use pso::{Stop, Swarm, SwarmConfig};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use recording::Recording;
 
 use crate::fitted::{fitted_parameters, parameter_covariance};
@@ -126,29 +127,28 @@ pub fn fit<M: ForwardModel>(
     problem.weigh_temperature(equal_spreads(&problem, training));
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
-    for from in &config.from {
-        if from.len() != problem.vector().len() {
-            return Err(IdentifyError::StartLength {
-                found: from.len(),
-                expected: problem.vector().len(),
-            });
-        }
-        search.descend(&problem, from, config)?;
-    }
-    let swarms = config.starts.max(u64::from(search.ends.is_empty()));
-    let of = swarms + search.ends.len() as u64;
-    for start in 0..swarms {
-        let point = swarm_start(&problem, config, start, &mut search)?;
-        search.descend(&problem, &point, config)?;
-        let so_far = FitProgress {
-            starts: search.ends.len() as u64,
-            of,
-            lowest_rmse: (search.lowest() / n).sqrt(),
-        };
-        if progress(&so_far).is_break() {
-            break;
+    let points = config.from.iter().map(|point| Start::Point(point));
+    let swarms = config.starts.max(u64::from(config.from.is_empty()));
+    let starts: Vec<Start<'_>> = points.chain((0..swarms).map(Start::Swarm)).collect();
+    // Starts that take longer than others should not leave threads idle.
+    'all: for group in starts.chunks(2 * rayon::current_num_threads()) {
+        let ended = group
+            .par_iter()
+            .map(|start| start.search(&problem, config))
+            .collect::<Result<Vec<Ended>, _>>()?;
+        for (start, ended) in group.iter().zip(ended) {
+            search.take(ended);
+            let so_far = FitProgress {
+                starts: search.ends.len() as u64,
+                of: starts.len() as u64,
+                lowest_rmse: (search.lowest() / n).sqrt(),
+            };
+            if matches!(start, Start::Swarm(_)) && progress(&so_far).is_break() {
+                break 'all;
+            }
         }
     }
+    problem.count(search.simulations);
     if search.lowest().is_infinite() {
         return Err(IdentifyError::NothingFinite);
     }
@@ -157,10 +157,10 @@ pub fn fit<M: ForwardModel>(
     let agreeing_starts = search.ends.iter().filter(|&&end| end <= agreed).count() as u64;
     // Before weights change it: the outputs' own spread.
     let spread = problem.spread();
-    reweigh(&mut problem, &mut search, config)?;
     let Some(minimum) = search.best else {
         unreachable!("at least one start is made");
     };
+    let minimum = reweighed(&mut problem, minimum, config)?;
     let solved = problem.solve_one(&minimum.point)?;
     let residuals = problem.residuals(&minimum.point, &solved)?;
     let covariance = covariance(&problem, &minimum.point, &solved, &residuals)?;
@@ -208,6 +208,50 @@ pub fn fit<M: ForwardModel>(
     })
 }
 
+/// Where a search starts.
+#[derive(Debug, Clone, Copy)]
+enum Start<'a> {
+    /// At a point.
+    Point(&'a [f64]),
+    /// At the best point of a swarm, which takes this stream of the seed.
+    Swarm(u64),
+}
+
+/// One search from one start.
+#[derive(Debug)]
+struct Ended {
+    minimum: Minimum,
+    rejected_costs: u64,
+    simulations: u64,
+}
+
+impl Start<'_> {
+    /// Searches on a problem of its own: what one start has solved is nothing to the others, so that all of them
+    /// count the same on any number of threads.
+    fn search<M: ForwardModel>(
+        &self,
+        problem: &Problem<'_, M>,
+        config: &FitConfig,
+    ) -> Result<Ended, IdentifyError> {
+        let problem = problem.apart();
+        let (point, rejected_costs) = match *self {
+            Start::Point(point) if point.len() != problem.vector().len() => {
+                return Err(IdentifyError::StartLength {
+                    found: point.len(),
+                    expected: problem.vector().len(),
+                });
+            }
+            Start::Point(point) => (point.to_vec(), 0),
+            Start::Swarm(stream) => swarm_start(&problem, config, stream)?,
+        };
+        Ok(Ended {
+            minimum: minimize(&problem, problem.bounds(), &point, &config.least_squares)?,
+            rejected_costs,
+            simulations: problem.simulations(),
+        })
+    }
+}
+
 /// The least-squares searches so far.
 #[derive(Debug, Default)]
 struct Search {
@@ -215,25 +259,18 @@ struct Search {
     /// Where each start ended.
     ends: Vec<f64>,
     rejected_costs: u64,
+    simulations: u64,
 }
 
 impl Search {
-    fn descend<M: ForwardModel>(
-        &mut self,
-        problem: &Problem<'_, M>,
-        point: &[f64],
-        config: &FitConfig,
-    ) -> Result<(), IdentifyError> {
-        let minimum = minimize(problem, problem.bounds(), point, &config.least_squares)?;
-        self.ends.push(minimum.sum_of_squares);
-        if self
-            .best
-            .as_ref()
-            .is_none_or(|best| minimum.sum_of_squares < best.sum_of_squares)
-        {
-            self.best = Some(minimum);
+    fn take(&mut self, ended: Ended) {
+        self.rejected_costs += ended.rejected_costs;
+        self.simulations += ended.simulations;
+        self.ends.push(ended.minimum.sum_of_squares);
+        let lowest = self.best.as_ref().map(|best| best.sum_of_squares);
+        if lowest.is_none_or(|lowest| ended.minimum.sum_of_squares < lowest) {
+            self.best = Some(ended.minimum);
         }
-        Ok(())
     }
 
     fn lowest(&self) -> f64 {
@@ -242,41 +279,34 @@ impl Search {
 }
 
 /// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays.
-fn reweigh<M: ForwardModel>(
+fn reweighed<M: ForwardModel>(
     problem: &mut Problem<'_, M>,
-    search: &mut Search,
+    mut minimum: Minimum,
     config: &FitConfig,
-) -> Result<(), IdentifyError> {
+) -> Result<Minimum, IdentifyError> {
     /// Weights converge linearly; with many outliers it takes tens of rounds, each from close by.
     const ROUNDS: usize = 60;
     let temperatures = problem.n_temperatures();
     if temperatures == 0 && config.loss == Loss::Squares {
-        return Ok(());
+        return Ok(minimum);
     }
     for _ in 0..ROUNDS {
-        let Some(before) = search.best.take() else {
-            return Ok(());
-        };
-        let solved = problem.solve_one(&before.point)?;
+        let before = minimum.point;
+        let solved = problem.solve_one(&before)?;
         if temperatures > 0 && solved.temperature > 0.0 {
             let output = solved.output / problem.n_samples() as f64;
             problem.weigh_temperature(output / (solved.temperature / temperatures as f64));
         }
         if config.loss == Loss::Huber {
-            problem.weigh_samples(huber_weights(&problem.residuals(&before.point, &solved)?));
+            problem.weigh_samples(huber_weights(&problem.residuals(&before, &solved)?));
         }
-        search.descend(problem, &before.point, config)?;
-        let still = search.best.as_ref().is_some_and(|after| {
-            let moves = before.point.iter().zip(&after.point).zip(problem.bounds());
-            moves
-                .into_iter()
-                .all(|((a, b), bound)| (a - b).abs() <= 1e-7 * (bound.upper - bound.lower))
-        });
-        if still {
+        minimum = minimize(problem, problem.bounds(), &before, &config.least_squares)?;
+        let mut moves = before.iter().zip(&minimum.point).zip(problem.bounds());
+        if moves.all(|((a, b), bound)| (a - b).abs() <= 1e-7 * (bound.upper - bound.lower)) {
             break;
         }
     }
-    Ok(())
+    Ok(minimum)
 }
 
 /// Weights of Huber's loss: 1 up to 1.345 robust standard deviations (95 % efficiency on normal noise,
@@ -342,15 +372,14 @@ pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// The best point of a short swarm.
+/// The best point of a short swarm, and how many costs were no numbers.
 fn swarm_start<M: ForwardModel>(
     problem: &Problem<'_, M>,
     config: &FitConfig,
-    start: u64,
-    search: &mut Search,
-) -> Result<Vec<f64>, IdentifyError> {
+    stream: u64,
+) -> Result<(Vec<f64>, u64), IdentifyError> {
     let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
-    rng.set_stream(start);
+    rng.set_stream(stream);
     let mut swarm = Swarm::new(config.swarm.clone(), problem.bounds(), rng)?;
     let stop = Stop {
         iterations: Some(config.swarm_iterations),
@@ -360,10 +389,10 @@ fn swarm_start<M: ForwardModel>(
         let costs = problem.sums(swarm.ask())?;
         swarm.tell(&costs)?;
     }
-    search.rejected_costs += swarm.rejected_costs();
-    Ok(match swarm.best_point() {
-        Some(point) => point.to_vec(),
-        // No cost was finite: the middle is as good as any.
-        None => problem.middle(),
-    })
+    // Where no cost was finite the middle is as good as any.
+    let best = swarm.best_point().map(<[f64]>::to_vec);
+    Ok((
+        best.unwrap_or_else(|| problem.middle()),
+        swarm.rejected_costs(),
+    ))
 }

@@ -10,7 +10,7 @@ use crate::ParameterState;
 pub(crate) const BATCH: usize = 32;
 
 /// A training recording with the weights of its samples.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Weighed<'a> {
     pub(crate) recording: &'a Recording,
     /// Weight of each sample; `None`: all 1.

@@ -111,6 +111,24 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
         self.temperature_weight = weight;
     }
 
+    /// The same problem with a count and a memory of its own.
+    pub(crate) fn apart(&self) -> Self {
+        Self {
+            model: self.model,
+            recordings: self.recordings.clone(),
+            vector: self.vector.clone(),
+            bounds: self.bounds.clone(),
+            simulations: AtomicU64::new(0),
+            latest: Mutex::default(),
+            ..*self
+        }
+    }
+
+    /// Counts points that were simulated apart.
+    pub(crate) fn count(&self, simulations: u64) {
+        self.simulations.fetch_add(simulations, Ordering::Relaxed);
+    }
+
     /// Points simulated so far, each over all recordings.
     pub(crate) fn simulations(&self) -> u64 {
         self.simulations.load(Ordering::Relaxed)

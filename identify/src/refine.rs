@@ -1,6 +1,7 @@
 use recording::Recording;
 
 use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
+use crate::moments::Solved;
 use crate::problem::Problem;
 use crate::{ForwardModel, IdentifyError, Termination};
 
@@ -13,6 +14,9 @@ pub struct Refined {
     pub points: Vec<Vec<f64>>,
     /// Σ w (recording - model)² / Σ w over all samples of the output.
     pub mean_square: f64,
+    /// Twice the negative logarithm of the likelihood of white noise, but for a constant of the data:
+    /// Σ n ln(mean square) over output and temperature.
+    pub deviance: f64,
     /// Why the search ended.
     pub termination: Termination,
     /// Simulations of the whole training set.
@@ -31,7 +35,7 @@ pub struct RefineConfig {
     pub temperature_weight: f64,
 }
 
-/// Fits a model by least squares alone, from each of the given starts; the lowest end counts, and of equal
+/// Fits a model by least squares alone, from each of the given starts; the end of the lowest deviance counts, and of equal
 /// ends the first.
 ///
 /// `starts` are coordinates as [`ParameterVector`](crate::ParameterVector) has them.
@@ -53,8 +57,16 @@ pub fn refine<M: ForwardModel>(
     if let Some(weights) = &config.weights {
         problem.weigh_samples(weights.clone());
     }
+    let total: f64 = match &config.weights {
+        Some(weights) => weights.iter().flatten().sum(),
+        None => problem.n_samples() as f64,
+    };
+    let n_temperatures = match config.temperature_weight {
+        weight if weight > 0.0 => problem.n_temperatures() as f64,
+        _ => 0.0,
+    };
     problem.weigh_temperature(config.temperature_weight);
-    let mut best: Option<Minimum> = None;
+    let mut best: Option<(Minimum, Solved, f64)> = None;
     for start in starts {
         if start.len() != problem.vector().len() {
             return Err(IdentifyError::StartLength {
@@ -63,27 +75,30 @@ pub fn refine<M: ForwardModel>(
             });
         }
         let end = minimize(&problem, problem.bounds(), start, &config.least_squares)?;
-        if best
-            .as_ref()
-            .is_none_or(|best| end.sum_of_squares < best.sum_of_squares)
-        {
-            best = Some(end);
+        if !end.sum_of_squares.is_finite() {
+            continue;
+        }
+        let solved = problem.solve_one(&end.point)?;
+        let channels = [(total, solved.output), (n_temperatures, solved.temperature)];
+        let deviance = channels
+            .into_iter()
+            .filter(|(n, _)| *n > 0.0)
+            .map(|(n, squares)| n * (squares / n).ln())
+            .sum();
+        if best.as_ref().is_none_or(|(_, _, least)| deviance < *least) {
+            best = Some((end, solved, deviance));
         }
     }
-    let Some(best) = best.filter(|best| best.sum_of_squares.is_finite()) else {
+    let Some((best, solved, deviance)) = best else {
         return Err(IdentifyError::NothingFinite);
     };
-    let solved = problem.solve_one(&best.point)?;
     let points = (0..training.len())
         .map(|r| problem.values(&best.point, &solved, r))
         .collect();
-    let total: f64 = match &config.weights {
-        Some(weights) => weights.iter().flatten().sum(),
-        None => problem.n_samples() as f64,
-    };
     Ok(Refined {
         points,
         mean_square: solved.output / total,
+        deviance,
         termination: best.termination,
         simulations: problem.simulations(),
         coordinates: best.point,

@@ -93,14 +93,15 @@ impl<'a> Case<'a> {
         self.node(model, coordinates, points, 0)
     }
 
-    /// Refines the model with these effects from each of the starts.
+    /// Refines the model with these effects from each of the starts, near a node.
     pub(crate) fn refined(
         &self,
+        near: &Node,
         effects: EffectSet,
         starts: &[Vec<f64>],
     ) -> Result<Node, IdentifyError> {
         let model = self.model(effects);
-        let refined = self.searched(&model, starts, ITERATIONS)?;
+        let refined = self.searched(near, &model, starts, ITERATIONS)?;
         self.node(
             model,
             refined.coordinates,
@@ -112,12 +113,25 @@ impl<'a> Case<'a> {
     /// A node at the end of its search, which so far was short.
     pub(crate) fn finished(&self, node: &Node) -> Result<Node, IdentifyError> {
         let starts = std::slice::from_ref(&node.coordinates);
-        let refined = self.searched(&node.model, starts, TO_THE_END)?;
+        let refined = self.searched(node, &node.model, starts, TO_THE_END)?;
         self.node(
             node.model.clone(),
             refined.coordinates,
             refined.points,
             node.simulations + refined.simulations,
+        )
+    }
+
+    /// A node where a fit of its model ended.
+    pub(crate) fn fitted(&self, node: &Node, fit: &Fit) -> Result<Node, IdentifyError> {
+        let vector = ParameterVector::new(node.model.parameters(), self.training.len());
+        let points = (0..self.training.len()).map(|r| fit.point(r)).collect();
+        let simulations = node.simulations + fit.simulations;
+        self.node(
+            node.model.clone(),
+            fit.coordinates(&vector),
+            points,
+            simulations,
         )
     }
 
@@ -134,7 +148,7 @@ impl<'a> Case<'a> {
                 let vector = ParameterVector::new(node.model.parameters(), training.len());
                 let start =
                     vector.coordinates(|parameter, r| Some(node.points[others[r]][parameter]));
-                let refined = refine(&node.model, &training, &[start], &self.config(SHORT))?;
+                let refined = refine(&node.model, &training, &[start], &self.config(node, SHORT))?;
                 let recording = &self.training[left_out];
                 let rmse = validate_at(&node.model, &refined.points[0], recording)?.rmse;
                 Ok(rmse * rmse * recording.len() as f64)
@@ -162,7 +176,7 @@ impl<'a> Case<'a> {
                 });
                 let config = RefineConfig {
                     weights: Some(weights.collect()),
-                    ..self.config(SHORT)
+                    ..self.config(node, SHORT)
                 };
                 let starts = std::slice::from_ref(&node.coordinates);
                 let refined = refine(&node.model, self.training, starts, &config)?;
@@ -178,32 +192,39 @@ impl<'a> Case<'a> {
         Ok(errors.iter().sum::<f64>() / n.max(1) as f64)
     }
 
-    /// The end of a short search of the model with these effects.
-    pub(crate) fn approached(
-        &self,
-        effects: EffectSet,
-        start: &[f64],
-    ) -> Result<Refined, IdentifyError> {
-        self.searched(&self.model(effects), &[start.to_vec()], SHORT)
+    /// The end of a short search of a node's model.
+    pub(crate) fn approached(&self, node: &Node, start: &[f64]) -> Result<Refined, IdentifyError> {
+        self.searched(node, &node.model, &[start.to_vec()], SHORT)
     }
 
     fn searched(
         &self,
+        near: &Node,
         model: &ExtendedModel,
         starts: &[Vec<f64>],
         iterations: usize,
     ) -> Result<Refined, IdentifyError> {
-        refine(model, self.training, starts, &self.config(iterations))
+        refine(model, self.training, starts, &self.config(near, iterations))
     }
 
-    fn config(&self, iterations: usize) -> RefineConfig {
+    /// Both channels count as well as they are met by a node from which the search goes out.
+    fn config(&self, near: &Node, iterations: usize) -> RefineConfig {
+        let Noise {
+            output,
+            temperature,
+        } = &near.noise;
+        let per_k = self.layout.per_k;
         RefineConfig {
             least_squares: LeastSquaresConfig {
                 iterations,
                 relative_offset: 1e-3,
             },
             weights: None,
-            temperature_weight: self.layout.per_k.powi(2),
+            temperature_weight: if temperature.variance > 0.0 {
+                per_k.powi(2) * output.variance / temperature.variance
+            } else {
+                0.0
+            },
         }
     }
 

@@ -1,14 +1,12 @@
 //! From a rig and its recordings to a diagnosis.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use identify::{
-    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, Limits, ParameterVector, Validated,
-    WienerModel, fit, validate, validate_at,
+    Fit, FitConfig, FitProgress, IdentifyError, Limits, Validated, WienerModel, fit, validate,
+    validate_at,
 };
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use recording::Recording;
 
 use crate::case::{Case, Node};
@@ -25,16 +23,7 @@ use crate::locate::{Located, locate, remainder_shape};
 use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
 use crate::whiten::Whitener;
-use crate::{EffectBlock, EffectSet, Role, Setting};
-
-/// Places from which the final refit could start.
-const PLACES: usize = 63;
-
-/// Those of them from which a short search is made.
-const SHORT_SEARCHES: usize = 15;
-
-/// Those of them that are followed to the end.
-const FOLLOWED: usize = 3;
+use crate::{EffectBlock, EffectSet, Setting};
 
 /// Most explanations that a run is sought for.
 const RIVALS: usize = 3;
@@ -139,7 +128,7 @@ pub fn diagnose_from(
     let judged = judge(&mut search, &noise, tau_s)?;
     let (judged, floor) = licensed(&search, judged, &noise);
     progress(DiagnoseProgress::Refit);
-    let extended = extended(&case, &search, &judged, unseen, config.seed)?;
+    let extended = extended(&mut search, judged.effects, unseen)?;
     progress(DiagnoseProgress::Locate);
     let written = |named: &[Named]| {
         let mut findings: Vec<Finding> = named
@@ -171,9 +160,7 @@ pub fn diagnose_from(
         None
     };
     let next_experiment = next(&search, &judged, &config.limits)?;
-    let simulations = plain.simulations
-        + search.simulations()
-        + extended.as_ref().map_or(0, |one| one.stage.fit.simulations);
+    let simulations = plain.simulations + search.simulations();
     Ok(Diagnosis {
         verdict: judged.verdict,
         noise_floor: floor,
@@ -325,107 +312,25 @@ fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Diagnosis {
     }
 }
 
-/// The chosen model, refitted from many starts and validated.
+/// The chosen model, fitted from many places and validated.
 fn extended(
-    case: &Case<'_>,
-    search: &Search<'_>,
-    judged: &Judged,
+    search: &mut Search<'_>,
+    effects: EffectSet,
     unseen: &[Recording],
-    seed: u64,
 ) -> Result<Option<ExtendedStage>, IdentifyError> {
-    let Some(node) = search
-        .get(judged.effects)
-        .filter(|node| !node.effects.is_empty())
-    else {
+    if effects.is_empty() {
         return Ok(None);
-    };
-    let from = best_starts(case, node, seed);
-    let config = FitConfig {
-        from,
-        starts: 0,
-        seed,
-        ..FitConfig::default()
-    };
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let fit = fit(&node.model, case.training, &config, go_on)?;
-    let point = without_drifts(&node.model, &fit.point(0));
+    }
+    let fit = Arc::unwrap_or_clone(search.settle(effects)?.fit);
+    let model = search.case.model(effects);
+    let point = without_drifts(&model, &fit.point(0));
     let validated = unseen
         .iter()
-        .map(|recording| validate_at(&node.model, &point, recording))
+        .map(|recording| validate_at(&model, &point, recording))
         .collect::<Result<Vec<Validated>, _>>()?;
     Ok(Some(ExtendedStage {
-        effects: node.effects.iter().collect(),
-        model: node.model.clone(),
+        effects: effects.iter().collect(),
+        model,
         stage: Stage { fit, validated },
     }))
-}
-
-/// Where a node stands, and the ends of short searches from elsewhere that got lowest.
-fn best_starts(case: &Case<'_>, node: &Node, seed: u64) -> Vec<Vec<f64>> {
-    let vector = ParameterVector::new(node.model.parameters(), case.training.len());
-    let bounds = vector.bounds();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let starts: Vec<Vec<f64>> = (0..PLACES)
-        .map(|_| {
-            let drawn = |low: f64, high: f64, rng: &mut ChaCha8Rng| {
-                low + (high - low) * rng.random::<f64>()
-            };
-            (0..node.coordinates.len())
-                .map(|j| {
-                    let (at, bound) = (node.coordinates[j], &bounds[j]);
-                    let moved = match node.model.slot(vector.parameter(j)) {
-                        None => {
-                            let range = bound.upper - bound.lower;
-                            at + range * drawn(-0.05, 0.05, &mut rng)
-                        }
-                        Some((effect, k)) => {
-                            let parameter = &effect.info().parameters[k];
-                            let [low, high] = parameter.bounds;
-                            match parameter.role {
-                                Role::Partner { .. } => drawn(low, high, &mut rng),
-                                Role::Size => {
-                                    let least = if low < 0.0 { -2.0 } else { 0.05 };
-                                    parameter.typical * drawn(least, 2.0, &mut rng)
-                                }
-                            }
-                        }
-                    };
-                    moved.clamp(bound.lower, bound.upper)
-                })
-                .collect()
-        })
-        .collect();
-    let starts = lowest(case, node, &vector, starts);
-    let mut ends: Vec<(f64, Vec<f64>)> = starts
-        .par_iter()
-        .filter_map(|start| {
-            let end = case.approached(node.effects, start).ok()?;
-            Some((end.mean_square, end.coordinates))
-        })
-        .collect();
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best = vec![node.coordinates.clone()];
-    best.extend(ends.into_iter().take(FOLLOWED - 1).map(|(_, end)| end));
-    best
-}
-
-/// The places of the lowest error: as many as short searches are made.
-fn lowest(
-    case: &Case<'_>,
-    node: &Node,
-    vector: &ParameterVector,
-    starts: Vec<Vec<f64>>,
-) -> Vec<Vec<f64>> {
-    let Ok(residuals) = case.residuals(&node.model, |r| {
-        starts.iter().map(|start| vector.values(start, r)).collect()
-    }) else {
-        return starts.into_iter().take(SHORT_SEARCHES).collect();
-    };
-    let mut ranked: Vec<(f64, Vec<f64>)> = residuals.into_iter().zip(starts).collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ranked
-        .into_iter()
-        .take(SHORT_SEARCHES)
-        .map(|(_, start)| start)
-        .collect()
 }

@@ -2,6 +2,7 @@
 
 use identify::IdentifyError;
 
+use crate::case::Node;
 use crate::diagnosis::Verdict;
 use crate::floor::Measured;
 use crate::lack::lack;
@@ -89,16 +90,12 @@ pub(crate) fn judge(
     noise: &Measured,
     tau_s: f64,
 ) -> Result<Judged, IdentifyError> {
-    let mut effects = chosen(search);
-    if search.is_misfit() {
-        effects = improved(search, effects)?;
-    }
-    let dispersion = search.dispersion();
+    let mut effects = settled(search)?;
     let trial = Trial::of(search, noise, tau_s)?;
     let contributions = pruned(search, &trial, &mut effects)?;
     let mut named = Vec::new();
     for (effect, contribution) in contributions {
-        let (probability, others) = alternatives(search, effects, effect, dispersion)?;
+        let (probability, others) = alternatives(search, effects, effect)?;
         named.push(Named {
             effect,
             others,
@@ -106,18 +103,19 @@ pub(crate) fn judge(
             contribution,
         });
     }
+    let (mut licensed, mut suspects) = (Vec::new(), Vec::new());
     let shared = shared(search, effects);
+    for named in named {
+        let is_shared = shared.contains(named.effect) || !named.others.is_empty();
+        if is_shared && stands_out(search, &trial, effects, named.effect)? {
+            licensed.push(named);
+        } else {
+            suspects.push(named);
+        }
+    }
     let Some(best) = search.get(effects) else {
         unreachable!("a chosen model was visited");
     };
-    // Far above the noise something else is going on, and whatever bends can help: then only what every rod has
-    // gets a name, and only if no other road leads as far without it.
-    let is_far = best.mean_square() > FAR * search.noise();
-    let (mut licensed, mut suspects): (Vec<Named>, Vec<Named>) =
-        named.into_iter().partition(|named| {
-            let is_shared = shared.contains(named.effect) || !named.others.is_empty();
-            is_shared && (!is_far || UNIVERSAL.contains(&named.effect))
-        });
     let explained = trial.explained(search, best)?;
     let lack = lack(search, best)?;
     let gained = 2.0 * (best.noise.nats() - search.baseline().noise.nats());
@@ -169,22 +167,17 @@ fn chosen(search: &Search<'_>) -> EffectSet {
     best.map_or(EffectSet::EMPTY, |(_, effects)| effects)
 }
 
-/// The model with effects exchanged, added or left out for as long as that makes it more credible: roads that
-/// lead to one place differ in their order.
-fn improved(search: &mut Search<'_>, mut effects: EffectSet) -> Result<EffectSet, IdentifyError> {
+/// The most credible model, fitted from many places; where much is left, or was until then, with effects
+/// exchanged, added or left out for as long as that makes it more credible: roads that lead to one place differ in
+/// their order.
+fn settled(search: &mut Search<'_>) -> Result<EffectSet, IdentifyError> {
+    let mut effects = chosen(search);
     for _ in 0..ROUNDS {
-        let mut neighbors: Vec<EffectSet> = search.children(effects)?;
-        for effect in effects.iter() {
-            neighbors.extend(search.exchanged(effects, effect, None));
-            for (rival, cosine) in rivals(search, effects, effect)? {
-                if cosine > ALIKE {
-                    neighbors.extend(search.exchanged(effects, effect, Some(&rival)));
-                }
-            }
+        let is_elsewhere = !effects.is_empty() && search.settle(effects)?.is_elsewhere;
+        if !is_elsewhere && !search.is_misfit() {
+            break;
         }
-        neighbors.sort_by(|&a, &b| search.credit(b).total_cmp(&search.credit(a)));
-        neighbors.truncate(NEIGHBORS);
-        search.finish(&neighbors)?;
+        look_around(search, effects)?;
         let best = chosen(search);
         if best == effects {
             break;
@@ -192,6 +185,22 @@ fn improved(search: &mut Search<'_>, mut effects: EffectSet) -> Result<EffectSet
         effects = best;
     }
     Ok(effects)
+}
+
+/// Visits models with one effect more, less or exchanged.
+fn look_around(search: &mut Search<'_>, effects: EffectSet) -> Result<(), IdentifyError> {
+    let mut neighbors: Vec<EffectSet> = search.children(effects)?;
+    for effect in effects.iter() {
+        neighbors.extend(search.exchanged(effects, effect, None));
+        for (rival, cosine) in rivals(search, effects, effect)? {
+            if cosine > ALIKE {
+                neighbors.extend(search.exchanged(effects, effect, Some(&rival)));
+            }
+        }
+    }
+    neighbors.sort_by(|&a, &b| search.credit(b).total_cmp(&search.credit(a)));
+    neighbors.truncate(NEIGHBORS);
+    search.finish(&neighbors)
 }
 
 /// Scores of what could stand in the place of an effect, with the cosines of their traces with its own.
@@ -226,6 +235,9 @@ fn pruned(
     effects: &mut EffectSet,
 ) -> Result<Vec<(EffectId, f64)>, IdentifyError> {
     loop {
+        if !effects.is_empty() {
+            search.settle(*effects)?;
+        }
         let contributions = contributions(search, trial, *effects)?;
         let weakest = contributions.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         match weakest {
@@ -281,12 +293,41 @@ fn shared(search: &Search<'_>, effects: EffectSet) -> EffectSet {
     })
 }
 
+/// Whether an effect is more than one of several that bend together to what is something else. Far above the noise
+/// something else is going on: there a name is only for what every rod has, and for what passes the gate without
+/// the others that not every rod has.
+fn stands_out(
+    search: &mut Search<'_>,
+    trial: &Trial,
+    effects: EffectSet,
+    effect: EffectId,
+) -> Result<bool, IdentifyError> {
+    let is_far = |node: &Node| node.mean_square() > FAR * search.noise();
+    if UNIVERSAL.contains(&effect) || !search.get(effects).is_some_and(is_far) {
+        return Ok(true);
+    }
+    let mut without_others = effects;
+    for other in effects.iter() {
+        if other != effect && !UNIVERSAL.contains(&other) {
+            let Some(less) = search.exchanged(without_others, other, None) else {
+                return Ok(false);
+            };
+            without_others = less;
+        }
+    }
+    let Some(node) = search.get(without_others) else {
+        unreachable!("it was just visited");
+    };
+    Ok(trial
+        .explained(search, node)?
+        .is_some_and(|share| share >= GATE))
+}
+
 /// Probability of an effect against those that would do as well in its place, and these.
 fn alternatives(
     search: &mut Search<'_>,
     effects: EffectSet,
     effect: EffectId,
-    dispersion: f64,
 ) -> Result<(f64, Vec<(EffectId, f64)>), IdentifyError> {
     let mut weights = Vec::new();
     for (rival, cosine) in rivals(search, effects, effect)? {
@@ -294,7 +335,7 @@ fn alternatives(
             continue;
         }
         if let Some(set) = search.exchanged(effects, effect, Some(&rival)) {
-            let behind = search.behind(set, effects) / dispersion;
+            let behind = search.behind(set, effects);
             if behind < AS_WELL {
                 weights.push((rival.effect, (-behind).exp()));
             }

@@ -31,6 +31,7 @@ mod search;
 mod sentence;
 mod separation;
 mod series;
+mod settle;
 mod spans;
 #[cfg(test)]
 mod synthetic;

@@ -535,7 +535,7 @@ mod tests {
                 Some(share * effect.info().parameters[k].typical)
             })
         };
-        case.refined(EffectSet::of(effect), &[start(1.0), start(0.1)])
+        case.refined(&baseline, EffectSet::of(effect), &[start(1.0), start(0.1)])
             .unwrap()
     }
 
@@ -571,11 +571,10 @@ mod tests {
             ..RecordingParts::default()
         });
         let both = [case.training[0].clone(), new.unwrap()];
-        let n = (both[0].len() + both[1].len()) as f64;
         let nats = nodes.each_ref().map(|node| {
             let starts = [node.coordinates.clone()];
             let end = refine(&node.model, &both, &starts, &RefineConfig::default()).unwrap();
-            -0.5 * n * end.mean_square.ln()
+            -0.5 * end.deviance
         });
         nats[0] - nats[1]
     }

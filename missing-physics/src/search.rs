@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use identify::IdentifyError;
+use identify::{Fit, IdentifyError};
 use rayon::prelude::*;
 
 use crate::case::{Case, Node};
 use crate::scores::{Score, as_one, sizes_of};
 use crate::screening::{Sifted, sift};
+use crate::settle::settled;
 use crate::tangent::{Sensitivity, sensitivities};
 use crate::{EffectId, EffectSet, Role};
 
@@ -51,6 +52,26 @@ const START: [f64; 2] = [0.05, 2.0];
 pub(crate) struct Visited {
     pub(crate) node: Node,
     pub(crate) sifted: Option<Arc<Sifted>>,
+    /// Its fit from many places, if it was made: the node stands where that ended.
+    pub(crate) fit: Option<Arc<Fit>>,
+}
+
+impl From<Node> for Visited {
+    fn from(node: Node) -> Self {
+        Self {
+            node,
+            sifted: None,
+            fit: None,
+        }
+    }
+}
+
+/// A model that was fitted from many places.
+#[derive(Debug)]
+pub(crate) struct Settled {
+    pub(crate) fit: Arc<Fit>,
+    /// Whether it ended so much lower that what was found around it no longer counts.
+    pub(crate) is_elsewhere: bool,
 }
 
 /// All models that were looked at.
@@ -65,6 +86,8 @@ pub(crate) struct Search<'a> {
     visited: Vec<Visited>,
     /// Sets of effects that lead nowhere.
     dead: Vec<EffectSet>,
+    /// Models that were searched from where one with an effect more was fitted, after that one.
+    lightened: Vec<(EffectSet, EffectSet)>,
 }
 
 impl<'a> Search<'a> {
@@ -80,11 +103,9 @@ impl<'a> Search<'a> {
             catalogue,
             noise,
             seed,
-            visited: vec![Visited {
-                node: baseline,
-                sifted: None,
-            }],
+            visited: vec![baseline.into()],
             dead: Vec::new(),
+            lightened: Vec::new(),
         }
     }
 
@@ -160,9 +181,34 @@ impl<'a> Search<'a> {
             .map(|index| Ok((index, self.case.finished(&self.visited[index].node)?)))
             .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
         for (index, node) in finished {
-            self.visited[index] = Visited { node, sifted: None };
+            self.visited[index] = node.into();
         }
         Ok(())
+    }
+
+    /// Fits a model that was visited from many places, once.
+    pub(crate) fn settle(&mut self, effects: EffectSet) -> Result<Settled, IdentifyError> {
+        let Some(index) = self.index(effects) else {
+            unreachable!("only models that were visited are settled");
+        };
+        let before = &self.visited[index];
+        if let Some(fit) = &before.fit {
+            return Ok(Settled {
+                fit: Arc::clone(fit),
+                is_elsewhere: false,
+            });
+        }
+        let fit = Arc::new(settled(self.case, &before.node, self.seed)?);
+        let node = self.case.fitted(&before.node, &fit)?;
+        let gained = node.noise.nats() - before.node.noise.nats();
+        self.visited[index] = Visited {
+            fit: Some(Arc::clone(&fit)),
+            ..node.into()
+        };
+        Ok(Settled {
+            fit,
+            is_elsewhere: gained > BEYOND_DOUBT,
+        })
     }
 
     /// The most credible of some models, the best first, then those of the lowest error.
@@ -193,14 +239,22 @@ impl<'a> Search<'a> {
         self.get(effects).map_or(f64::INFINITY, Node::mean_square)
     }
 
-    /// How much less than their number the samples tell where the best model leaves more than noise.
-    pub(crate) fn dispersion(&self) -> f64 {
-        let least = self
-            .nodes()
-            .map(Node::mean_square)
-            .fold(f64::INFINITY, f64::min);
+    /// The model of the lowest error.
+    fn nearest(&self) -> &Node {
+        let nodes = self.nodes();
+        nodes.fold(self.baseline(), |nearest, node| {
+            if node.mean_square() < nearest.mean_square() {
+                node
+            } else {
+                nearest
+            }
+        })
+    }
+
+    /// Mean square of what the best model leaves, over that of the noise; at least 1.
+    fn dispersion(&self) -> f64 {
         if self.noise > 0.0 {
-            (least / self.noise).max(1.0)
+            (self.nearest().mean_square() / self.noise).max(1.0)
         } else {
             1.0
         }
@@ -212,21 +266,25 @@ impl<'a> Search<'a> {
         self.dispersion() > MISFIT
     }
 
-    /// Logarithm of the credibility of a model: its likelihood, tempered by how much is left, Schwarz's price of
-    /// its parameters, and the odds against effects that not every rod has.
+    /// Log-likelihood of a model, and the number of samples that it is of.
+    ///
+    /// What is far from all models is no noise with a memory: there the memory of the residual takes in the very
+    /// mismatch that models differ by, and only the size of the residual tells, with as many samples as are
+    /// independent in what the baseline leaves.
+    fn evidence(&self, node: &Node) -> (f64, f64) {
+        if !self.is_misfit() {
+            let dispersion = self.dispersion();
+            let n = self.case.layout.len() as f64 / dispersion;
+            return (node.noise.nats() / dispersion, n);
+        }
+        let plain = &self.baseline().noise;
+        (node.noise.nats_of_size(plain), plain.n_effective())
+    }
+
+    /// Logarithm of the credibility of a model: its likelihood, Schwarz's price of its parameters, and the odds
+    /// against effects that not every rod has.
     pub(crate) fn credit(&self, effects: EffectSet) -> f64 {
-        let Some(node) = self.get(effects) else {
-            return f64::NEG_INFINITY;
-        };
-        let dispersion = self.dispersion();
-        let n = self.case.layout.len() as f64 / dispersion;
-        let odd = effects
-            .iter()
-            .filter(|effect| !UNIVERSAL.contains(effect))
-            .count();
-        node.noise.nats() / dispersion
-            - 0.5 * node.n_free() as f64 * n.max(1.0).ln()
-            - ODDS * odd as f64
+        self.worth(effects) - ODDS * n_odd(effects) as f64
     }
 
     /// The model with these effects, if it was visited.
@@ -239,8 +297,8 @@ impl<'a> Search<'a> {
         let Some(node) = self.get(effects) else {
             return f64::NEG_INFINITY;
         };
-        let n = self.case.layout.len() as f64;
-        node.noise.nats() - 0.5 * node.n_free() as f64 * n.ln()
+        let (nats, n) = self.evidence(node);
+        nats - 0.5 * node.n_free() as f64 * n.max(1.0).ln()
     }
 
     /// By how much a model is behind another, both with their parameters counted.
@@ -298,7 +356,7 @@ impl<'a> Search<'a> {
     pub(crate) fn keep(&mut self, set: EffectSet, node: Option<Node>) {
         match node {
             Some(node) if set.iter().all(|effect| !node.has_vanished(effect)) => {
-                self.visited.push(Visited { node, sifted: None });
+                self.visited.push(node.into());
             }
             _ => self.dead.push(set),
         }
@@ -331,7 +389,8 @@ impl<'a> Search<'a> {
         if score.partner.is_some() {
             starts.push(start(0.3));
         }
-        self.case.refined(node.effects.with(effect), &starts).ok()
+        let effects = node.effects.with(effect);
+        self.case.refined(node, effects, &starts).ok()
     }
 
     /// The model of a node without one of its effects, or with another in its place.
@@ -346,25 +405,56 @@ impl<'a> Search<'a> {
         if self.dead.contains(&set) {
             return None;
         }
-        if self.index(set).is_none() {
-            let node = match with {
-                None => {
-                    let node = self.get(effects)?;
-                    let model = self.case.model(less);
-                    let start = self.case.moved(node, &model, |_, _| None);
-                    self.case.refined(less, &[start]).ok()
-                }
-                Some(score) => self.refit(self.get(less)?, score),
-            };
-            self.keep(set, node);
+        match with {
+            None => self.lighten(effects, less),
+            Some(score) if self.index(set).is_none() => {
+                let node = self.refit(self.get(less)?, score);
+                self.keep(set, node);
+            }
+            Some(_) => {}
         }
         self.index(set).map(|_| set)
+    }
+
+    /// Searches a model from where one with an effect more stands, once it was fitted from many places; the lower end
+    /// counts.
+    fn lighten(&mut self, effects: EffectSet, less: EffectSet) {
+        let known = self.index(less).map(|index| &self.visited[index]);
+        let Some(from) = self.index(effects).map(|index| &self.visited[index]) else {
+            return;
+        };
+        let is_done = self.lightened.contains(&(effects, less)) || from.fit.is_none();
+        if known.is_some_and(|known| is_done || known.fit.is_some() || less.is_empty()) {
+            return;
+        }
+        let node = &from.node;
+        let model = self.case.model(less);
+        let start = self.case.moved(node, &model, |_, _| None);
+        let found = self.case.refined(node, less, &[start]).ok();
+        if from.fit.is_some() {
+            self.lightened.push((effects, less));
+        }
+        match (self.index(less), found) {
+            (None, found) => self.keep(less, found),
+            (Some(index), Some(found)) => {
+                if found.noise.deviance() < self.visited[index].node.noise.deviance() {
+                    self.visited[index] = found.into();
+                }
+            }
+            (Some(_), None) => {}
+        }
     }
 
     /// Simulations of the whole training set so far.
     pub(crate) fn simulations(&self) -> u64 {
         self.nodes().map(|node| node.simulations).sum()
     }
+}
+
+/// Number of effects that not every rod has.
+fn n_odd(effects: EffectSet) -> usize {
+    let odd = |effect: &EffectId| !UNIVERSAL.contains(effect);
+    effects.iter().filter(odd).count()
 }
 
 /// By how much a refit is better, as the score that a size of one degree would have.

@@ -162,4 +162,35 @@ impl Noise {
             .map(|noise| -0.5 * noise.n_samples as f64 * noise.innovation_variance.ln())
             .sum()
     }
+
+    /// Twice the negative logarithm of the likelihood of independent samples.
+    pub(crate) fn deviance(&self) -> f64 {
+        let own = |noise: &ResidualNoise| noise.n_samples as f64 * noise.variance.ln();
+        [&self.output, &self.temperature]
+            .into_iter()
+            .filter(|noise| noise.n_samples > 0 && noise.variance > 0.0)
+            .map(own)
+            .sum()
+    }
+
+    /// Samples that would tell as much of the sizes if they were independent.
+    pub(crate) fn n_effective(&self) -> f64 {
+        [&self.output, &self.temperature]
+            .into_iter()
+            .filter(|noise| noise.n_samples > 0)
+            .map(|noise| noise.n_effective)
+            .sum()
+    }
+
+    /// [`Noise::nats`] from the sizes of the residuals alone, of as many independent samples as another noise has.
+    pub(crate) fn nats_of_size(&self, other: &Self) -> f64 {
+        [
+            (&self.output, &other.output),
+            (&self.temperature, &other.temperature),
+        ]
+        .into_iter()
+        .filter(|(noise, _)| noise.n_samples > 0 && noise.variance > 0.0)
+        .map(|(noise, other)| -0.5 * other.n_effective * noise.variance.ln())
+        .sum()
+    }
 }

@@ -29,7 +29,8 @@ pub(crate) struct Trial {
     folds: Vec<Fold>,
     /// Whether models are refitted without each part: what is far from the recordings is not linear.
     refits: bool,
-    known: RefCell<Vec<(EffectSet, f64)>>,
+    /// Errors so far, of models at their coordinates.
+    known: RefCell<Vec<(EffectSet, Vec<f64>, f64)>>,
     /// Mean square of the baseline's.
     pub(crate) baseline: f64,
     /// Standard error of it.
@@ -62,7 +63,8 @@ impl Trial {
     /// Mean square error of a model on what it has not seen of the training.
     pub(crate) fn held_out(&self, search: &Search<'_>, node: &Node) -> Result<f64, IdentifyError> {
         let known = self.known.borrow();
-        if let Some((_, error)) = known.iter().find(|(set, _)| *set == node.effects) {
+        let is_it = |set: &EffectSet, at: &[f64]| *set == node.effects && at == node.coordinates;
+        if let Some((_, _, error)) = known.iter().find(|(set, at, _)| is_it(set, at)) {
             return Ok(*error);
         }
         drop(known);
@@ -81,7 +83,8 @@ impl Trial {
             let sensitivities = search.sensitivities(node)?;
             mean_square(&held_out(node, &sensitivities, &self.folds), &self.folds)
         };
-        self.known.borrow_mut().push((node.effects, error));
+        let at = node.coordinates.clone();
+        self.known.borrow_mut().push((node.effects, at, error));
         Ok(error)
     }
 

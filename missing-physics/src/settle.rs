@@ -1,0 +1,102 @@
+//! A chosen model at the lowest of the ends of searches from many places.
+
+use std::ops::ControlFlow;
+
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::Role;
+use crate::case::{Case, Node};
+
+/// Places from which a search could start.
+const PLACES: usize = 63;
+
+/// Those of them from which a short search is made.
+const SHORT_SEARCHES: usize = 15;
+
+/// Those of them that are followed to the end.
+const FOLLOWED: usize = 2;
+
+/// Share of its range by which a parameter of the baseline is moved, either way.
+const NEARBY: f64 = 0.05;
+
+/// Sizes, as multiples of the typical one: up to, and from where there is no other sign.
+const SIZES: [f64; 2] = [0.05, 2.0];
+
+/// The fit of a node's model from where it stands and from the lowest ends of short searches from other places.
+pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, IdentifyError> {
+    let vector = ParameterVector::new(node.model.parameters(), case.training.len());
+    let mut ends: Vec<(f64, Vec<f64>)> = lowest(case, node, &vector, places(node, &vector, seed))
+        .par_iter()
+        .filter_map(|start| {
+            let end = case.approached(node, start).ok()?;
+            Some((end.deviance, end.coordinates))
+        })
+        .collect();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let elsewhere = ends.into_iter().take(FOLLOWED).map(|(_, end)| end);
+    let config = FitConfig {
+        from: std::iter::once(node.coordinates.clone())
+            .chain(elsewhere)
+            .collect(),
+        starts: 0,
+        seed,
+        ..FitConfig::default()
+    };
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    fit(&node.model, case.training, &config, go_on)
+}
+
+/// Places around where a node stands: parameters of the baseline nearby, sizes of effects up to twice the
+/// typical one, their partners anywhere.
+fn places(node: &Node, vector: &ParameterVector, seed: u64) -> Vec<Vec<f64>> {
+    let bounds = vector.bounds();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut drawn = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+    let mut place = || {
+        let coordinates = node.coordinates.iter().zip(&bounds).enumerate();
+        let moved = coordinates.map(|(j, (at, bound))| {
+            let moved = match node.model.slot(vector.parameter(j)) {
+                None => at + (bound.upper - bound.lower) * drawn(-NEARBY, NEARBY),
+                Some((effect, k)) => {
+                    let parameter = &effect.info().parameters[k];
+                    let [low, high] = parameter.bounds;
+                    match parameter.role {
+                        Role::Partner { .. } => drawn(low, high),
+                        Role::Size => {
+                            let [least, most] = SIZES;
+                            let least = if low < 0.0 { -most } else { least };
+                            parameter.typical * drawn(least, most)
+                        }
+                    }
+                }
+            };
+            moved.clamp(bound.lower, bound.upper)
+        });
+        moved.collect()
+    };
+    (0..PLACES).map(|_| place()).collect()
+}
+
+/// The places of the lowest error: as many as short searches are made.
+fn lowest(
+    case: &Case<'_>,
+    node: &Node,
+    vector: &ParameterVector,
+    places: Vec<Vec<f64>>,
+) -> Vec<Vec<f64>> {
+    let residuals = case.residuals(&node.model, |r| {
+        places.iter().map(|place| vector.values(place, r)).collect()
+    });
+    let places = match residuals {
+        Ok(residuals) => {
+            let mut ranked: Vec<(f64, Vec<f64>)> = residuals.into_iter().zip(places).collect();
+            ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+            ranked.into_iter().map(|(_, place)| place).collect()
+        }
+        Err(_) => places,
+    };
+    places.into_iter().take(SHORT_SEARCHES).collect()
+}
