@@ -9,7 +9,7 @@ use identify::{
 use rayon::prelude::*;
 use recording::Recording;
 
-use crate::projection::dot;
+use crate::folds::HeldOut;
 use crate::series::{Channel, Layout, Noise};
 use crate::{EffectId, EffectSet, ExtendedModel, Need, Role, Setting};
 
@@ -135,9 +135,9 @@ impl<'a> Case<'a> {
         )
     }
 
-    /// Mean square error of a node on each recording when it is refitted to the others from where it stands.
-    pub(crate) fn without_recordings(&self, node: &Node) -> Result<f64, IdentifyError> {
-        let squares = (0..self.training.len())
+    /// Errors of a node on each recording when it is refitted to the others from where it stands.
+    pub(crate) fn without_recordings(&self, node: &Node) -> Result<Vec<HeldOut>, IdentifyError> {
+        (0..self.training.len())
             .into_par_iter()
             .map(|left_out| {
                 let others: Vec<usize> = (0..self.training.len())
@@ -151,19 +151,22 @@ impl<'a> Case<'a> {
                 let refined = refine(&node.model, &training, &[start], &self.config(node, SHORT))?;
                 let recording = &self.training[left_out];
                 let rmse = validate_at(&node.model, &refined.points[0], recording)?.rmse;
-                Ok(rmse * rmse * recording.len() as f64)
+                let n = recording.len() as f64;
+                Ok(HeldOut {
+                    n,
+                    squares: n * rmse * rmse,
+                })
             })
-            .collect::<Result<Vec<f64>, IdentifyError>>()?;
-        Ok(squares.iter().sum::<f64>() / self.layout.n_outputs() as f64)
+            .collect()
     }
 
-    /// Mean square error of a node on parts of the training, each of some ranges of a series, when it is refitted
-    /// to the rest from where it stands.
+    /// Errors of a node on parts of the training, each of some ranges of a series, when it is refitted to the rest
+    /// from where it stands: one a range.
     pub(crate) fn without_parts(
         &self,
         node: &Node,
         parts: &[Vec<Range<usize>>],
-    ) -> Result<f64, IdentifyError> {
+    ) -> Result<Vec<HeldOut>, IdentifyError> {
         let errors = parts
             .par_iter()
             .map(|part| {
@@ -182,14 +185,13 @@ impl<'a> Case<'a> {
                 let refined = refine(&node.model, self.training, starts, &config)?;
                 let moved =
                     self.node(node.model.clone(), refined.coordinates, refined.points, 0)?;
-                let residuals = part.iter().map(|range| &moved.residual[range.clone()]);
-                Ok(residuals
-                    .map(|residual| dot(residual, residual))
-                    .sum::<f64>())
+                let errors = part
+                    .iter()
+                    .map(|range| HeldOut::of(&moved.residual[range.clone()]));
+                Ok(errors.collect())
             })
-            .collect::<Result<Vec<f64>, IdentifyError>>()?;
-        let n: usize = parts.iter().flatten().map(ExactSizeIterator::len).sum();
-        Ok(errors.iter().sum::<f64>() / n.max(1) as f64)
+            .collect::<Result<Vec<Vec<HeldOut>>, IdentifyError>>()?;
+        Ok(errors.concat())
     }
 
     /// The end of a short search of a node's model.

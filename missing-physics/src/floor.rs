@@ -28,6 +28,8 @@ pub(crate) struct Measured {
     pub(crate) rounding: Option<f64>,
     /// Whether repeated cycles were measured.
     pub(crate) has_repeats: bool,
+    /// Standard error of the variance of holds and repeats, as a share of it: they are often short.
+    pub(crate) relative_error: f64,
 }
 
 /// Measures the noise; holds count from five time constants after their start.
@@ -57,12 +59,21 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
     let holds = pooled(&|floor| floor.holds.map(|holds| holds.standard_deviation));
     let repeats = pooled(&|floor| floor.repeats.map(|repeats| repeats.standard_deviation));
     let least = holds.into_iter().chain(repeats).reduce(f64::min);
+    let independent = |floor: &NoiseFloor| {
+        let of_holds = floor.holds.map_or(0.0, |holds| {
+            let squared = holds.lag1_autocorrelation.powi(2);
+            holds.samples as f64 * (1.0 - squared) / (1.0 + squared)
+        });
+        of_holds.max(floor.repeats.map_or(0.0, |repeats| repeats.samples as f64))
+    };
+    let n: f64 = floors.iter().map(|(_, floor)| independent(floor)).sum();
     Measured {
         gate: least.unwrap_or(lower).max(rounding.unwrap_or(0.0)).max(0.0),
         lower: lower.sqrt(),
         upper: pooled(&NoiseFloor::upper).map(f64::sqrt),
         rounding: rounding.map(f64::sqrt),
         has_repeats: repeats.is_some(),
+        relative_error: if n > 0.0 { (2.0 / n).sqrt() } else { 0.0 },
     }
 }
 
@@ -102,11 +113,11 @@ impl Measured {
             return NoiseClass::Quantized;
         }
         let noise = self.upper.unwrap_or(self.lower).max(self.lower);
-        if residual < ALL_NOISE * noise && low_exponent(case, best) < STEEP {
-            return NoiseClass::OneOverF;
-        }
+        // The lowest frequencies alone say too little: noise that grows towards them has a memory at once.
         if best.noise.output.coefficients.is_empty() {
             NoiseClass::White
+        } else if residual < ALL_NOISE * noise && low_exponent(case, best) < STEEP {
+            NoiseClass::OneOverF
         } else {
             NoiseClass::Colored
         }

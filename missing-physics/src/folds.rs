@@ -132,13 +132,26 @@ pub(crate) fn held_out(node: &Node, sensitivities: &[Sensitivity], folds: &[Fold
     held_out
 }
 
-/// Mean square of a residual over all folds.
-pub(crate) fn mean_square(residual: &[f64], folds: &[Fold]) -> f64 {
-    let (mut n, mut sum) = (0, 0.0);
-    for fold in folds {
-        let part = &residual[fold.scored.clone()];
-        n += part.len();
-        sum += dot(part, part);
+/// Error on one part that was left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HeldOut {
+    /// Number of samples.
+    pub(crate) n: f64,
+    /// Sum of their squared errors.
+    pub(crate) squares: f64,
+}
+
+impl HeldOut {
+    pub(crate) fn of(residual: &[f64]) -> Self {
+        Self {
+            n: residual.len() as f64,
+            squares: dot(residual, residual),
+        }
     }
-    sum / n.max(1) as f64
+}
+
+/// Mean square error over parts.
+pub(crate) fn mean_square(parts: &[HeldOut]) -> f64 {
+    let n: f64 = parts.iter().map(|part| part.n).sum();
+    parts.iter().map(|part| part.squares).sum::<f64>() / n.max(1.0)
 }

@@ -33,9 +33,6 @@ const ALIKE: f64 = 0.5;
 /// Residual of the plain model over noise, squared, that cannot be noise.
 const LARGE: f64 = 1.5;
 
-/// Residual over noise, squared, from which not every effect gets a name.
-const FAR: f64 = 2.0;
-
 /// Neighbors of a model that are tried.
 const NEIGHBORS: usize = 4;
 
@@ -103,16 +100,13 @@ pub(crate) fn judge(
             contribution,
         });
     }
-    let (mut licensed, mut suspects) = (Vec::new(), Vec::new());
+    let upheld = upheld(search, &trial, noise, effects)?;
     let shared = shared(search, effects);
-    for named in named {
-        let is_shared = shared.contains(named.effect) || !named.others.is_empty();
-        if is_shared && stands_out(search, &trial, effects, named.effect)? {
-            licensed.push(named);
-        } else {
-            suspects.push(named);
-        }
-    }
+    let (mut licensed, mut suspects): (Vec<Named>, Vec<Named>) =
+        named.into_iter().partition(|named| {
+            let is_shared = shared.contains(named.effect) || !named.others.is_empty();
+            is_shared && upheld.contains(named.effect)
+        });
     let Some(best) = search.get(effects) else {
         unreachable!("a chosen model was visited");
     };
@@ -121,11 +115,13 @@ pub(crate) fn judge(
     let gained = 2.0 * (best.noise.nats() - search.baseline().noise.nats());
     let by_lack = gained / (gained + lack.beyond);
     let share = explained.filter(|_| trial.tells(best, noise));
+    let share = share.map_or(by_lack, |share| share.lower);
+    let explained = explained.map(|share| share.value);
     let left = 1.0 - explained.unwrap_or(by_lack).min(by_lack);
     let is_left = lack.p_value < LACK_OF_FIT;
     let verdict = if effects.is_empty() {
         without_effects(search, noise, is_left)
-    } else if licensed.is_empty() || share.unwrap_or(by_lack) < GATE {
+    } else if licensed.is_empty() || share < GATE {
         Verdict::Unexplained
     } else if is_left && left > SMALL_REMAINDER && Trial::far_off(best, noise) {
         Verdict::ExplainedInPart
@@ -293,34 +289,52 @@ fn shared(search: &Search<'_>, effects: EffectSet) -> EffectSet {
     })
 }
 
-/// Whether an effect is more than one of several that bend together to what is something else. Far above the noise
-/// something else is going on: there a name is only for what every rod has, and for what passes the gate without
-/// the others that not every rod has.
-fn stands_out(
+/// Effects of a model whose names the others do not carry. Where a model does not reach the noise something else is
+/// going on, to which several effects can bend together: there a name is for what passes the gate without the
+/// others, beside what every rod has.
+fn upheld(
+    search: &mut Search<'_>,
+    trial: &Trial,
+    noise: &Measured,
+    effects: EffectSet,
+) -> Result<EffectSet, IdentifyError> {
+    let is_far = |node: &Node| Trial::far_off(node, noise);
+    if !search.get(effects).is_some_and(is_far) {
+        return Ok(effects);
+    }
+    let universal: EffectSet = UNIVERSAL
+        .into_iter()
+        .filter(|&effect| effects.contains(effect))
+        .collect();
+    let mut upheld = EffectSet::EMPTY;
+    let odd = effects.iter().filter(|&effect| !universal.contains(effect));
+    for set in std::iter::once(universal).chain(odd.map(|effect| universal.with(effect))) {
+        if passes(search, trial, effects, set)? {
+            upheld = upheld.iter().chain(set.iter()).collect();
+        }
+    }
+    Ok(upheld)
+}
+
+/// Whether a part of the effects of a model passes the gate alone.
+fn passes(
     search: &mut Search<'_>,
     trial: &Trial,
     effects: EffectSet,
-    effect: EffectId,
+    part: EffectSet,
 ) -> Result<bool, IdentifyError> {
-    let is_far = |node: &Node| node.mean_square() > FAR * search.noise();
-    if UNIVERSAL.contains(&effect) || !search.get(effects).is_some_and(is_far) {
-        return Ok(true);
+    let mut set = effects;
+    for other in effects.iter().filter(|&effect| !part.contains(effect)) {
+        let Some(less) = search.exchanged(set, other, None) else {
+            return Ok(false);
+        };
+        set = less;
     }
-    let mut without_others = effects;
-    for other in effects.iter() {
-        if other != effect && !UNIVERSAL.contains(&other) {
-            let Some(less) = search.exchanged(without_others, other, None) else {
-                return Ok(false);
-            };
-            without_others = less;
-        }
-    }
-    let Some(node) = search.get(without_others) else {
+    let Some(node) = search.get(set) else {
         unreachable!("it was just visited");
     };
-    Ok(trial
-        .explained(search, node)?
-        .is_some_and(|share| share >= GATE))
+    let share = trial.explained(search, node)?;
+    Ok(share.is_some_and(|share| share.lower >= GATE))
 }
 
 /// Probability of an effect against those that would do as well in its place, and these.
@@ -336,7 +350,7 @@ fn alternatives(
         }
         if let Some(set) = search.exchanged(effects, effect, Some(&rival)) {
             let behind = search.behind(set, effects);
-            if behind < AS_WELL {
+            if behind < AS_WELL && search.get(set).is_some_and(Node::is_admitted) {
                 weights.push((rival.effect, (-behind).exp()));
             }
         }

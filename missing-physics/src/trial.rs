@@ -2,16 +2,17 @@
 
 use std::cell::RefCell;
 use std::ops::Range;
+use std::rc::Rc;
 
 use identify::IdentifyError;
 
 use crate::EffectSet;
 use crate::case::Node;
 use crate::floor::Measured;
-use crate::folds::{Fold, folds, held_out, mean_square};
+use crate::folds::{Fold, HeldOut, folds, held_out, mean_square};
 use crate::search::Search;
 
-/// Accuracy to which holds and repeats tell the variance of the noise, as a factor.
+/// Factor by which the variance of the noise may differ between holds, repeats and the rest.
 const KNOWN: f64 = 1.1;
 
 /// Recordings from which whole ones are left out in turn.
@@ -23,6 +24,17 @@ const PARTS: usize = 4;
 /// Gap between training and held-out samples, time constants.
 const GAP: f64 = 5.0;
 
+/// Normal quantile of a lower bound of 95 %.
+const ONE_SIDED: f64 = 1.645;
+
+/// A share of the explainable error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Share {
+    pub(crate) value: f64,
+    /// What it is at least, by how much the parts differ.
+    pub(crate) lower: f64,
+}
+
 /// The held-out errors of models of one case.
 #[derive(Debug)]
 pub(crate) struct Trial {
@@ -30,10 +42,10 @@ pub(crate) struct Trial {
     /// Whether models are refitted without each part: what is far from the recordings is not linear.
     refits: bool,
     /// Errors so far, of models at their coordinates.
-    known: RefCell<Vec<(EffectSet, Vec<f64>, f64)>>,
+    known: RefCell<Vec<(EffectSet, Vec<f64>, Rc<[HeldOut]>)>>,
     /// Mean square of the baseline's.
     pub(crate) baseline: f64,
-    /// Standard error of it.
+    /// Standard error of that over the noise.
     error: f64,
     /// Variance of the noise.
     pub(crate) noise: f64,
@@ -56,21 +68,27 @@ impl Trial {
         let baseline = search.baseline();
         trial.baseline = trial.held_out(search, baseline)?;
         let spread = (2.0 / baseline.noise.output.n_effective).sqrt();
-        trial.error = trial.baseline * spread;
+        trial.error = (trial.baseline * spread).hypot(trial.noise * noise.relative_error);
         Ok(trial)
     }
 
     /// Mean square error of a model on what it has not seen of the training.
     pub(crate) fn held_out(&self, search: &Search<'_>, node: &Node) -> Result<f64, IdentifyError> {
+        Ok(mean_square(&self.parts(search, node)?))
+    }
+
+    /// Errors of a model on each part of the training that it has not seen.
+    fn parts(&self, search: &Search<'_>, node: &Node) -> Result<Rc<[HeldOut]>, IdentifyError> {
         let known = self.known.borrow();
         let is_it = |set: &EffectSet, at: &[f64]| *set == node.effects && at == node.coordinates;
-        if let Some((_, _, error)) = known.iter().find(|(set, at, _)| is_it(set, at)) {
-            return Ok(*error);
+        if let Some((_, _, parts)) = known.iter().find(|(set, at, _)| is_it(set, at)) {
+            return Ok(Rc::clone(parts));
         }
         drop(known);
-        let error = if self.refits && search.case.training.len() >= FEWEST_RECORDINGS {
+        let parts: Rc<[HeldOut]> = if self.refits && search.case.training.len() >= FEWEST_RECORDINGS
+        {
             // Another rate or amplitude is the harder test.
-            search.case.without_recordings(node)?
+            search.case.without_recordings(node)?.into()
         } else if self.refits {
             let parts: Vec<Vec<Range<usize>>> = (0..PARTS)
                 .map(|part| {
@@ -78,14 +96,18 @@ impl Trial {
                     own.map(|fold| fold.scored.clone()).collect()
                 })
                 .collect();
-            search.case.without_parts(node, &parts)?
+            search.case.without_parts(node, &parts)?.into()
         } else {
             let sensitivities = search.sensitivities(node)?;
-            mean_square(&held_out(node, &sensitivities, &self.folds), &self.folds)
+            let residual = held_out(node, &sensitivities, &self.folds);
+            let scored = self.folds.iter().map(|fold| fold.scored.clone());
+            scored.map(|part| HeldOut::of(&residual[part])).collect()
         };
         let at = node.coordinates.clone();
-        self.known.borrow_mut().push((node.effects, at, error));
-        Ok(error)
+        self.known
+            .borrow_mut()
+            .push((node.effects, at, Rc::clone(&parts)));
+        Ok(parts)
     }
 
     /// Whether the baseline leaves more than noise beyond doubt.
@@ -98,18 +120,38 @@ impl Trial {
         &self,
         search: &Search<'_>,
         node: &Node,
-    ) -> Result<Option<f64>, IdentifyError> {
+    ) -> Result<Option<Share>, IdentifyError> {
         if !self.is_resolved() || node.effects.is_empty() {
             return Ok(None);
         }
-        let left = self.held_out(search, node)?;
-        Ok(Some((self.baseline - left) / (self.baseline - self.noise)))
+        let [before, after] = [search.baseline(), node].map(|node| self.parts(search, node));
+        let (before, after) = (before?, after?);
+        let without = |left_out: Option<usize>| {
+            let of = |parts: &[HeldOut]| {
+                let kept = parts.iter().enumerate();
+                let kept = kept.filter(|(k, _)| Some(*k) != left_out);
+                mean_square(&kept.map(|(_, part)| *part).collect::<Vec<_>>())
+            };
+            (of(&before) - of(&after)) / (of(&before) - self.noise)
+        };
+        let share = without(None);
+        // Jackknife over the parts.
+        let m = before.len() as f64;
+        let moved: f64 = (0..before.len())
+            .map(|k| (without(Some(k)) - share).powi(2))
+            .sum();
+        Ok(Some(Share {
+            value: share,
+            lower: share - ONE_SIDED * ((m - 1.0) / m * moved).sqrt(),
+        }))
     }
 
     /// Whether a model leaves more than the noise that was measured.
     pub(crate) fn far_off(node: &Node, noise: &Measured) -> bool {
-        let spread = 1.0 + 2.0 * (2.0 / node.noise.output.n_effective).sqrt();
-        node.mean_square() > KNOWN * noise.highest() * spread
+        let error = (2.0 / node.noise.output.n_effective)
+            .sqrt()
+            .hypot(noise.relative_error);
+        node.mean_square() > KNOWN * noise.highest() * (1.0 + 2.0 * error)
     }
 
     /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more
