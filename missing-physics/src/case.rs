@@ -14,7 +14,7 @@ use crate::series::{Channel, Layout, Noise};
 use crate::{EffectId, EffectSet, ExtendedModel, Need, Role, Setting};
 
 /// Iterations of a refinement that is only to be compared with others.
-const ITERATIONS: usize = 12;
+const ITERATIONS: usize = 8;
 
 /// Iterations until a refinement has its end.
 const TO_THE_END: usize = 60;
@@ -195,8 +195,13 @@ impl<'a> Case<'a> {
     }
 
     /// The end of a short search of a node's model.
-    pub(crate) fn approached(&self, node: &Node, start: &[f64]) -> Result<Refined, IdentifyError> {
-        self.searched(node, &node.model, &[start.to_vec()], SHORT)
+    pub(crate) fn approached(
+        &self,
+        node: &Node,
+        start: &[f64],
+        iterations: usize,
+    ) -> Result<Refined, IdentifyError> {
+        self.searched(node, &node.model, &[start.to_vec()], iterations)
     }
 
     fn searched(

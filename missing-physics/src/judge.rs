@@ -349,6 +349,7 @@ fn alternatives(
             continue;
         }
         if let Some(set) = search.exchanged(effects, effect, Some(&rival)) {
+            search.finish(&[set])?;
             let behind = search.behind(set, effects);
             if behind < AS_WELL && search.get(set).is_some_and(Node::is_admitted) {
                 weights.push((rival.effect, (-behind).exp()));

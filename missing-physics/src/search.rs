@@ -52,6 +52,8 @@ const START: [f64; 2] = [0.05, 2.0];
 pub(crate) struct Visited {
     pub(crate) node: Node,
     pub(crate) sifted: Option<Arc<Sifted>>,
+    /// Whether its search went to its end.
+    is_finished: bool,
     /// Its fit from many places, if it was made: the node stands where that ended.
     pub(crate) fit: Option<Arc<Fit>>,
 }
@@ -61,6 +63,7 @@ impl From<Node> for Visited {
         Self {
             node,
             sifted: None,
+            is_finished: false,
             fit: None,
         }
     }
@@ -178,10 +181,14 @@ impl<'a> Search<'a> {
         let finished = sets
             .par_iter()
             .filter_map(|&set| self.index(set))
+            .filter(|&index| !self.visited[index].is_finished)
             .map(|index| Ok((index, self.case.finished(&self.visited[index].node)?)))
             .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
         for (index, node) in finished {
-            self.visited[index] = node.into();
+            self.visited[index] = Visited {
+                is_finished: true,
+                ..node.into()
+            };
         }
         Ok(())
     }
@@ -202,6 +209,7 @@ impl<'a> Search<'a> {
         let node = self.case.fitted(&before.node, &fit)?;
         let gained = node.noise.nats() - before.node.noise.nats();
         self.visited[index] = Visited {
+            is_finished: true,
             fit: Some(Arc::clone(&fit)),
             ..node.into()
         };

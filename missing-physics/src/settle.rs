@@ -13,11 +13,11 @@ use crate::case::{Case, Node};
 /// Places from which a search could start.
 const PLACES: usize = 63;
 
-/// Those of them from which a short search is made.
-const SHORT_SEARCHES: usize = 15;
+/// Those of them from which a search is made: with where the model stands, sixteen.
+const SEARCHES: usize = 15;
 
-/// Those of them that are followed to the end.
-const FOLLOWED: usize = 2;
+/// Iterations of these searches, round by round, and how many of them go on.
+const RACE: [(usize, usize); 2] = [(3, 5), (6, 2)];
 
 /// Share of its range by which a parameter of the baseline is moved, either way.
 const NEARBY: f64 = 0.05;
@@ -28,18 +28,14 @@ const SIZES: [f64; 2] = [0.05, 2.0];
 /// The fit of a node's model from where it stands and from the lowest ends of short searches from other places.
 pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, IdentifyError> {
     let vector = ParameterVector::new(node.model.parameters(), case.training.len());
-    let mut ends: Vec<(f64, Vec<f64>)> = lowest(case, node, &vector, places(node, &vector, seed))
-        .par_iter()
-        .filter_map(|start| {
-            let end = case.approached(node, start).ok()?;
-            Some((end.deviance, end.coordinates))
-        })
-        .collect();
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let elsewhere = ends.into_iter().take(FOLLOWED).map(|(_, end)| end);
+    let mut ends = lowest(case, node, &vector, places(node, &vector, seed));
+    for (iterations, followed) in RACE {
+        ends = raced(case, node, &ends, iterations);
+        ends.truncate(followed);
+    }
     let config = FitConfig {
         from: std::iter::once(node.coordinates.clone())
-            .chain(elsewhere)
+            .chain(ends)
             .collect(),
         starts: 0,
         seed,
@@ -47,6 +43,19 @@ pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Id
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     fit(&node.model, case.training, &config, go_on)
+}
+
+/// The ends of some searches, the lowest first.
+fn raced(case: &Case<'_>, node: &Node, starts: &[Vec<f64>], iterations: usize) -> Vec<Vec<f64>> {
+    let mut ends: Vec<(f64, Vec<f64>)> = starts
+        .par_iter()
+        .filter_map(|start| {
+            let end = case.approached(node, start, iterations).ok()?;
+            Some((end.deviance, end.coordinates))
+        })
+        .collect();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ends.into_iter().map(|(_, end)| end).collect()
 }
 
 /// Places around where a node stands: parameters of the baseline nearby, sizes of effects up to twice the
@@ -98,5 +107,5 @@ fn lowest(
         }
         Err(_) => places,
     };
-    places.into_iter().take(SHORT_SEARCHES).collect()
+    places.into_iter().take(SEARCHES).collect()
 }

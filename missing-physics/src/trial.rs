@@ -24,6 +24,14 @@ const PARTS: usize = 4;
 /// Gap between training and held-out samples, time constants.
 const GAP: f64 = 5.0;
 
+/// Held-out errors of a model where it stood.
+#[derive(Debug)]
+struct Known {
+    effects: EffectSet,
+    coordinates: Vec<f64>,
+    parts: Rc<[HeldOut]>,
+}
+
 /// Normal quantile of a lower bound of 95 %.
 const ONE_SIDED: f64 = 1.645;
 
@@ -41,8 +49,7 @@ pub(crate) struct Trial {
     folds: Vec<Fold>,
     /// Whether models are refitted without each part: what is far from the recordings is not linear.
     refits: bool,
-    /// Errors so far, of models at their coordinates.
-    known: RefCell<Vec<(EffectSet, Vec<f64>, Rc<[HeldOut]>)>>,
+    known: RefCell<Vec<Known>>,
     /// Mean square of the baseline's.
     pub(crate) baseline: f64,
     /// Standard error of that over the noise.
@@ -80,9 +87,10 @@ impl Trial {
     /// Errors of a model on each part of the training that it has not seen.
     fn parts(&self, search: &Search<'_>, node: &Node) -> Result<Rc<[HeldOut]>, IdentifyError> {
         let known = self.known.borrow();
-        let is_it = |set: &EffectSet, at: &[f64]| *set == node.effects && at == node.coordinates;
-        if let Some((_, _, parts)) = known.iter().find(|(set, at, _)| is_it(set, at)) {
-            return Ok(Rc::clone(parts));
+        let is_it =
+            |known: &&Known| known.effects == node.effects && known.coordinates == node.coordinates;
+        if let Some(known) = known.iter().find(is_it) {
+            return Ok(Rc::clone(&known.parts));
         }
         drop(known);
         let parts: Rc<[HeldOut]> = if self.refits && search.case.training.len() >= FEWEST_RECORDINGS
@@ -103,10 +111,11 @@ impl Trial {
             let scored = self.folds.iter().map(|fold| fold.scored.clone());
             scored.map(|part| HeldOut::of(&residual[part])).collect()
         };
-        let at = node.coordinates.clone();
-        self.known
-            .borrow_mut()
-            .push((node.effects, at, Rc::clone(&parts)));
+        self.known.borrow_mut().push(Known {
+            effects: node.effects,
+            coordinates: node.coordinates.clone(),
+            parts: Rc::clone(&parts),
+        });
         Ok(parts)
     }
 
