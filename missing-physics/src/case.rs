@@ -11,7 +11,7 @@ use recording::Recording;
 
 use crate::folds::HeldOut;
 use crate::series::{Channel, Layout, Noise};
-use crate::{EffectId, EffectSet, ExtendedModel, Need, Role, Setting};
+use crate::{Candidate, CandidateSet, EffectId, ExtendedModel, Need, Role, Setting};
 
 /// Iterations of a refinement that is only to be compared with others.
 const ITERATIONS: usize = 8;
@@ -36,7 +36,7 @@ pub(crate) struct Case<'a> {
 /// A model of the case, refined.
 #[derive(Debug, Clone)]
 pub(crate) struct Node {
-    pub(crate) effects: EffectSet,
+    pub(crate) effects: CandidateSet,
     pub(crate) model: ExtendedModel,
     /// Coordinates of the model's parameters.
     pub(crate) coordinates: Vec<f64>,
@@ -74,17 +74,13 @@ impl<'a> Case<'a> {
     }
 
     /// The model with these effects.
-    pub(crate) fn model(&self, effects: EffectSet) -> ExtendedModel {
-        let setting = Setting {
-            active: effects,
-            ..self.setting
-        };
-        ExtendedModel::new(self.base, self.fit, setting)
+    pub(crate) fn model(&self, effects: CandidateSet) -> ExtendedModel {
+        ExtendedModel::new(self.base, self.fit, self.setting, effects)
     }
 
     /// The fitted baseline as a node.
     pub(crate) fn baseline(&self) -> Result<Node, IdentifyError> {
-        let model = self.model(EffectSet::EMPTY);
+        let model = self.model(CandidateSet::EMPTY);
         let vector = ParameterVector::new(model.parameters(), self.training.len());
         let coordinates = self.fit.coordinates(&vector);
         let points = (0..self.training.len())
@@ -97,7 +93,7 @@ impl<'a> Case<'a> {
     pub(crate) fn refined(
         &self,
         near: &Node,
-        effects: EffectSet,
+        effects: CandidateSet,
         starts: &[Vec<f64>],
     ) -> Result<Node, IdentifyError> {
         let model = self.model(effects);
@@ -298,7 +294,7 @@ impl<'a> Case<'a> {
         &self,
         node: &Node,
         to: &ExtendedModel,
-        value: impl Fn(EffectId, usize) -> Option<f64>,
+        value: impl Fn(Candidate, usize) -> Option<f64>,
     ) -> Vec<f64> {
         let n_base = self.base.parameters().len();
         let vector = ParameterVector::new(to.parameters(), self.training.len());
@@ -315,7 +311,7 @@ impl<'a> Case<'a> {
     }
 
     /// What an effect needs and is not known.
-    pub(crate) fn missing(&self, effect: EffectId) -> Option<Need> {
+    pub(crate) fn missing(&self, effect: Candidate) -> Option<Need> {
         let setting = &self.setting;
         let electrical = !matches!(self.base.drive(), wiener::Drive::Power { .. });
         let thermometer = self
@@ -348,18 +344,18 @@ impl Node {
     }
 
     /// Values of an effect's parameters, if it is active.
-    pub(crate) fn values(&self, effect: EffectId) -> Option<&[f64]> {
+    pub(crate) fn values(&self, effect: Candidate) -> Option<&[f64]> {
         let first = self.model.first_parameter(effect)?;
         Some(&self.points[0][first..first + effect.info().parameters.len()])
     }
 
     /// Whether a parameter of an effect stands on a bound that is no end of what can be: the recordings pull it
     /// beyond what is physical.
-    pub(crate) fn is_pressed(&self, effect: EffectId) -> bool {
+    pub(crate) fn is_pressed(&self, effect: Candidate) -> bool {
         /// Distance from a bound, as a share of the range.
         const NEAR: f64 = 1e-3;
         // A hard stop holds back all, and a rod may remember by the other rule alone.
-        let ends_there = matches!(effect, EffectId::EndStop | EffectId::ReturnPointMemory);
+        let ends_there = effect == EffectId::EndStop || effect == EffectId::ReturnPointMemory;
         let values = self.values(effect).unwrap_or(&[]);
         let parameters = effect.info().parameters.iter().zip(values);
         parameters.into_iter().any(|(parameter, &value)| {
@@ -382,7 +378,7 @@ impl Node {
     }
 
     /// Whether a size of an effect is all but zero: it is there by name only.
-    pub(crate) fn has_vanished(&self, effect: EffectId) -> bool {
+    pub(crate) fn has_vanished(&self, effect: Candidate) -> bool {
         let values = self.values(effect).unwrap_or(&[]);
         let sizes = effect.info().parameters.iter().zip(values);
         sizes

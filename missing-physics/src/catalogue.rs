@@ -8,7 +8,7 @@ use crate::scores::Score;
 use crate::screening::POWER;
 use crate::search::Search;
 use crate::sentence;
-use crate::{EffectId, EffectSet, Role};
+use crate::{Candidate, CandidateSet, Role};
 
 /// Standard errors of half a 95 % interval.
 const HALF_95: f64 = 1.96;
@@ -62,10 +62,10 @@ pub(crate) fn catalogue(
     search: &mut Search<'_>,
     judged: &Judged,
 ) -> Result<Vec<Entry>, IdentifyError> {
-    let plain = search.sifted(EffectSet::EMPTY)?;
+    let plain = search.sifted(CandidateSet::EMPTY)?;
     let last = search.sifted(judged.effects)?;
     let critical = last.found.critical;
-    let entry = |effect: EffectId| {
+    let entry = |effect: Candidate| {
         let unit = effect.info().parameters[0].unit;
         let score = plain
             .found
@@ -112,11 +112,13 @@ pub(crate) fn catalogue(
             unit,
         }
     };
-    Ok(EffectId::ALL.into_iter().map(entry).collect())
+    Ok(Candidate::all(search.case.setting.hypotheses)
+        .map(entry)
+        .collect())
 }
 
 /// Largest plausible size of an effect's first parameter, in magnitude, and whether it may be negative.
-fn largest(effect: EffectId) -> (f64, bool) {
+fn largest(effect: Candidate) -> (f64, bool) {
     let first = effect
         .info()
         .parameters

@@ -23,7 +23,7 @@ use crate::locate::{Located, locate, remainder_shape};
 use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
 use crate::whiten::Whitener;
-use crate::{EffectBlock, EffectSet, Setting};
+use crate::{CandidateSet, EffectBlock, EffectSet, Setting};
 
 /// Most explanations that a run is sought for.
 const RIVALS: usize = 3;
@@ -31,9 +31,9 @@ const RIVALS: usize = 3;
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
-    /// What is known of the rig beyond its baseline.
+    /// What is known of the rig beyond its baseline, and hypotheses of one's own: they compete with the catalogue.
     pub setting: Setting,
-    /// Effects that may be found.
+    /// Effects of the catalogue that may be found.
     pub catalogue: EffectSet,
     /// What the rig stands: for the run that is proposed.
     pub limits: Limits,
@@ -123,7 +123,8 @@ pub fn diagnose_from(
     let case = Case::new(base, &plain, training, config.setting);
     progress(DiagnoseProgress::Search);
     let start = case.baseline()?;
-    let mut search = Search::new(&case, start, config.catalogue, noise.highest(), config.seed);
+    let may_be = CandidateSet::all(config.catalogue, config.setting.hypotheses);
+    let mut search = Search::new(&case, start, may_be, noise.highest(), config.seed);
     search.grow()?;
     let judged = judge(&mut search, &noise, tau_s)?;
     let (judged, floor) = licensed(&search, judged, &noise);
@@ -145,7 +146,7 @@ pub fn diagnose_from(
         .transpose()?;
     let catalogue = catalogue(&mut search, &judged)?;
     let at = (noise.gate.sqrt(), config.seed);
-    let mut mismatch = located(&mut search, EffectSet::EMPTY, at, locate)?;
+    let mut mismatch = located(&mut search, CandidateSet::EMPTY, at, locate)?;
     if !judged.named.is_empty() {
         mismatch.blocks = blocks_of(&judged.named);
         mismatch.block = mismatch.blocks.first().copied();
@@ -187,14 +188,14 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     if judged.named.is_empty() || !noise.forbids(floor.class, gained) {
         return (judged, floor);
     }
-    let verdict = without_effects(search, noise, false);
+    let verdict = without_effects(search, noise, 1.0);
     (judged.demoted(verdict), floor)
 }
 
 /// A look at what a model that was visited leaves; `at` holds the noise's standard deviation and the seed.
 fn located<T>(
     search: &mut Search<'_>,
-    effects: EffectSet,
+    effects: CandidateSet,
     at: (f64, u64),
     look: impl FnOnce(&Located<'_>) -> Result<T, IdentifyError>,
 ) -> Result<T, IdentifyError> {
@@ -281,7 +282,7 @@ fn remainder(
     };
     let noise = at.0.powi(2);
     let of = |effects| search.get(effects).map_or(0.0, Node::mean_square) - noise;
-    let (left, all) = (of(judged.effects), of(EffectSet::EMPTY));
+    let (left, all) = (of(judged.effects), of(CandidateSet::EMPTY));
     Ok((left > 0.0 && all > 0.0).then(|| Remainder {
         rms: left.sqrt(),
         share: left / all,
@@ -315,7 +316,7 @@ fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Diagnosis {
 /// The chosen model, fitted from many places and validated.
 fn extended(
     search: &mut Search<'_>,
-    effects: EffectSet,
+    effects: CandidateSet,
     unseen: &[Recording],
 ) -> Result<Option<ExtendedStage>, IdentifyError> {
     if effects.is_empty() {

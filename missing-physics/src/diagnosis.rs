@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use identify::{Fit, Validated};
 
-use crate::{EffectBlock, EffectId, ExtendedModel, Need};
+use crate::{Candidate, EffectBlock, ExtendedModel, Need};
 
 /// Name of the whole diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -121,7 +121,7 @@ pub struct Stage {
 #[derive(Debug, Clone)]
 pub struct ExtendedStage {
     /// Its effects.
-    pub effects: Vec<EffectId>,
+    pub effects: Vec<Candidate>,
     /// The model.
     pub model: ExtendedModel,
     /// Its fit and validation.
@@ -198,9 +198,9 @@ pub struct Band {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// The effect.
-    pub effect: EffectId,
+    pub effect: Candidate,
     /// Effects that would explain these recordings as well, the likeliest first.
-    pub could_also_be: Vec<EffectId>,
+    pub could_also_be: Vec<Candidate>,
     /// Probability of `effect` against those and against all that is not in the catalogue.
     pub probability: f64,
     /// Its parameters.
@@ -269,7 +269,7 @@ pub struct Curve {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// The effect.
-    pub effect: EffectId,
+    pub effect: Candidate,
     /// What they say.
     pub status: Status,
     /// Its score at the plain model, standard deviations; `None` if it cannot be computed.
@@ -320,7 +320,7 @@ impl Status {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NextExperiment {
     /// The explanations that it separates.
-    pub separates: Vec<EffectId>,
+    pub separates: Vec<Candidate>,
     /// What to do, for people.
     pub sentence: String,
     /// The run; `None` if only another sensor helps.

@@ -1,9 +1,11 @@
 //! A model where it was not fitted: in another recording.
 
-use crate::{EffectId, ExtendedModel};
+use crate::{Candidate, EffectId, ExtendedModel};
 
-/// Effects whose parameters are those of a recording.
-pub(crate) const DRIFTS: [EffectId; 2] = [EffectId::AmbientDrift, EffectId::SensorDrift];
+/// Whether the parameters of an effect are those of a recording.
+pub(crate) fn is_drift(effect: Candidate) -> bool {
+    effect == EffectId::AmbientDrift || effect == EffectId::SensorDrift
+}
 
 /// The point for another recording: of a drift of the surroundings it has the mean, which is as a loop that lies
 /// lower, and of that of the sensor's zero nothing.

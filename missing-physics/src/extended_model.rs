@@ -7,7 +7,7 @@ use identify::{
 use recording::Recording;
 use wiener::{Block, lockstep};
 
-use crate::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
+use crate::{Candidate, CandidateSet, EffectValues, Extended, Member, Setting};
 
 /// Factor by which a gain may leave that of the baseline, either way.
 const GAIN_FACTOR: f64 = 4.0;
@@ -21,16 +21,23 @@ const GAIN_FACTOR: f64 = 4.0;
 pub struct ExtendedModel {
     base: WienerModel,
     setting: Setting,
+    active: CandidateSet,
     /// Effect and number of the parameter, for each parameter after the baseline's.
-    slots: Vec<(EffectId, usize)>,
+    slots: Vec<(Candidate, usize)>,
     parameters: Vec<ParameterInfo>,
 }
 
 impl ExtendedModel {
-    /// The model around a fitted baseline; `setting` says what is common to all its plants, but for drive, rule
-    /// and run length, which the baseline and each recording have.
+    /// The model around a fitted baseline with some candidates; `setting` says what is common to all its plants,
+    /// but for these, drive, rule and run length, which the baseline and each recording have.
     #[must_use]
-    pub fn new(base: &WienerModel, fit: &Fit, setting: Setting) -> Self {
+    pub fn new(
+        base: &WienerModel,
+        fit: &Fit,
+        setting: Setting,
+        active: impl Into<CandidateSet>,
+    ) -> Self {
+        let active = active.into();
         let mut parameters = base.parameters().to_vec();
         let gain = parameters
             .iter()
@@ -47,7 +54,7 @@ impl ExtendedModel {
             ..parameters[gain].clone()
         };
         let mut slots = Vec::new();
-        for effect in setting.active.iter() {
+        for effect in active.iter() {
             for (k, parameter) in effect.info().parameters.iter().enumerate() {
                 let [lower, upper] = parameter.bounds;
                 let bounds = Bounds { lower, upper };
@@ -63,8 +70,11 @@ impl ExtendedModel {
             setting: Setting {
                 drive: base.drive(),
                 rule: base.rule(),
+                active: active.effects(),
+                hypotheses: active.hypotheses(),
                 ..setting
             },
+            active,
             base: base.clone(),
             slots,
             parameters,
@@ -73,13 +83,14 @@ impl ExtendedModel {
 
     /// The effects that may have a size.
     #[must_use]
-    pub fn active(&self) -> EffectSet {
-        self.setting.active
+    pub fn active(&self) -> CandidateSet {
+        self.active
     }
 
     /// Index of the first parameter of an effect; `None` if it is not active.
     #[must_use]
-    pub fn first_parameter(&self, effect: EffectId) -> Option<usize> {
+    pub fn first_parameter(&self, effect: impl Into<Candidate>) -> Option<usize> {
+        let effect = effect.into();
         let slot = self
             .slots
             .iter()
@@ -88,7 +99,7 @@ impl ExtendedModel {
     }
 
     /// The effect and the number of its parameter that a parameter of this model is; `None` for the baseline's.
-    pub(crate) fn slot(&self, parameter: usize) -> Option<(EffectId, usize)> {
+    pub(crate) fn slot(&self, parameter: usize) -> Option<(Candidate, usize)> {
         let n_base = self.parameters.len() - self.slots.len();
         self.slots.get(parameter.checked_sub(n_base)?).copied()
     }
@@ -96,9 +107,17 @@ impl ExtendedModel {
     fn member(&self, point: &[f64], first_ambient_degc: f64) -> Member {
         let (base, extra) = point.split_at(point.len() - self.slots.len());
         let mut effects = EffectValues::default();
-        for (&(effect, index), &value) in self.slots.iter().zip(extra) {
-            if let Some(slot) = effects.slot(effect, index) {
-                *slot = value;
+        for (own, hypothesis) in effects.own.iter_mut().zip(self.setting.hypotheses) {
+            *own = hypothesis.values(0.0);
+        }
+        for (&(candidate, index), &value) in self.slots.iter().zip(extra) {
+            match candidate {
+                Candidate::Effect(effect) => {
+                    if let Some(slot) = effects.slot(effect, index) {
+                        *slot = value;
+                    }
+                }
+                Candidate::Own(number, _) => effects.own[number][index] = value,
             }
         }
         Member {

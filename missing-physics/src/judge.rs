@@ -8,9 +8,9 @@ use crate::floor::Measured;
 use crate::lack::lack;
 use crate::projection::dot;
 use crate::scores::Score;
-use crate::search::{Search, UNIVERSAL};
+use crate::search::{Search, is_universal};
 use crate::trial::Trial;
-use crate::{EffectId, EffectSet};
+use crate::{Candidate, CandidateSet};
 
 /// Share of the explainable error that an effect must bring to have a name.
 const OWN_SHARE: f64 = 0.05;
@@ -23,6 +23,9 @@ const AS_WELL: f64 = 3.0;
 
 /// Probability of a lack of fit under noise alone, below which there is one.
 const LACK_OF_FIT: f64 = 0.01;
+
+/// The same where nothing else speaks for it.
+const BEYOND_DOUBT: f64 = 1e-6;
 
 /// Share of the explainable error below which a remainder is not worth a word.
 const SMALL_REMAINDER: f64 = 0.02;
@@ -44,7 +47,7 @@ const ROUNDS: usize = 3;
 pub(crate) struct Judged {
     pub(crate) verdict: Verdict,
     /// Effects of the chosen model.
-    pub(crate) effects: EffectSet,
+    pub(crate) effects: CandidateSet,
     pub(crate) named: Vec<Named>,
     /// Effects of the chosen model whose names do not hold.
     pub(crate) suspects: Vec<Named>,
@@ -56,9 +59,9 @@ pub(crate) struct Judged {
 /// An effect of the chosen model.
 #[derive(Debug, Clone)]
 pub(crate) struct Named {
-    pub(crate) effect: EffectId,
+    pub(crate) effect: Candidate,
     /// Others that would do as well in its place, with their share of the probability, the likeliest first.
-    pub(crate) others: Vec<(EffectId, f64)>,
+    pub(crate) others: Vec<(Candidate, f64)>,
     pub(crate) probability: f64,
     pub(crate) contribution: f64,
 }
@@ -120,7 +123,7 @@ pub(crate) fn judge(
     let left = 1.0 - explained.unwrap_or(by_lack).min(by_lack);
     let is_left = lack.p_value < LACK_OF_FIT;
     let verdict = if effects.is_empty() {
-        without_effects(search, noise, is_left)
+        without_effects(search, noise, lack.p_value)
     } else if licensed.is_empty() || share < GATE {
         Verdict::Unexplained
     } else if is_left && left > SMALL_REMAINDER && Trial::far_off(best, noise) {
@@ -142,9 +145,15 @@ pub(crate) fn judge(
     })
 }
 
-/// The verdict where no effect helps.
-pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, is_left: bool) -> Verdict {
+/// The verdict where no effect helps, with the probability that noise alone leaves as much.
+pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, p_value: f64) -> Verdict {
     let plain = search.baseline();
+    let is_left = p_value < LACK_OF_FIT;
+    // The noise of a thermometer is not measured: there only what is beyond doubt counts.
+    let has_thermometer = plain.noise.temperature.n_samples > 0;
+    if has_thermometer && p_value < BEYOND_DOUBT {
+        return Verdict::Unexplained;
+    }
     // Slow errors look like noise with a long memory: where the noise was measured, their size tells.
     let is_large = noise.upper.is_some() && plain.mean_square() > LARGE * search.noise();
     if Trial::far_off(plain, noise) && (is_left || is_large) {
@@ -155,18 +164,18 @@ pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, is_left: bo
 }
 
 /// The most credible model.
-fn chosen(search: &Search<'_>) -> EffectSet {
+fn chosen(search: &Search<'_>) -> CandidateSet {
     let admitted = search.nodes().filter(|node| node.is_admitted());
     let best = admitted
         .map(|node| (search.credit(node.effects), node.effects))
         .max_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or(EffectSet::EMPTY, |(_, effects)| effects)
+    best.map_or(CandidateSet::EMPTY, |(_, effects)| effects)
 }
 
 /// The most credible model, fitted from many places; where much is left, or was until then, with effects
 /// exchanged, added or left out for as long as that makes it more credible: roads that lead to one place differ in
 /// their order.
-fn settled(search: &mut Search<'_>) -> Result<EffectSet, IdentifyError> {
+fn settled(search: &mut Search<'_>) -> Result<CandidateSet, IdentifyError> {
     let mut effects = chosen(search);
     for _ in 0..ROUNDS {
         let is_elsewhere = !effects.is_empty() && search.settle(effects)?.is_elsewhere;
@@ -184,8 +193,8 @@ fn settled(search: &mut Search<'_>) -> Result<EffectSet, IdentifyError> {
 }
 
 /// Visits models with one effect more, less or exchanged.
-fn look_around(search: &mut Search<'_>, effects: EffectSet) -> Result<(), IdentifyError> {
-    let mut neighbors: Vec<EffectSet> = search.children(effects)?;
+fn look_around(search: &mut Search<'_>, effects: CandidateSet) -> Result<(), IdentifyError> {
+    let mut neighbors: Vec<CandidateSet> = search.children(effects)?;
     for effect in effects.iter() {
         neighbors.extend(search.exchanged(effects, effect, None));
         for (rival, cosine) in rivals(search, effects, effect)? {
@@ -202,8 +211,8 @@ fn look_around(search: &mut Search<'_>, effects: EffectSet) -> Result<(), Identi
 /// Scores of what could stand in the place of an effect, with the cosines of their traces with its own.
 fn rivals(
     search: &mut Search<'_>,
-    effects: EffectSet,
-    effect: EffectId,
+    effects: CandidateSet,
+    effect: Candidate,
 ) -> Result<Vec<(Score, f64)>, IdentifyError> {
     let Some(less) = search.exchanged(effects, effect, None) else {
         return Ok(Vec::new());
@@ -228,8 +237,8 @@ fn rivals(
 fn pruned(
     search: &mut Search<'_>,
     trial: &Trial,
-    effects: &mut EffectSet,
-) -> Result<Vec<(EffectId, f64)>, IdentifyError> {
+    effects: &mut CandidateSet,
+) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
     loop {
         if !effects.is_empty() {
             search.settle(*effects)?;
@@ -239,7 +248,7 @@ fn pruned(
         match weakest {
             Some(&(effect, share)) if share < OWN_SHARE => {
                 let less = search.exchanged(*effects, effect, None);
-                *effects = less.unwrap_or(EffectSet::EMPTY);
+                *effects = less.unwrap_or(CandidateSet::EMPTY);
             }
             _ => return Ok(contributions),
         }
@@ -250,8 +259,8 @@ fn pruned(
 fn contributions(
     search: &mut Search<'_>,
     trial: &Trial,
-    effects: EffectSet,
-) -> Result<Vec<(EffectId, f64)>, IdentifyError> {
+    effects: CandidateSet,
+) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
     let mut shares = Vec::new();
     for effect in effects.iter() {
         let Some(less) = search.exchanged(effects, effect, None) else {
@@ -275,7 +284,7 @@ fn contributions(
 }
 
 /// Effects that all models share which are nearly as credible as a model, where all leave more than noise.
-fn shared(search: &Search<'_>, effects: EffectSet) -> EffectSet {
+fn shared(search: &Search<'_>, effects: CandidateSet) -> CandidateSet {
     let least = search.credit(effects) - AS_WELL;
     let near = search
         .nodes()
@@ -296,17 +305,14 @@ fn upheld(
     search: &mut Search<'_>,
     trial: &Trial,
     noise: &Measured,
-    effects: EffectSet,
-) -> Result<EffectSet, IdentifyError> {
+    effects: CandidateSet,
+) -> Result<CandidateSet, IdentifyError> {
     let is_far = |node: &Node| Trial::far_off(node, noise);
     if !search.get(effects).is_some_and(is_far) {
         return Ok(effects);
     }
-    let universal: EffectSet = UNIVERSAL
-        .into_iter()
-        .filter(|&effect| effects.contains(effect))
-        .collect();
-    let mut upheld = EffectSet::EMPTY;
+    let universal: CandidateSet = effects.iter().filter(|&one| is_universal(one)).collect();
+    let mut upheld = CandidateSet::EMPTY;
     let odd = effects.iter().filter(|&effect| !universal.contains(effect));
     for set in std::iter::once(universal).chain(odd.map(|effect| universal.with(effect))) {
         if passes(search, trial, effects, set)? {
@@ -320,8 +326,8 @@ fn upheld(
 fn passes(
     search: &mut Search<'_>,
     trial: &Trial,
-    effects: EffectSet,
-    part: EffectSet,
+    effects: CandidateSet,
+    part: CandidateSet,
 ) -> Result<bool, IdentifyError> {
     let mut set = effects;
     for other in effects.iter().filter(|&effect| !part.contains(effect)) {
@@ -340,9 +346,9 @@ fn passes(
 /// Probability of an effect against those that would do as well in its place, and these.
 fn alternatives(
     search: &mut Search<'_>,
-    effects: EffectSet,
-    effect: EffectId,
-) -> Result<(f64, Vec<(EffectId, f64)>), IdentifyError> {
+    effects: CandidateSet,
+    effect: Candidate,
+) -> Result<(f64, Vec<(Candidate, f64)>), IdentifyError> {
     let mut weights = Vec::new();
     for (rival, cosine) in rivals(search, effects, effect)? {
         if cosine < ALIKE {

@@ -2,6 +2,7 @@
 
 mod bands;
 mod blocks;
+mod candidate;
 mod case;
 mod catalogue;
 mod cells;
@@ -24,6 +25,7 @@ mod regimes;
 mod remainder;
 mod ridge;
 mod rig;
+mod saved;
 mod scene;
 mod scores;
 mod screening;
@@ -39,6 +41,7 @@ mod tangent;
 mod trial;
 mod whiten;
 
+pub use candidate::{Candidate, CandidateSet};
 pub use diagnose::{DiagnoseConfig, DiagnoseProgress, diagnose, diagnose_from};
 pub use diagnosis::{
     Band, Cell, Curve, Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Floor,
@@ -46,6 +49,7 @@ pub use diagnosis::{
 };
 pub use extended_model::ExtendedModel;
 pub use rig::setting_of_rod;
+pub use saved::{RestoredModel, read_model, saved_effects};
 pub use screening::{ScreenConfig, Screened, Screening, screen};
 pub use sma_effects::{
     AmbientDrift, Backlash, DeadTime, EffectBlock, EffectId, EffectInfo, EffectParameter,

@@ -327,7 +327,7 @@ mod tests {
         let own = terms
             .iter()
             .filter(|term| term.block == effect.info().block);
-        let secant = &traces(&case, &node, effect).unwrap()[0].secant;
+        let secant = &traces(&case, &node, effect.into()).unwrap()[0].secant;
         own.map(|term| dot(secant, &term.column) / (norm(secant) * norm(&term.column)))
             .map(f64::abs)
             .fold(0.0, f64::max)

@@ -6,13 +6,13 @@ use identify::{IdentifyError, Limits, ResidualNoise, predict};
 use rayon::prelude::*;
 use recording::{Quantity, Recording, RecordingParts, Sampling};
 
-use crate::EffectId;
 use crate::case::{Case, Node};
 use crate::diagnosis::{NextExperiment, Run};
 use crate::drives::{Bench, Levels, Plan, library, seconds, short};
 use crate::elsewhere::without_drifts;
 use crate::separation::{Experiment, Known, Separation, least_separation};
 use crate::series::Noise;
+use crate::{Candidate, EffectId};
 
 /// Distance from which a run settles it, standard deviations: of twice the log-likelihoods' difference, normal
 /// with mean d² and deviation 2d, nine tenths then lie above 6, odds of 20 to 1: d²/2 - 1.282 d = 3.
@@ -34,7 +34,7 @@ const DECISIVE: f64 = 0.5;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rival<'a> {
     /// What it has that the others do not.
-    pub(crate) effect: EffectId,
+    pub(crate) effect: Candidate,
     pub(crate) node: &'a Node,
 }
 
@@ -87,7 +87,7 @@ pub(crate) fn next_experiment(
         .par_iter()
         .filter_map(|plan| lab.tried(*plan))
         .collect();
-    let separates: Vec<EffectId> = rivals.iter().map(|rival| rival.effect).collect();
+    let separates: Vec<Candidate> = rivals.iter().map(|rival| rival.effect).collect();
     if let Some(best) = lab.soonest(&tried).or_else(|| lab.repeated(&tried)) {
         let run = Run {
             decisive: decisive(&best.separation.squares, best.drive.len()),
@@ -441,7 +441,7 @@ fn decisive(squares: &[f64], n_samples: usize) -> Range<usize> {
     best
 }
 
-fn names(effects: &[EffectId]) -> String {
+fn names(effects: &[Candidate]) -> String {
     let names: Vec<&str> = effects.iter().map(|effect| effect.info().name).collect();
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
@@ -449,7 +449,7 @@ fn names(effects: &[EffectId]) -> String {
     }
 }
 
-fn play(run: &Run, separates: &[EffectId]) -> String {
+fn play(run: &Run, separates: &[Candidate]) -> String {
     format!(
         "Play this run of {} (as CSV with --save-next): {}. It would put {} standard deviations between {}; these \
          recordings again: {}.",
@@ -461,7 +461,7 @@ fn play(run: &Run, separates: &[EffectId]) -> String {
     )
 }
 
-fn measure(distance: f64, now: f64, separates: &[EffectId]) -> String {
+fn measure(distance: f64, now: f64, separates: &[Candidate]) -> String {
     format!(
         "Record the rod's temperature in runs like these: that would put {} standard deviations between {}; these \
          recordings again: {}. No run within the limits tells them apart without it.",
@@ -471,7 +471,7 @@ fn measure(distance: f64, now: f64, separates: &[EffectId]) -> String {
     )
 }
 
-fn give_up(farthest: f64, separates: &[EffectId]) -> String {
+fn give_up(farthest: f64, separates: &[Candidate]) -> String {
     format!(
         "No run within the limits tells {} apart: at most {} standard deviations lie between them, and the rod's \
          temperature does not help.",
@@ -486,7 +486,7 @@ mod tests {
 
     use super::*;
     use crate::synthetic::{NOISE_MM, Synthetic};
-    use crate::{EffectSet, EffectValues};
+    use crate::{CandidateSet, EffectSet, EffectValues};
     use identify::{Fit, FitConfig, ForwardModel, ParameterVector, RefineConfig, fit, refine};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -529,14 +529,18 @@ mod tests {
     /// The model with one effect, from its typical size and from a tenth of it.
     fn node(case: &Case<'_>, effect: EffectId) -> Node {
         let baseline = case.baseline().unwrap();
-        let model = case.model(EffectSet::of(effect));
+        let model = case.model(CandidateSet::of(effect));
         let start = |share: f64| {
             case.moved(&baseline, &model, |_, k| {
                 Some(share * effect.info().parameters[k].typical)
             })
         };
-        case.refined(&baseline, EffectSet::of(effect), &[start(1.0), start(0.1)])
-            .unwrap()
+        case.refined(
+            &baseline,
+            CandidateSet::of(effect),
+            &[start(1.0), start(0.1)],
+        )
+        .unwrap()
     }
 
     fn proposed(case: &Case<'_>, nodes: &[Node; 2], limits: &Limits) -> NextExperiment {
@@ -695,7 +699,7 @@ mod tests {
         let case = slow.case();
         let node = node(&case, EffectId::DeadTime);
         let alone = [Rival {
-            effect: EffectId::DeadTime,
+            effect: EffectId::DeadTime.into(),
             node: &node,
         }];
         let found = next_experiment(&case, &alone, &Limits::default(), &node.noise).unwrap();

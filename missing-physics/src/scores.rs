@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::projection::{Span, dot, norm};
 use crate::tangent::Trace;
 use crate::whiten::Whitener;
-use crate::{EffectId, Role};
+use crate::{Candidate, Role};
 
 /// Draws of the largest score under noise alone: 5 % of them lie above with a standard error of 0.3 %.
 const DRAWS: usize = 5_000;
@@ -21,7 +21,7 @@ const SMALLEST_TRACE: f64 = 1e-6;
 /// Score of an effect.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
-    pub(crate) effect: EffectId,
+    pub(crate) effect: Candidate,
     /// Score in standard deviations, of whitened series; of several sizes, that of one which is as unlikely.
     pub(crate) whitened: f64,
     /// The same of the series as they are, with the variance of correlated noise.
@@ -302,7 +302,7 @@ fn critical(tests: &[Tested<'_>], seed: u64) -> f64 {
 }
 
 /// Whether a parameter is a size.
-pub(crate) fn sizes_of(effect: EffectId) -> impl Iterator<Item = usize> {
+pub(crate) fn sizes_of(effect: Candidate) -> impl Iterator<Item = usize> {
     let parameters = effect.info().parameters;
     (0..parameters.len()).filter(|&k| parameters[k].role == Role::Size)
 }
@@ -310,6 +310,7 @@ pub(crate) fn sizes_of(effect: EffectId) -> impl Iterator<Item = usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::EffectId;
     use crate::series::{Channel, Layout, Noise, Segment};
     use identify::ResidualNoise;
 
@@ -335,7 +336,7 @@ mod tests {
         ]
         .into_iter()
         .map(|(effect, rate)| Trace {
-            effect,
+            effect: effect.into(),
             partner: None,
             one_sided: effect != EffectId::SensorNonlinearity,
             secant: wave(rate),

@@ -7,13 +7,17 @@ use rayon::prelude::*;
 use recording::Recording;
 
 use crate::case::{Case, Node};
+use crate::projection::dot;
 use crate::scores::{Ground, Scores, scores};
 use crate::tangent::{Sensitivity, Trace, sensitivities, traces};
 use crate::whiten::Whitener;
-use crate::{EffectId, EffectSet, Need, Setting};
+use crate::{Candidate, CandidateSet, EffectSet, Need, Setting};
 
 /// Standard normal quantiles of the power with which a size counts as detectable: 95 %.
 pub(crate) const POWER: f64 = 1.645;
+
+/// Cosine of two traces from which they are alike.
+const ALIKE: f64 = 0.9;
 
 /// Settings of a screening.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +32,7 @@ pub struct ScreenConfig {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Screened {
     /// The effect.
-    pub effect: EffectId,
+    pub effect: Candidate,
     /// Score in standard deviations, whitened by the residuals' own memory: that of its best value of the
     /// partner; of several sizes together, the score of one that is as unlikely. It hides large effects,
     /// whose trace is part of that memory.
@@ -43,6 +47,8 @@ pub struct Screened {
     pub absorbed: f64,
     /// Value of its partner at which it scores best.
     pub partner: Option<f64>,
+    /// Other effects whose traces here, freed of what refitting hides, point the same way: cosine above 0.9.
+    pub alike: Vec<Candidate>,
 }
 
 /// Scores of all effects that can be computed for a rig.
@@ -51,7 +57,7 @@ pub struct Screening {
     /// In the order of the catalogue.
     pub effects: Vec<Screened>,
     /// Effects that need what is not known of the rig, and what that is.
-    pub unknown: Vec<(EffectId, Need)>,
+    pub unknown: Vec<(Candidate, Need)>,
     /// Whitened score that noise alone exceeds in 5 % of files, the number of effects counted.
     pub critical: f64,
 }
@@ -73,7 +79,8 @@ pub fn screen(
 ) -> Result<Screening, IdentifyError> {
     let case = Case::new(base, fit, training, config.setting);
     let node = case.baseline()?;
-    let sifted = sift(&case, &node, EffectSet::all(), config.seed)?;
+    let all = CandidateSet::all(EffectSet::all(), config.setting.hypotheses);
+    let sifted = sift(&case, &node, all, config.seed)?;
     let screened = sifted.found.scores.iter().map(|score| Screened {
         effect: score.effect,
         whitened: score.whitened,
@@ -82,11 +89,19 @@ pub fn screen(
         minimum_detectable: (sifted.found.critical + POWER) * score.errors[0],
         absorbed: score.absorbed,
         partner: score.partner,
+        alike: sifted
+            .found
+            .scores
+            .iter()
+            .filter(|other| other.effect != score.effect)
+            .filter(|other| dot(&other.direction, &score.direction).abs() > ALIKE)
+            .map(|other| other.effect)
+            .collect(),
     });
     Ok(Screening {
         effects: screened.collect(),
-        unknown: EffectId::ALL
-            .into_iter()
+        unknown: all
+            .iter()
             .filter_map(|effect| Some((effect, case.missing(effect)?)))
             .collect(),
         critical: sifted.found.critical,
@@ -104,10 +119,10 @@ pub(crate) struct Sifted {
 pub(crate) fn sift(
     case: &Case<'_>,
     node: &Node,
-    catalogue: EffectSet,
+    catalogue: CandidateSet,
     seed: u64,
 ) -> Result<Sifted, IdentifyError> {
-    let wanted: Vec<EffectId> = catalogue
+    let wanted: Vec<Candidate> = catalogue
         .iter()
         .filter(|&effect| !node.effects.contains(effect) && case.missing(effect).is_none())
         .collect();

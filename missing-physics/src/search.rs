@@ -10,7 +10,7 @@ use crate::scores::{Score, as_one, sizes_of};
 use crate::screening::{Sifted, sift};
 use crate::settle::settled;
 use crate::tangent::{Sensitivity, sensitivities};
-use crate::{EffectId, EffectSet, Role};
+use crate::{Candidate, CandidateSet, EffectId, Role};
 
 /// Most effects of a model.
 const MOST_EFFECTS: usize = 4;
@@ -27,7 +27,7 @@ const BY_WHITENED: usize = 5;
 const MISFIT: f64 = 2.0;
 
 /// Effects that physics knows in every rod, whatever their size.
-pub(crate) const UNIVERSAL: [EffectId; 4] = [
+const UNIVERSAL: [EffectId; 4] = [
     EffectId::LatentHeat,
     EffectId::ThermalExpansion,
     EffectId::NaturalConvection,
@@ -81,23 +81,23 @@ pub(crate) struct Settled {
 #[derive(Debug)]
 pub(crate) struct Search<'a> {
     pub(crate) case: &'a Case<'a>,
-    /// Effects that may be found.
-    catalogue: EffectSet,
+    /// What may be found.
+    catalogue: CandidateSet,
     /// Variance of the noise, at most.
     noise: f64,
     seed: u64,
     visited: Vec<Visited>,
     /// Sets of effects that lead nowhere.
-    dead: Vec<EffectSet>,
+    dead: Vec<CandidateSet>,
     /// Models that were searched from where one with an effect more was fitted, after that one.
-    lightened: Vec<(EffectSet, EffectSet)>,
+    lightened: Vec<(CandidateSet, CandidateSet)>,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(
         case: &'a Case<'a>,
         baseline: Node,
-        catalogue: EffectSet,
+        catalogue: CandidateSet,
         noise: f64,
         seed: u64,
     ) -> Self {
@@ -121,14 +121,14 @@ impl<'a> Search<'a> {
         &self.visited[0].node
     }
 
-    fn index(&self, effects: EffectSet) -> Option<usize> {
+    fn index(&self, effects: CandidateSet) -> Option<usize> {
         self.visited
             .iter()
             .position(|one| one.node.effects == effects)
     }
 
     /// Scores at a model that was visited.
-    pub(crate) fn sifted(&mut self, effects: EffectSet) -> Result<Arc<Sifted>, IdentifyError> {
+    pub(crate) fn sifted(&mut self, effects: CandidateSet) -> Result<Arc<Sifted>, IdentifyError> {
         let Some(index) = self.index(effects) else {
             unreachable!("only models that were visited are sifted");
         };
@@ -152,9 +152,9 @@ impl<'a> Search<'a> {
 
     /// Goes from the baseline to models that leave nothing significant, by several roads.
     pub(crate) fn grow(&mut self) -> Result<(), IdentifyError> {
-        let mut frontier = vec![EffectSet::EMPTY];
+        let mut frontier = vec![CandidateSet::EMPTY];
         for _ in 0..MOST_EFFECTS {
-            let mut grown: Vec<EffectSet> = Vec::new();
+            let mut grown: Vec<CandidateSet> = Vec::new();
             for (rank, &effects) in frontier.iter().enumerate() {
                 // Where the best model leaves nothing, others are followed only if they are near.
                 let is_closed = rank > 0 && grown.is_empty();
@@ -177,7 +177,7 @@ impl<'a> Search<'a> {
     }
 
     /// Takes searches that were cut short to their ends.
-    pub(crate) fn finish(&mut self, sets: &[EffectSet]) -> Result<(), IdentifyError> {
+    pub(crate) fn finish(&mut self, sets: &[CandidateSet]) -> Result<(), IdentifyError> {
         let finished = sets
             .par_iter()
             .filter_map(|&set| self.index(set))
@@ -194,7 +194,7 @@ impl<'a> Search<'a> {
     }
 
     /// Fits a model that was visited from many places, once.
-    pub(crate) fn settle(&mut self, effects: EffectSet) -> Result<Settled, IdentifyError> {
+    pub(crate) fn settle(&mut self, effects: CandidateSet) -> Result<Settled, IdentifyError> {
         let Some(index) = self.index(effects) else {
             unreachable!("only models that were visited are settled");
         };
@@ -220,15 +220,15 @@ impl<'a> Search<'a> {
     }
 
     /// The most credible of some models, the best first, then those of the lowest error.
-    fn best_of(&self, mut sets: Vec<EffectSet>) -> Vec<EffectSet> {
-        let admitted = |set: &EffectSet| self.get(*set).is_some_and(|node| node.is_admitted());
+    fn best_of(&self, mut sets: Vec<CandidateSet>) -> Vec<CandidateSet> {
+        let admitted = |set: &CandidateSet| self.get(*set).is_some_and(|node| node.is_admitted());
         if sets.iter().any(admitted) {
             sets.retain(admitted);
         }
         let mut by_error = sets.clone();
         by_error.sort_by(|&a, &b| self.error(a).total_cmp(&self.error(b)));
         sets.sort_by(|&a, &b| self.credit(b).total_cmp(&self.credit(a)));
-        let mut best: Vec<EffectSet> = sets.into_iter().take(BRANCHES).collect();
+        let mut best: Vec<CandidateSet> = sets.into_iter().take(BRANCHES).collect();
         for set in by_error.into_iter().take(BRANCHES) {
             if !best.contains(&set) {
                 best.push(set);
@@ -243,7 +243,7 @@ impl<'a> Search<'a> {
     }
 
     /// Mean square of what a model leaves of the output.
-    fn error(&self, effects: EffectSet) -> f64 {
+    fn error(&self, effects: CandidateSet) -> f64 {
         self.get(effects).map_or(f64::INFINITY, Node::mean_square)
     }
 
@@ -291,17 +291,17 @@ impl<'a> Search<'a> {
 
     /// Logarithm of the credibility of a model: its likelihood, Schwarz's price of its parameters, and the odds
     /// against effects that not every rod has.
-    pub(crate) fn credit(&self, effects: EffectSet) -> f64 {
+    pub(crate) fn credit(&self, effects: CandidateSet) -> f64 {
         self.worth(effects) - ODDS * n_odd(effects) as f64
     }
 
     /// The model with these effects, if it was visited.
-    pub(crate) fn get(&self, effects: EffectSet) -> Option<&Node> {
+    pub(crate) fn get(&self, effects: CandidateSet) -> Option<&Node> {
         self.index(effects).map(|index| &self.visited[index].node)
     }
 
     /// Log-likelihood of a model with Schwarz's price of its parameters.
-    pub(crate) fn worth(&self, effects: EffectSet) -> f64 {
+    pub(crate) fn worth(&self, effects: CandidateSet) -> f64 {
         let Some(node) = self.get(effects) else {
             return f64::NEG_INFINITY;
         };
@@ -310,12 +310,15 @@ impl<'a> Search<'a> {
     }
 
     /// By how much a model is behind another, both with their parameters counted.
-    pub(crate) fn behind(&self, effects: EffectSet, ahead: EffectSet) -> f64 {
+    pub(crate) fn behind(&self, effects: CandidateSet, ahead: CandidateSet) -> f64 {
         self.worth(ahead) - self.worth(effects)
     }
 
     /// Models with one effect more that are significantly better.
-    pub(crate) fn children(&mut self, effects: EffectSet) -> Result<Vec<EffectSet>, IdentifyError> {
+    pub(crate) fn children(
+        &mut self,
+        effects: CandidateSet,
+    ) -> Result<Vec<CandidateSet>, IdentifyError> {
         let sifted = self.sifted(effects)?;
         let critical = sifted.found.critical;
         let most = if effects.is_empty() {
@@ -330,7 +333,7 @@ impl<'a> Search<'a> {
             COULD_MATTER * critical
         };
         let shortlist = shortlist(&sifted.found.scores, least, most);
-        let wanted: Vec<(EffectSet, &Score)> = shortlist
+        let wanted: Vec<(CandidateSet, &Score)> = shortlist
             .iter()
             .map(|&score| (effects.with(score.effect), score))
             .filter(|(set, _)| self.index(*set).is_none() && !self.dead.contains(set))
@@ -338,7 +341,7 @@ impl<'a> Search<'a> {
         let Some(parent) = self.get(effects) else {
             unreachable!("its scores were just taken");
         };
-        let refitted: Vec<(EffectSet, Option<Node>)> = wanted
+        let refitted: Vec<(CandidateSet, Option<Node>)> = wanted
             .par_iter()
             .map(|&(set, score)| (set, self.refit(parent, score)))
             .collect();
@@ -361,7 +364,7 @@ impl<'a> Search<'a> {
     }
 
     /// Takes in a refitted model; one whose effect has vanished leads nowhere.
-    pub(crate) fn keep(&mut self, set: EffectSet, node: Option<Node>) {
+    pub(crate) fn keep(&mut self, set: CandidateSet, node: Option<Node>) {
         match node {
             Some(node) if set.iter().all(|effect| !node.has_vanished(effect)) => {
                 self.visited.push(node.into());
@@ -404,10 +407,10 @@ impl<'a> Search<'a> {
     /// The model of a node without one of its effects, or with another in its place.
     pub(crate) fn exchanged(
         &mut self,
-        effects: EffectSet,
-        without: EffectId,
+        effects: CandidateSet,
+        without: Candidate,
         with: Option<&Score>,
-    ) -> Option<EffectSet> {
+    ) -> Option<CandidateSet> {
         let less = effects.without(without);
         let set = with.map_or(less, |score| less.with(score.effect));
         if self.dead.contains(&set) {
@@ -426,7 +429,7 @@ impl<'a> Search<'a> {
 
     /// Searches a model from where one with an effect more stands, once it was fitted from many places; the lower end
     /// counts.
-    fn lighten(&mut self, effects: EffectSet, less: EffectSet) {
+    fn lighten(&mut self, effects: CandidateSet, less: CandidateSet) {
         let known = self.index(less).map(|index| &self.visited[index]);
         let Some(from) = self.index(effects).map(|index| &self.visited[index]) else {
             return;
@@ -459,14 +462,21 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Whether every rod has an effect, whatever its size.
+pub(crate) fn is_universal(effect: Candidate) -> bool {
+    UNIVERSAL.iter().any(|universal| effect == *universal)
+}
+
 /// Number of effects that not every rod has.
-fn n_odd(effects: EffectSet) -> usize {
-    let odd = |effect: &EffectId| !UNIVERSAL.contains(effect);
-    effects.iter().filter(odd).count()
+fn n_odd(effects: CandidateSet) -> usize {
+    effects
+        .iter()
+        .filter(|&effect| !is_universal(effect))
+        .count()
 }
 
 /// By how much a refit is better, as the score that a size of one degree would have.
-pub(crate) fn gained(parent: &Node, child: &Node, effect: EffectId) -> f64 {
+pub(crate) fn gained(parent: &Node, child: &Node, effect: Candidate) -> f64 {
     let ratio = 2.0 * (child.noise.nats() - parent.noise.nats());
     as_one(ratio.max(0.0), sizes_of(effect).count())
 }

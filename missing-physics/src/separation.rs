@@ -4,7 +4,7 @@ use identify::{ForwardModel, IdentifyError, ParameterVector};
 use recording::Recording;
 
 use crate::case::{Case, Node};
-use crate::elsewhere::{DRIFTS, without_drifts};
+use crate::elsewhere::{is_drift, without_drifts};
 use crate::projection::{Span, dot, norm};
 use crate::series::{Channel, Layout, Noise};
 use crate::tangent::sensitivities;
@@ -158,7 +158,7 @@ impl<'a> Known<'a> {
                 moved
             }));
         }
-        let has_drifts = DRIFTS.iter().any(|&drift| model.active().contains(drift));
+        let has_drifts = model.active().iter().any(is_drift);
         if has_drifts {
             lanes.push(vector.coordinates(|parameter, r| Some(with_drifts[r][parameter])));
         }
@@ -289,7 +289,7 @@ fn drift_scale(node: &Node, coordinate: usize) -> Option<f64> {
     let vector = ParameterVector::new(node.model.parameters(), 1);
     let parameter = vector.parameter(coordinate);
     let (effect, index) = node.model.slot(parameter)?;
-    if !DRIFTS.contains(&effect) {
+    if !is_drift(effect) {
         return None;
     }
     let found = node.values(effect).unwrap_or(&[]);

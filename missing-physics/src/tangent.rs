@@ -5,7 +5,7 @@ use identify::{ForwardModel, IdentifyError, ParameterVector};
 use crate::Sign;
 use crate::case::{Case, Node};
 use crate::projection::{dot, norm};
-use crate::{EffectId, Role};
+use crate::{Candidate, Role};
 
 /// Step of a central difference, as a share of the coordinate's range.
 const DIFFERENCE: f64 = 1e-6;
@@ -24,7 +24,7 @@ const AT_BOUND: f64 = 1e-9;
 /// Trace of one size of an effect, per unit of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Trace {
-    pub(crate) effect: EffectId,
+    pub(crate) effect: Candidate,
     /// Value of the partner, where there is one.
     pub(crate) partner: Option<f64>,
     /// Whether the size may only be positive.
@@ -106,7 +106,7 @@ pub(crate) fn sensitivities(
 pub(crate) fn traces(
     case: &Case<'_>,
     node: &Node,
-    effect: EffectId,
+    effect: Candidate,
 ) -> Result<Vec<Trace>, IdentifyError> {
     let parameters = effect.info().parameters;
     let partners: Vec<Option<f64>> = match effect.info().partner_grid() {

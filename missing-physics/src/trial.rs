@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use identify::IdentifyError;
 
-use crate::EffectSet;
+use crate::CandidateSet;
 use crate::case::Node;
 use crate::floor::Measured;
 use crate::folds::{Fold, HeldOut, folds, held_out, mean_square};
@@ -27,7 +27,7 @@ const GAP: f64 = 5.0;
 /// Held-out errors of a model where it stood.
 #[derive(Debug)]
 struct Known {
-    effects: EffectSet,
+    effects: CandidateSet,
     coordinates: Vec<f64>,
     parts: Rc<[HeldOut]>,
 }

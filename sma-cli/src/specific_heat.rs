@@ -1,7 +1,7 @@
 //! How an uncertain specific heat widens what is said of missing effects.
 
 use identify::{Bounds, Rod, WienerModel};
-use missing_physics::{Diagnosis, EffectId, Finding, Status};
+use missing_physics::{Candidate, Diagnosis, EffectId, Finding, Status};
 
 use crate::report::number::spoken;
 
@@ -58,7 +58,7 @@ struct Range {
 
 impl Range {
     /// An interval that holds for the whole range.
-    fn widened(self, effect: EffectId, unit: &str, [lower, upper]: [f64; 2]) -> [f64; 2] {
+    fn widened(self, effect: Candidate, unit: &str, [lower, upper]: [f64; 2]) -> [f64; 2] {
         let power = power(effect, unit);
         let factors = [self.ends.lower, self.ends.upper].map(|end| (end / self.value).powi(power));
         let end =
@@ -109,10 +109,12 @@ impl Range {
 }
 
 /// Power of C_p with which a parameter scales at the same displacement.
-fn power(effect: EffectId, unit: &str) -> i32 {
-    match (effect, unit) {
+fn power(effect: Candidate, unit: &str) -> i32 {
+    match (effect.effect(), unit) {
         // What radiation adds to the linear loss grows with the square of the temperature difference.
-        (EffectId::Radiation, _) => 2,
+        (Some(EffectId::Radiation), _) => 2,
+        // An expression says nothing of it.
+        (None, _) => 0,
         (_, "1/K") => 1,
         (_, "K") => -1,
         _ => 0,
@@ -134,7 +136,7 @@ mod tests {
 
     fn finding(effect: EffectId, estimate: Estimate) -> Finding {
         Finding {
-            effect,
+            effect: effect.into(),
             could_also_be: Vec::new(),
             probability: 0.9,
             parameters: vec![estimate],

@@ -1,7 +1,7 @@
 //! A line of a file of results.
 
 use identify::Validated;
-use missing_physics::{Diagnosis, EffectId, Finding, Role, Stage};
+use missing_physics::{Candidate, Diagnosis, EffectId, Finding, Role, Stage};
 use serde::{Deserialize, Serialize};
 
 use crate::{Made, Study};
@@ -187,8 +187,8 @@ impl CaseLine {
     }
 }
 
-pub(crate) fn ids(effects: impl IntoIterator<Item = EffectId>) -> Vec<String> {
-    let id = |effect: EffectId| effect.id().to_owned();
+pub(crate) fn ids(effects: impl IntoIterator<Item = impl Into<Candidate>>) -> Vec<String> {
+    let id = |effect| Into::<Candidate>::into(effect).id().to_owned();
     effects.into_iter().map(id).collect()
 }
 

@@ -1,6 +1,7 @@
 use identify::{IdentifyError, WienerModel};
 use missing_physics::{
-    DiagnoseConfig, Diagnosis, EffectId, EffectSet, diagnose, diagnose_from, setting_of_rod,
+    DiagnoseConfig, Diagnosis, EffectId, EffectSet, ScreenConfig, diagnose, diagnose_from, screen,
+    setting_of_rod,
 };
 use wiener::hysteresis::Rule;
 
@@ -72,7 +73,7 @@ impl Smaller<'_> {
         let mut removed = Vec::new();
         let mut left = EffectSet::all();
         let mut steps = Vec::new();
-        for effect in std::iter::once(truth).chain(aliases(self.whole, truth)) {
+        for effect in std::iter::once(truth).chain(self.aliases(truth)?) {
             left = left.without(effect);
             removed.push(effect);
             steps.push(Step {
@@ -97,21 +98,34 @@ impl Smaller<'_> {
         )?;
         Ok(Outcome::new(&diagnosis, self.made, None, self.rig.noise_mm))
     }
-}
 
-/// Effects that the whole catalogue cannot tell from the truth, or finds in its place.
-fn aliases(whole: &Diagnosis, truth: EffectId) -> Vec<EffectId> {
-    let sets = whole.findings.iter().map(|finding| {
-        let mut set = vec![finding.effect];
-        set.extend(&finding.could_also_be);
-        set
-    });
-    let (with, without): (Vec<_>, Vec<_>) = sets.partition(|set| set.contains(&truth));
-    let mut aliases = Vec::new();
-    for effect in if with.is_empty() { without } else { with }.concat() {
-        if effect != truth && !aliases.contains(&effect) {
-            aliases.push(effect);
+    /// Effects that the whole catalogue cannot tell from the truth, or finds in its place, and those whose traces
+    /// point the same way.
+    fn aliases(&self, truth: EffectId) -> Result<Vec<EffectId>, IdentifyError> {
+        let sets = self.whole.findings.iter().map(|finding| {
+            let set = std::iter::once(&finding.effect).chain(&finding.could_also_be);
+            set.filter_map(|candidate| candidate.effect())
+                .collect::<Vec<_>>()
+        });
+        let (with, without): (Vec<_>, Vec<_>) = sets.partition(|set| set.contains(&truth));
+        let config = ScreenConfig {
+            setting: self.config.setting,
+            seed: self.config.seed,
+        };
+        let plain = &self.whole.baseline.fit;
+        let screening = screen(self.base, plain, &self.rig.training, &config)?;
+        let own = screening.effects.iter().find(|one| one.effect == truth);
+        let alike = own.into_iter().flat_map(|own| &own.alike);
+        let mut aliases = Vec::new();
+        for effect in if with.is_empty() { without } else { with }
+            .concat()
+            .into_iter()
+            .chain(alike.filter_map(|candidate| candidate.effect()))
+        {
+            if effect != truth && !aliases.contains(&effect) {
+                aliases.push(effect);
+            }
         }
+        Ok(aliases)
     }
-    aliases
 }

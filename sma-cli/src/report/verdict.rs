@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use identify::Validated;
-use missing_physics::{Diagnosis, EffectBlock, EffectId, Finding, NoiseClass, Remainder, Verdict};
+use missing_physics::{Candidate, Diagnosis, EffectBlock, Finding, NoiseClass, Remainder, Verdict};
 
 use super::number::{significant, spoken, spoken_percent};
 
@@ -264,7 +264,7 @@ pub(crate) fn block_name(block: EffectBlock) -> &'static str {
 }
 
 /// Names of effects in a sentence.
-pub(crate) fn named(effects: &[EffectId], word: &str) -> String {
+pub(crate) fn named(effects: &[Candidate], word: &str) -> String {
     let names: Vec<&str> = effects.iter().map(|effect| effect.info().name).collect();
     listed(&names, word)
 }

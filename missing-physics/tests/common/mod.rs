@@ -1,0 +1,110 @@
+//! A made-up wire: its plain model, a drive, and a diagnosis of what it does.
+
+use identify::{Rod, WienerModel};
+use missing_physics::{
+    DiagnoseConfig, Diagnosis, EffectValues, Extended, Hypothesis, Member, Setting, diagnose,
+    setting_of_rod,
+};
+use recording::{Recording, RecordingParts};
+use wiener::hysteresis::{LoopParams, Rule};
+use wiener::thermal::RodParams;
+use wiener::{Profile, Start, WienerParams};
+
+const ROD: &str = r#"
+[rod]
+diameter_mm = 0.75
+length_mm = 125.0
+density_kg_per_m3 = 6450.0
+specific_heat_j_per_kg_k = 480.0
+resistance_ohm_per_m = 2.13
+[surroundings]
+ambient_degc = 22.0
+[load]
+lever = 1.0
+[columns]
+output = { name = "displacement_mm", unit = "mm" }
+"#;
+
+const AMBIENT_DEGC: f64 = 22.0;
+
+const DT_S: f64 = 0.2;
+
+/// Two cycles that differ, a hot hold and a rest: nothing is repeated.
+pub(crate) fn current_a() -> Vec<f64> {
+    let mut current_a = vec![0.0; 100];
+    for (from, to, seconds) in [
+        (0.0, 2.3, 50.0),
+        (2.3, 0.0, 60.0),
+        (0.0, 2.1, 30.0),
+        (2.1, 2.1, 70.0),
+        (2.1, 0.0, 20.0),
+        (0.0, 0.0, 80.0),
+    ] {
+        let n = (seconds / DT_S) as usize;
+        current_a.extend((0..n).map(|k| from + (to - from) * k as f64 / n as f64));
+    }
+    current_a
+}
+
+/// What the wire is known to be.
+pub(crate) fn setting() -> Setting {
+    setting_of_rod(&Rod::parse("rod.toml", ROD).unwrap(), "mm")
+}
+
+/// Output of the wire with effects, mm, without noise.
+pub(crate) fn output_mm(setting: Setting, effects: EffectValues) -> Vec<f64> {
+    let rod = RodParams {
+        diameter_m: 0.75e-3,
+        density_kg_per_m3: 6450.0,
+        specific_heat_j_per_kg_k: 480.0,
+        resistance_ohm_per_m: 2.13,
+        convective_coefficient_w_per_m2_k: 60.0,
+    };
+    let member = Member {
+        params: WienerParams {
+            heat: rod.heat_balance().unwrap(),
+            limiting_loop: LoopParams {
+                loop_center_degc: 55.0,
+                loop_half_width_k: 8.0,
+                loop_spread_k: 3.0,
+                ..LoopParams::default()
+            },
+            zeta: 0.85,
+            gain: 5.0,
+            offset: 0.0,
+        },
+        effects,
+        start: Start::rest(AMBIENT_DEGC),
+    };
+    let current_a = current_a();
+    let profile = Profile::uniform(&current_a, DT_S, AMBIENT_DEGC).unwrap();
+    let mut output = Vec::new();
+    Extended { setting }
+        .run(&[member], &profile, &mut |block| {
+            output.extend(block.displacement.iter().step_by(block.stride));
+        })
+        .unwrap();
+    output
+}
+
+/// Diagnosis of an output, with hypotheses beside the catalogue.
+pub(crate) fn diagnosed(output: Vec<f64>, hypotheses: &'static [Hypothesis]) -> Diagnosis {
+    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let recording = Recording::new(RecordingParts {
+        time_s: Some((0..output.len()).map(|k| DT_S * k as f64).collect()),
+        drive: current_a(),
+        output,
+        output_unit: "mm".to_owned(),
+        ..RecordingParts::default()
+    });
+    let training = [recording.unwrap()];
+    let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
+    let config = DiagnoseConfig {
+        setting: Setting {
+            hypotheses,
+            ..setting()
+        },
+        ..DiagnoseConfig::default()
+    };
+    diagnose(&base, &training, &[], &config, &mut |_| ()).unwrap()
+}
