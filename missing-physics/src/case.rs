@@ -200,6 +200,15 @@ impl<'a> Case<'a> {
         self.searched(node, &node.model, &[start.to_vec()], iterations)
     }
 
+    /// Deviance of a node, as [`Refined::deviance`] has it.
+    pub(crate) fn deviance(&self, node: &Node) -> f64 {
+        let scale = match node.noise.temperature.n_samples {
+            0 => 0.0,
+            n => 2.0 * n as f64 * self.layout.per_k.ln(),
+        };
+        node.noise.deviance() - scale
+    }
+
     fn searched(
         &self,
         near: &Node,

@@ -207,16 +207,15 @@ impl<'a> Search<'a> {
         }
         let fit = Arc::new(settled(self.case, &before.node, self.seed)?);
         let node = self.case.fitted(&before.node, &fit)?;
-        let gained = node.noise.nats() - before.node.noise.nats();
+        let is_elsewhere = node.noise.nats() - before.node.noise.nats() > BEYOND_DOUBT;
         self.visited[index] = Visited {
+            // Around the same end the scores are the same.
+            sifted: before.sifted.clone().filter(|_| !is_elsewhere),
             is_finished: true,
             fit: Some(Arc::clone(&fit)),
             ..node.into()
         };
-        Ok(Settled {
-            fit,
-            is_elsewhere: gained > BEYOND_DOUBT,
-        })
+        Ok(Settled { fit, is_elsewhere })
     }
 
     /// The most credible of some models, the best first, then those of the lowest error.

@@ -19,6 +19,12 @@ const SEARCHES: usize = 15;
 /// Iterations of these searches, round by round, and how many of them go on.
 const RACE: [(usize, usize); 2] = [(3, 5), (6, 2)];
 
+/// Deviance a sample by which the end of a race may be behind to be followed: a mean square 1 % larger.
+const BEHIND: f64 = 0.01;
+
+/// How low a place lies, and its coordinates.
+type End = (f64, Vec<f64>);
+
 /// Share of its range by which a parameter of the baseline is moved, either way.
 const NEARBY: f64 = 0.05;
 
@@ -33,9 +39,11 @@ pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Id
         ends = raced(case, node, &ends, iterations);
         ends.truncate(followed);
     }
+    let near = case.deviance(node) + BEHIND * case.layout.len() as f64;
+    let ends = ends.into_iter().filter(|(deviance, _)| *deviance < near);
     let config = FitConfig {
         from: std::iter::once(node.coordinates.clone())
-            .chain(ends)
+            .chain(ends.map(|(_, end)| end))
             .collect(),
         starts: 0,
         seed,
@@ -46,16 +54,16 @@ pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Id
 }
 
 /// The ends of some searches, the lowest first.
-fn raced(case: &Case<'_>, node: &Node, starts: &[Vec<f64>], iterations: usize) -> Vec<Vec<f64>> {
-    let mut ends: Vec<(f64, Vec<f64>)> = starts
+fn raced(case: &Case<'_>, node: &Node, starts: &[End], iterations: usize) -> Vec<End> {
+    let mut ends: Vec<End> = starts
         .par_iter()
-        .filter_map(|start| {
+        .filter_map(|(_, start)| {
             let end = case.approached(node, start, iterations).ok()?;
             Some((end.deviance, end.coordinates))
         })
         .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ends.into_iter().map(|(_, end)| end).collect()
+    ends
 }
 
 /// Places around where a node stands: parameters of the baseline nearby, sizes of effects up to twice the
@@ -95,17 +103,13 @@ fn lowest(
     node: &Node,
     vector: &ParameterVector,
     places: Vec<Vec<f64>>,
-) -> Vec<Vec<f64>> {
+) -> Vec<End> {
     let residuals = case.residuals(&node.model, |r| {
         places.iter().map(|place| vector.values(place, r)).collect()
     });
-    let places = match residuals {
-        Ok(residuals) => {
-            let mut ranked: Vec<(f64, Vec<f64>)> = residuals.into_iter().zip(places).collect();
-            ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-            ranked.into_iter().map(|(_, place)| place).collect()
-        }
-        Err(_) => places,
-    };
-    places.into_iter().take(SEARCHES).collect()
+    let residuals = residuals.unwrap_or_else(|_| vec![0.0; places.len()]);
+    let mut ranked: Vec<End> = residuals.into_iter().zip(places).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.truncate(SEARCHES);
+    ranked
 }
