@@ -5,7 +5,7 @@ use identify::IdentifyError;
 use crate::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
 use crate::judge::{Judged, Named};
 use crate::scores::Score;
-use crate::screening::POWER;
+use crate::screening::{POWER, at_their_sizes};
 use crate::search::Search;
 use crate::sentence;
 use crate::{Candidate, CandidateSet, Role};
@@ -61,10 +61,15 @@ fn is_plausible(estimate: &Estimate) -> bool {
 pub(crate) fn catalogue(
     search: &mut Search<'_>,
     judged: &Judged,
+    seed: u64,
 ) -> Result<Vec<Entry>, IdentifyError> {
     let plain = search.sifted(CandidateSet::EMPTY)?;
     let last = search.sifted(judged.effects)?;
+    let Some(node) = search.get(judged.effects) else {
+        unreachable!("its scores were just taken");
+    };
     let critical = last.found.critical;
+    let left = at_their_sizes(search.case, node, &last, seed)?;
     let entry = |effect: Candidate| {
         let unit = effect.info().parameters[0].unit;
         let score = plain
@@ -72,11 +77,7 @@ pub(crate) fn catalogue(
             .scores
             .iter()
             .find(|score| score.effect == effect);
-        let left = last
-            .found
-            .scores
-            .iter()
-            .find(|score| score.effect == effect);
+        let left = left.iter().find(|score| score.effect == effect);
         let detectable = left
             .or(score)
             .map(|score| (critical + POWER) * score.errors[0]);

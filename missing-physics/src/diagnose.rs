@@ -144,7 +144,7 @@ pub fn diagnose_from(
         .as_ref()
         .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
         .transpose()?;
-    let catalogue = catalogue(&mut search, &judged)?;
+    let catalogue = catalogue(&mut search, &judged, config.seed)?;
     let at = (noise.gate.sqrt(), config.seed);
     let mut mismatch = located(&mut search, CandidateSet::EMPTY, at, locate)?;
     if !judged.named.is_empty() {

@@ -251,6 +251,9 @@ fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
 fn critical(tests: &[Tested<'_>], seed: u64) -> f64 {
     let columns: Vec<&Vec<f64>> = tests.iter().flat_map(|test| &test.white).collect();
     let n = columns.len();
+    if n == 0 {
+        return f64::INFINITY;
+    }
     let lengths: Vec<f64> = columns.iter().map(|column| norm(column)).collect();
     let cosines = Mat::from_fn(n, n, |i, j| {
         let product = lengths[i] * lengths[j];

@@ -8,8 +8,8 @@ use recording::Recording;
 
 use crate::case::{Case, Node};
 use crate::projection::dot;
-use crate::scores::{Ground, Scores, scores};
-use crate::tangent::{Sensitivity, Trace, sensitivities, traces};
+use crate::scores::{Ground, Score, Scores, scores};
+use crate::tangent::{SECANT, Sensitivity, Trace, sensitivities, traces};
 use crate::whiten::Whitener;
 use crate::{Candidate, CandidateSet, EffectSet, Need, Setting};
 
@@ -81,12 +81,14 @@ pub fn screen(
     let node = case.baseline()?;
     let all = CandidateSet::all(EffectSet::all(), config.setting.hypotheses);
     let sifted = sift(&case, &node, all, config.seed)?;
-    let screened = sifted.found.scores.iter().map(|score| Screened {
+    let at_their_sizes = at_their_sizes(&case, &node, &sifted, config.seed)?;
+    let pairs = sifted.found.scores.iter().zip(&at_their_sizes);
+    let screened = pairs.map(|(score, at_its_size)| Screened {
         effect: score.effect,
         whitened: score.whitened,
         plain: score.plain,
         size: score.sizes[0],
-        minimum_detectable: (sifted.found.critical + POWER) * score.errors[0],
+        minimum_detectable: (sifted.found.critical + POWER) * at_its_size.errors[0],
         absorbed: score.absorbed,
         partner: score.partner,
         alike: sifted
@@ -128,26 +130,84 @@ pub(crate) fn sift(
         .collect();
     let traces: Vec<Trace> = wanted
         .par_iter()
-        .map(|&effect| traces(case, node, effect))
+        .map(|&effect| traces(case, node, effect, SECANT, None))
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()
         .flatten()
         .collect();
     let sensitivities = sensitivities(case, node)?;
+    Ok(Sifted {
+        found: scored(case, node, &sensitivities, &traces, seed),
+        sensitivities: sensitivities.into(),
+    })
+}
+
+fn scored(
+    case: &Case<'_>,
+    node: &Node,
+    sensitivities: &[Sensitivity],
+    traces: &[Trace],
+    seed: u64,
+) -> Scores {
     let fitted: Vec<&Vec<f64>> = sensitivities
         .iter()
         .filter(|one| !one.held)
         .map(|one| &one.column)
         .collect();
-    let whitener = Whitener::new(&case.layout, &node.noise);
     let ground = Ground {
         residual: &node.residual,
         fitted: &fitted,
-        whitener: &whitener,
+        whitener: &Whitener::new(&case.layout, &node.noise),
     };
-    let found = scores(&traces, &ground, seed);
-    Ok(Sifted {
-        found,
-        sensitivities: sensitivities.into(),
-    })
+    scores(traces, &ground, seed)
+}
+
+/// The scores of a node with secants at the sizes that count as detectable: a size far below that of the screening's
+/// secants may be hidden where they are not.
+pub(crate) fn at_their_sizes(
+    case: &Case<'_>,
+    node: &Node,
+    sifted: &Sifted,
+    seed: u64,
+) -> Result<Vec<Score>, IdentifyError> {
+    /// Rounds until size and secant agree.
+    const ROUNDS: usize = 3;
+    /// They agree within this factor.
+    const NEAR: f64 = 2.0;
+    /// Smallest share of the typical size: below, differences are rounding.
+    const SMALLEST: f64 = 1e-4;
+    let critical = sifted.found.critical;
+    let mut scores: Vec<(f64, Score)> = sifted
+        .found
+        .scores
+        .iter()
+        .map(|score| (SECANT, score.clone()))
+        .collect();
+    for _ in 0..ROUNDS {
+        let share = |(at, score): &(f64, Score)| {
+            let size = (critical + POWER) * score.errors[0];
+            let wanted = (size / score.effect.info().parameters[0].typical).max(SMALLEST);
+            (wanted * NEAR < *at || wanted > NEAR * at && *at < SECANT)
+                .then_some(wanted.min(SECANT))
+        };
+        let moved: Vec<(usize, f64)> = (0..scores.len())
+            .filter_map(|k| Some((k, share(&scores[k])?)))
+            .collect();
+        if moved.is_empty() {
+            break;
+        }
+        let traces = moved
+            .par_iter()
+            .map(|&(k, share)| {
+                let score = &scores[k].1;
+                traces(case, node, score.effect, share, score.partner)
+            })
+            .collect::<Result<Vec<_>, _>>()?
+            .concat();
+        let found = scored(case, node, &sifted.sensitivities, &traces, seed).scores;
+        for ((k, share), score) in moved.into_iter().zip(found) {
+            scores[k] = (share, score);
+        }
+    }
+    Ok(scores.into_iter().map(|(_, score)| score).collect())
 }

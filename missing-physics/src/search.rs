@@ -426,32 +426,35 @@ impl<'a> Search<'a> {
         self.index(set).map(|_| set)
     }
 
-    /// Searches a model from where one with an effect more stands, once it was fitted from many places; the lower end
-    /// counts.
+    /// Searches a model from where one with an effect more stands, if it was not searched yet, and once more when that
+    /// one has been fitted from many places; the lower end counts.
     fn lighten(&mut self, effects: CandidateSet, less: CandidateSet) {
-        let known = self.index(less).map(|index| &self.visited[index]);
         let Some(from) = self.index(effects).map(|index| &self.visited[index]) else {
             return;
         };
-        let is_done = self.lightened.contains(&(effects, less)) || from.fit.is_none();
-        if known.is_some_and(|known| is_done || known.fit.is_some() || less.is_empty()) {
+        let is_fitted = from.fit.is_some();
+        let is_needed = match self.index(less).map(|index| &self.visited[index]) {
+            None => true,
+            Some(known) => {
+                let is_best = known.fit.is_some() || less.is_empty();
+                is_fitted && !is_best && !self.lightened.contains(&(effects, less))
+            }
+        };
+        if !is_needed {
             return;
         }
-        let node = &from.node;
         let model = self.case.model(less);
-        let start = self.case.moved(node, &model, |_, _| None);
-        let found = self.case.refined(node, less, &[start]).ok();
-        if from.fit.is_some() {
+        let start = self.case.moved(&from.node, &model, |_, _| None);
+        let found = self.case.refined(&from.node, less, &[start]).ok();
+        if is_fitted {
             self.lightened.push((effects, less));
         }
-        match (self.index(less), found) {
-            (None, found) => self.keep(less, found),
-            (Some(index), Some(found)) => {
-                if found.noise.deviance() < self.visited[index].node.noise.deviance() {
-                    self.visited[index] = found.into();
-                }
-            }
-            (Some(_), None) => {}
+        let Some(index) = self.index(less) else {
+            return self.keep(less, found);
+        };
+        let known = self.visited[index].node.noise.deviance();
+        if let Some(found) = found.filter(|found| found.noise.deviance() < known) {
+            self.visited[index] = found.into();
         }
     }
 

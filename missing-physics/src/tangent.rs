@@ -12,7 +12,7 @@ const DIFFERENCE: f64 = 1e-6;
 
 /// Size of a secant, as a share of the typical size: small enough to be nearly a tangent, large enough for
 /// effects with corners.
-const SECANT: f64 = 0.25;
+pub(crate) const SECANT: f64 = 0.25;
 
 /// Trace of a typical size, relative to the residual, below which it is rounding: a recording without inner
 /// reversals shows nothing of their memory.
@@ -102,16 +102,19 @@ pub(crate) fn sensitivities(
     Ok(sensitivities)
 }
 
-/// Traces of an effect that a node does not have: one for each of its sizes and each value of its partner.
+/// Traces of an effect that a node does not have, as secants at a share of the typical size: one for each of its
+/// sizes, and each value of its partner or only one.
 pub(crate) fn traces(
     case: &Case<'_>,
     node: &Node,
     effect: Candidate,
+    share: f64,
+    partner: Option<f64>,
 ) -> Result<Vec<Trace>, IdentifyError> {
     let parameters = effect.info().parameters;
     let partners: Vec<Option<f64>> = match effect.info().partner_grid() {
-        Some(grid) => grid.iter().copied().map(Some).collect(),
-        None => vec![None],
+        Some(grid) if partner.is_none() => grid.iter().copied().map(Some).collect(),
+        _ => vec![partner],
     };
     let sizes = (0..parameters.len()).filter(|&k| parameters[k].role == Role::Size);
     let wanted: Vec<(usize, Option<f64>)> = sizes
@@ -125,7 +128,7 @@ pub(crate) fn traces(
         case.moved(node, &model, |other, k| {
             let own = other == effect;
             match (parameters.get(k)?.role, partner) {
-                (Role::Size, _) if own && k == size => Some(SECANT * parameters[k].typical),
+                (Role::Size, _) if own && k == size => Some(share * parameters[k].typical),
                 (Role::Partner { .. }, Some(partner)) if own => Some(partner),
                 _ => None,
             }
@@ -140,7 +143,7 @@ pub(crate) fn traces(
         .zip(&shown[1..])
         .map(|(&(parameter, partner), moved)| {
             let typical = parameters[parameter].typical;
-            let mut secant = difference(moved, &shown[0], SECANT * typical);
+            let mut secant = difference(moved, &shown[0], share * typical);
             if typical * norm(&secant) < SMALLEST_TRACE * residual {
                 secant.fill(0.0);
             }

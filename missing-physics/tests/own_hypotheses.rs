@@ -7,11 +7,8 @@
 
 mod common;
 
-use common::{diagnosed, output_mm, setting};
+use common::{diagnosed, noisy, output_mm, setting};
 use missing_physics::{EffectId, EffectSet, EffectValues, Hypothesis, Setting, Status, Verdict};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 /// A draught that comes and goes, and a spring that pulls the loop up with the stroke's square.
 const OWN: &str = r#"
@@ -39,19 +36,8 @@ typical = 10.0
 bounds = [-40.0, 40.0]
 "#;
 
-const NOISE_MM: f64 = 0.005;
-
 fn own() -> &'static [Hypothesis] {
     Hypothesis::parse("own.toml", OWN).unwrap().leak()
-}
-
-fn noisy(output: Vec<f64>) -> Vec<f64> {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let noise = |mm: f64| {
-        let normal: f64 = StandardNormal.sample(&mut rng);
-        mm + NOISE_MM * normal
-    };
-    output.into_iter().map(noise).collect()
 }
 
 /// The wire in the draught of a fan.

@@ -1,10 +1,15 @@
 //! A made-up wire: its plain model, a drive, and a diagnosis of what it does.
 
+#![allow(dead_code, reason = "each test uses what it needs")]
+
 use identify::{Rod, WienerModel};
 use missing_physics::{
     DiagnoseConfig, Diagnosis, EffectValues, Extended, Hypothesis, Member, Setting, diagnose,
     setting_of_rod,
 };
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
@@ -28,6 +33,8 @@ output = { name = "displacement_mm", unit = "mm" }
 const AMBIENT_DEGC: f64 = 22.0;
 
 const DT_S: f64 = 0.2;
+
+const NOISE_MM: f64 = 0.005;
 
 /// Two cycles that differ, a hot hold and a rest: nothing is repeated.
 pub(crate) fn current_a() -> Vec<f64> {
@@ -85,6 +92,16 @@ pub(crate) fn output_mm(setting: Setting, effects: EffectValues) -> Vec<f64> {
         })
         .unwrap();
     output
+}
+
+/// An output with white noise.
+pub(crate) fn noisy(output: Vec<f64>) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let noise = |mm: f64| {
+        let normal: f64 = StandardNormal.sample(&mut rng);
+        mm + NOISE_MM * normal
+    };
+    output.into_iter().map(noise).collect()
 }
 
 /// Diagnosis of an output, with hypotheses beside the catalogue.
