@@ -6,12 +6,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::fitted::point;
-use crate::{ForwardModel, SavedModel, Scale, Scope};
+use crate::{SavedModel, Scale, Scope};
 
 /// Points drawn around an identified model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draws {
-    /// Values of all parameters in the first training recording, in the model's order; a point a draw.
+    /// Values of all parameters in the first training recording, in the order of [`SavedModel::parameters`]; a
+    /// point a draw.
     pub points: Vec<Vec<f64>>,
     /// Parameters that the data do not fix: they stay as they are in all draws.
     pub left_out: Vec<&'static str>,
@@ -24,7 +25,7 @@ impl SavedModel {
     /// Same seed, same draws.
     #[must_use]
     pub fn draws(&self, n: usize, seed: u64) -> Draws {
-        let infos = self.model.parameters();
+        let infos: Vec<_> = self.parameters.iter().map(|one| &one.info).collect();
         let estimate = point(&self.parameters, 0);
         // Which row of the covariance is which parameter; those of later recordings are not drawn.
         let mut rows = Vec::new();

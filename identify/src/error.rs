@@ -172,7 +172,9 @@ pub enum IdentifyError {
         accepted: String,
     },
     /// A file is no model file at all.
-    #[error("{file}: no schema_version; a model comes from `sma identify --save-model`")]
+    #[error(
+        "{file}: no schema_version; a model comes from --save-model of `sma identify` or `sma diagnose`"
+    )]
     NoModel {
         /// File.
         file: String,

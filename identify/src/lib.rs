@@ -11,6 +11,7 @@ mod forward;
 mod identifiability;
 mod least_squares;
 mod loop_model;
+mod model_entries;
 mod model_file;
 mod moments;
 mod parameter;
@@ -39,6 +40,7 @@ pub use forward::ForwardModel;
 pub use identifiability::UnfixedDirection;
 pub use least_squares::{LeastSquaresConfig, Termination};
 pub use loop_model::LoopModel;
+pub use model_file::{KnownEffects, NamedEffect};
 pub use parameter::{Bounds, Enters, ParameterInfo, ParameterState, ParameterVector, Scale, Scope};
 pub use predict::{Prediction, predict};
 pub use refine::{RefineConfig, Refined, refine};
@@ -47,7 +49,7 @@ pub use rig_model::RigModel;
 pub use rod::{Limits, Load, ModelEntry, Rod};
 pub use sadeghi_model::SadeghiModel;
 pub use saved_model::{
-    Identification, InputFile, Provenance, Role, SavedModel, SavedRecording, Scores,
+    Identification, InputFile, Provenance, Role, SavedEffects, SavedModel, SavedRecording, Scores,
 };
 pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,

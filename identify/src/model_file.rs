@@ -1,6 +1,5 @@
 //! `model.toml`: how a saved model is written.
 
-use std::ops::Range;
 use std::path::Path;
 
 use recording::Columns;
@@ -8,16 +7,20 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 use wiener::hysteresis::{REVERSAL_DEAD_BAND_K, Rule};
 
+use crate::model_entries::Reading;
 use crate::rod::{DriveTable, LimitsTable, LoadTable, RodFile, RodTable, Surroundings};
 use crate::saved_model::{Provenance, Role, SavedModel, SavedRecording, Scores};
 use crate::source::{Source, read};
 use crate::{
-    Bounds, Enters, FittedParameter, ForwardModel, IdentifyError, LoopModel, ParameterCovariance,
-    ParameterInfo, ParameterState, RigModel, Rod, SadeghiModel, Scope, WienerModel,
+    Enters, FittedParameter, IdentifyError, LoopModel, ParameterCovariance, ParameterInfo,
+    ParameterState, RigModel, Rod, SadeghiModel, SavedEffects, Scope, WienerModel,
 };
 
+/// Says which parameters an effect has, or what would be accepted in its place.
+pub type KnownEffects<'a> = &'a dyn Fn(&NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String>;
+
 /// Version of the file's layout.
-const SCHEMA_VERSION: i64 = 1;
+pub(crate) const SCHEMA_VERSION: i64 = 1;
 
 /// The first lines of a file.
 const HEAD: &str = "\
@@ -25,6 +28,24 @@ const HEAD: &str = "\
 # The tables from [rod] to [columns] are those of the rod file.
 
 ";
+
+/// The same for a model with effects.
+const HEAD_WITH_EFFECTS: &str = "\
+# A model with effects found by `sma diagnose`; `sma simulate` and `sma tune` read it.
+# The tables from [rod] to [columns] are those of the rod file.
+
+";
+
+/// An effect that a model file names, for those who know what parameters it has.
+#[derive(Debug, Clone, Copy)]
+pub struct NamedEffect<'a> {
+    /// Its id, as written.
+    pub id: &'a str,
+    /// What the file says of the rig.
+    pub rod: &'a Rod,
+    /// Unit of the output.
+    pub output_unit: &'a str,
+}
 
 /// What comes before the tables of the rod file.
 #[derive(Serialize)]
@@ -35,7 +56,7 @@ struct Head<'a> {
     temperature_scale: TemperatureScale,
     output_unit: &'a str,
     drive_unit: &'a str,
-    effects: [&'a str; 0],
+    effects: &'a [String],
 }
 
 /// What comes after them.
@@ -59,6 +80,7 @@ struct ModelFile {
     temperature_scale: TemperatureScale,
     output_unit: String,
     drive_unit: String,
+    #[serde(default)]
     effects: Vec<Spanned<String>>,
     #[serde(default)]
     rod: RodTable,
@@ -73,11 +95,7 @@ struct ModelFile {
     columns: Columns,
     parameter: Vec<Spanned<ParameterTable>>,
     covariance: Spanned<ParameterCovariance>,
-    #[expect(
-        dead_code,
-        reason = "there is one way so far; it is written for the reader"
-    )]
-    integration: IntegrationTable,
+    integration: Spanned<IntegrationTable>,
     fit: Scores,
     recording: Vec<SavedRecording>,
     provenance: Provenance,
@@ -108,23 +126,23 @@ enum TemperatureScale {
 /// One value of one parameter.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ParameterTable {
-    name: String,
+pub(crate) struct ParameterTable {
+    pub(crate) name: String,
     /// Whose it is, for what each training recording has its own of.
-    recording: Option<String>,
-    value: f64,
-    unit: String,
-    ci95: Option<[f64; 2]>,
-    state: State,
+    pub(crate) recording: Option<String>,
+    pub(crate) value: f64,
+    pub(crate) unit: String,
+    pub(crate) ci95: Option<[f64; 2]>,
+    pub(crate) state: State,
     /// Where it was searched; none for what is solved for.
-    bounds: Option<[f64; 2]>,
+    pub(crate) bounds: Option<[f64; 2]>,
     #[serde(default)]
-    at_bound: bool,
+    pub(crate) at_bound: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum State {
+pub(crate) enum State {
     Free,
     Fixed,
 }
@@ -132,18 +150,25 @@ enum State {
 /// How the equations were solved.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct IntegrationTable {
-    /// The heat balance: exact over a sample.
-    method: String,
-    substeps: u32,
-    reversal_dead_band_k: f64,
+pub(crate) struct IntegrationTable {
+    /// How the heat balance is solved, for the reader.
+    pub(crate) method: String,
+    pub(crate) substeps: usize,
+    /// Of a model with effects.
+    pub(crate) newton_iterations: Option<usize>,
+    pub(crate) reversal_dead_band_k: f64,
 }
 
-impl Default for IntegrationTable {
-    fn default() -> Self {
+impl IntegrationTable {
+    fn of(effects: Option<&SavedEffects>) -> Self {
+        let method = match effects {
+            None => "exact over a sample",
+            Some(_) => "exact over a sample, the heat of effects by Newton's method",
+        };
         Self {
-            method: "exact over a sample".to_owned(),
-            substeps: 1,
+            method: method.to_owned(),
+            substeps: effects.map_or(1, |effects| effects.sub_steps),
+            newton_iterations: effects.map(|effects| effects.newton_iterations),
             reversal_dead_band_k: REVERSAL_DEAD_BAND_K,
         }
     }
@@ -159,7 +184,7 @@ impl From<Memory> for Rule {
 }
 
 impl SavedModel {
-    /// Reads a model file.
+    /// Reads the file of a plain model.
     ///
     /// # Errors
     ///
@@ -169,13 +194,39 @@ impl SavedModel {
         Self::parse(&file, &text)
     }
 
-    /// Reads the text of a model file; `file` is its name for errors.
+    /// Reads a model file that may have effects; see [`SavedModel::parse_with`].
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Unreadable`], and as [`SavedModel::parse_with`].
+    pub fn read_with(path: &Path, known: KnownEffects<'_>) -> Result<Self, IdentifyError> {
+        let (file, text) = read(path)?;
+        Self::parse_with(&file, &text, known)
+    }
+
+    /// Reads the text of the file of a plain model; `file` is its name for errors.
+    ///
+    /// # Errors
+    ///
+    /// As [`SavedModel::parse_with`]; any effect is refused.
+    pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
+        Self::parse_with(file, text, &|_| {
+            Err("must be empty: only plain models are read here".to_owned())
+        })
+    }
+
+    /// Reads the text of a model file; `known` says which parameters an effect has, or what would be accepted in
+    /// its place.
     ///
     /// # Errors
     ///
     /// [`IdentifyError::Toml`] for what is not such a file, [`IdentifyError::Value`] and
     /// [`IdentifyError::Saved`] for what cannot be, each with line and column.
-    pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
+    pub fn parse_with(
+        file: &str,
+        text: &str,
+        known: KnownEffects<'_>,
+    ) -> Result<Self, IdentifyError> {
         let source = Source { file, text };
         if !text.contains("schema_version") {
             return Err(IdentifyError::NoModel {
@@ -184,7 +235,7 @@ impl SavedModel {
         }
         let parsed: ModelFile = toml::from_str(text).map_err(|error| source.toml(&error, ""))?;
         let reading = Reading { source: &source };
-        reading.version(&parsed)?;
+        reading.version(&parsed.schema_version)?;
         let rule = parsed.memory.into();
         let trained: Vec<&str> = parsed
             .recording
@@ -210,15 +261,18 @@ impl SavedModel {
             Kind::Sadeghi => RigModel::Sadeghi(SadeghiModel::template(&rod, rule, &[])?),
             Kind::StaticLoop => RigModel::Loop(LoopModel::template(rule, &parsed.drive_unit)),
         };
-        for entry in &parsed.parameter {
-            reading.parameter(entry, &mut model, &trained)?;
-        }
-        let parameters = model
-            .parameters()
-            .iter()
-            .map(|info| reading.fitted(info, &parsed.parameter, &trained))
-            .collect::<Result<Vec<_>, _>>()?;
+        let of_effects =
+            reading.parameters_of_effects(&parsed.effects, &|id| match parsed.model {
+                Kind::Wiener => known(&NamedEffect {
+                    id,
+                    rod: &rod,
+                    output_unit: &parsed.output_unit,
+                }),
+                _ => Err("only a model = \"wiener\" may have effects".to_owned()),
+            })?;
+        let parameters = reading.parameters(&parsed.parameter, &trained, &mut model, of_effects)?;
         Ok(Self {
+            effects: reading.effects(parsed.effects, &parsed.integration)?,
             covariance: reading.covariance(parsed.covariance)?,
             rod,
             model,
@@ -256,7 +310,7 @@ impl SavedModel {
             },
             output_unit: &self.output_unit,
             drive_unit: &self.drive_unit,
-            effects: [],
+            effects: self.effects.as_ref().map_or(&[], |effects| &effects.ids),
         };
         let names: Vec<&str> = self
             .recordings
@@ -270,7 +324,7 @@ impl SavedModel {
                 .flat_map(|parameter| parameter_tables(parameter, &names))
                 .collect(),
             covariance: &self.covariance,
-            integration: IntegrationTable::default(),
+            integration: IntegrationTable::of(self.effects.as_ref()),
             fit: self.scores,
             recording: &self.recordings,
             provenance: &self.provenance,
@@ -287,154 +341,11 @@ impl SavedModel {
                 file: self.rod.file().to_owned(),
                 source,
             })?;
-        Ok(HEAD.to_owned() + &parts.join("\n"))
-    }
-}
-
-/// Checks of what stands in a file beyond its layout.
-struct Reading<'a> {
-    source: &'a Source<'a>,
-}
-
-impl Reading<'_> {
-    fn fault(
-        &self,
-        place: Range<usize>,
-        what: String,
-        accepted: impl Into<String>,
-    ) -> IdentifyError {
-        let (line, column) = self.source.position(place.start);
-        IdentifyError::Saved {
-            file: self.source.file.to_owned(),
-            line,
-            column,
-            what,
-            accepted: accepted.into(),
-        }
-    }
-
-    fn version(&self, parsed: &ModelFile) -> Result<(), IdentifyError> {
-        let version = parsed.schema_version.get_ref();
-        if *version != SCHEMA_VERSION {
-            let what = format!("schema_version = {version}");
-            return Err(self.fault(parsed.schema_version.span(), what, "must be 1"));
-        }
-        match parsed.effects.first() {
-            None => Ok(()),
-            Some(effect) => {
-                let what = format!("effects: \"{}\"", effect.get_ref());
-                Err(self.fault(effect.span(), what, "no such effect in this version"))
-            }
-        }
-    }
-
-    /// Puts what an entry says of a parameter's unit, bounds and state into the model.
-    fn parameter(
-        &self,
-        entry: &Spanned<ParameterTable>,
-        model: &mut RigModel,
-        trained: &[&str],
-    ) -> Result<(), IdentifyError> {
-        let table = entry.get_ref();
-        let fault = |accepted: String| {
-            let what = format!("parameter {} = {}", table.name, table.value);
-            Err(self.fault(entry.span(), what, accepted))
+        let head = match self.effects {
+            None => HEAD,
+            Some(_) => HEAD_WITH_EFFECTS,
         };
-        let known: Vec<&str> = model.parameters().iter().map(|info| info.name).collect();
-        let Some(k) = known.iter().position(|&name| name == table.name) else {
-            return fault(format!(
-                "no such parameter; this model has {}",
-                known.join(", ")
-            ));
-        };
-        let info = &mut model.parameters_mut()[k];
-        let Bounds { lower, upper } = info.admissible;
-        if !(lower..=upper).contains(&table.value) {
-            return fault(format!(
-                "must lie from {lower:e} to {upper:e} {}",
-                table.unit
-            ));
-        }
-        let rises = |[lower, upper]: [f64; 2]| lower <= upper;
-        if !table.ci95.is_none_or(rises) || !table.bounds.is_none_or(rises) {
-            return fault("ci95 and bounds must rise".to_owned());
-        }
-        match (info.scope, &table.recording) {
-            (Scope::Shared, None) => {}
-            (Scope::PerRecording, Some(name)) if trained.contains(&name.as_str()) => {}
-            (Scope::Shared, Some(_)) => {
-                return fault("is shared: must not name a recording".to_owned());
-            }
-            (Scope::PerRecording, _) => {
-                return fault(format!("must name its recording: {}", trained.join(" or ")));
-            }
-        }
-        info.unit.clone_from(&table.unit);
-        info.bounds = match table.bounds {
-            Some([lower, upper]) => Bounds { lower, upper },
-            None if info.enters == Enters::Nonlinear => {
-                return fault("must have bounds = [low, high]".to_owned());
-            }
-            None => Bounds::NONE,
-        };
-        info.state = match table.state {
-            State::Free => ParameterState::Free,
-            State::Fixed => ParameterState::Fixed(table.value),
-        };
-        Ok(())
-    }
-
-    /// The values of a parameter, one a training recording if it is not shared.
-    fn fitted(
-        &self,
-        info: &ParameterInfo,
-        entries: &[Spanned<ParameterTable>],
-        trained: &[&str],
-    ) -> Result<FittedParameter, IdentifyError> {
-        let own: Vec<Option<&str>> = match info.scope {
-            Scope::Shared => vec![None],
-            Scope::PerRecording => trained.iter().copied().map(Some).collect(),
-        };
-        let mut fitted = FittedParameter {
-            info: info.clone(),
-            values: Vec::new(),
-            intervals: Vec::new(),
-            at_bound: false,
-        };
-        for recording in own {
-            let mut found = entries.iter().filter(|entry| {
-                let table = entry.get_ref();
-                table.name == info.name && table.recording.as_deref() == recording
-            });
-            let (Some(entry), None) = (found.next(), found.next()) else {
-                let of = recording.map_or(String::new(), |name| format!(" of {name}"));
-                let what = format!("parameter {}{of}", info.name);
-                return Err(self.fault(0..0, what, "must be there once"));
-            };
-            let table = entry.get_ref();
-            fitted.values.push(table.value);
-            let interval = table.ci95.map(|[lower, upper]| Bounds { lower, upper });
-            fitted.intervals.push(interval);
-            fitted.at_bound |= table.at_bound;
-        }
-        Ok(fitted)
-    }
-
-    fn covariance(
-        &self,
-        covariance: Spanned<ParameterCovariance>,
-    ) -> Result<ParameterCovariance, IdentifyError> {
-        let place = covariance.span();
-        let covariance = covariance.into_inner();
-        let n = covariance.names.len();
-        let is_square = covariance.scales.len() == n
-            && covariance.matrix.len() == n
-            && covariance.matrix.iter().all(|row| row.len() == n);
-        if is_square {
-            return Ok(covariance);
-        }
-        let what = format!("covariance of {n} names");
-        Err(self.fault(place, what, "must have as many scales, rows and columns"))
+        Ok(head.to_owned() + &parts.join("\n"))
     }
 }
 

@@ -17,10 +17,14 @@ use crate::{
 ///
 /// It holds the tables of the rod file it came from, every parameter with its interval, their covariance, how
 /// well it met which recordings, and how it was made. What is written is read back as it was.
+///
+/// A model may have effects beyond its plain part. This crate keeps their ids and parameters, those of the plain
+/// part first; what they do others know.
 #[derive(Debug, Clone)]
 pub struct SavedModel {
     pub(crate) rod: Rod,
     pub(crate) model: RigModel,
+    pub(crate) effects: Option<SavedEffects>,
     pub(crate) rule: Rule,
     pub(crate) output_unit: String,
     pub(crate) drive_unit: String,
@@ -29,6 +33,17 @@ pub struct SavedModel {
     pub(crate) recordings: Vec<SavedRecording>,
     pub(crate) scores: Scores,
     pub(crate) provenance: Provenance,
+}
+
+/// Effects that a saved model has beyond its plain part, and how its samples are solved with them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SavedEffects {
+    /// Their ids, in the order of their parameters; at least one.
+    pub ids: Vec<String>,
+    /// Parts into which every sample is divided; ≥ 1.
+    pub sub_steps: usize,
+    /// Newton iterations of each part; ≥ 1.
+    pub newton_iterations: usize,
 }
 
 /// How well a saved model did.
@@ -102,11 +117,13 @@ pub struct InputFile {
 pub struct Identification<'a> {
     /// What is known of the rig.
     pub rod: &'a Rod,
-    /// The model that was fitted.
+    /// The model that was fitted; with effects its plain part.
     pub model: &'a RigModel,
+    /// Effects of the model beyond it; `None` for the plain model.
+    pub effects: Option<SavedEffects>,
     /// Rule of its memory.
     pub rule: Rule,
-    /// The fit.
+    /// The fit; parameters of effects stand behind those of the plain part, effect after effect.
     pub fit: &'a Fit,
     /// The recordings that were fitted.
     pub training: &'a [Recording],
@@ -120,15 +137,16 @@ impl SavedModel {
     /// The model of an identification, to be kept.
     #[must_use]
     pub fn of(identification: &Identification<'_>, provenance: Provenance) -> Self {
-        let Identification {
+        let &Identification {
             rod,
             model,
+            ref effects,
             rule,
             fit,
             training,
             unseen,
             validated,
-        } = *identification;
+        } = identification;
         let trained = training.iter().zip(&fit.recordings);
         let checked = unseen.iter().zip(validated);
         let kept = |recording: &Recording, role, rmse| SavedRecording {
@@ -146,6 +164,7 @@ impl SavedModel {
         Self {
             rod: rod.clone(),
             model: model.clone(),
+            effects: effects.clone(),
             rule,
             output_unit: fit.output_unit.clone(),
             drive_unit: fit.drive_unit.clone(),
@@ -171,10 +190,16 @@ impl SavedModel {
         &self.rod
     }
 
-    /// The model.
+    /// The model; with effects its plain part.
     #[must_use]
     pub fn model(&self) -> &RigModel {
         &self.model
+    }
+
+    /// Effects beyond the plain part; `None` for a plain model.
+    #[must_use]
+    pub fn effects(&self) -> Option<&SavedEffects> {
+        self.effects.as_ref()
     }
 
     /// Rule of the hysteresis' memory.
@@ -189,7 +214,7 @@ impl SavedModel {
         &self.output_unit
     }
 
-    /// The parameters, in the model's order.
+    /// The parameters: those of the plain part in its order, then those of each effect.
     #[must_use]
     pub fn parameters(&self) -> &[FittedParameter] {
         &self.parameters
@@ -226,7 +251,7 @@ impl SavedModel {
         &self.provenance
     }
 
-    /// Values of all parameters in a training recording, in the model's order.
+    /// Values of all parameters in a training recording, in the order of [`SavedModel::parameters`].
     ///
     /// # Panics
     ///
@@ -236,30 +261,44 @@ impl SavedModel {
         point(&self.parameters, recording)
     }
 
-    /// Predicts a recording, as [`validate`](crate::validate()) does after the fit.
+    /// Predicts a recording by the plain part, as [`validate`](crate::validate()) does after the fit.
     ///
     /// # Errors
     ///
     /// [`IdentifyError::Units`], [`IdentifyError::Drives`], and what the model refuses.
     pub fn validate(&self, recording: &Recording) -> Result<Validated, IdentifyError> {
+        self.validate_by(&self.model, &self.point(0), recording)
+    }
+
+    /// The same by the model with its effects, at a point of its parameters.
+    ///
+    /// # Errors
+    ///
+    /// As [`SavedModel::validate`].
+    pub fn validate_by<M: ForwardModel>(
+        &self,
+        model: &M,
+        point: &[f64],
+        recording: &Recording,
+    ) -> Result<Validated, IdentifyError> {
         let expected = Quantities {
             output_unit: &self.output_unit,
             drive: self.rod.drive_kind,
             drive_unit: &self.drive_unit,
         };
         same_quantities(recording, self.rod.file(), &expected)?;
-        validate_at(&self.model, &self.point(0), recording)
+        validate_at(model, point, recording)
     }
 
-    /// The parameters of the cascade, with the offset of the first training recording; `None` for a static
-    /// loop.
+    /// The parameters of the plain cascade, with the offset of the first training recording; `None` for a
+    /// static loop.
     #[must_use]
     pub fn wiener_params(&self) -> Option<WienerParams> {
         self.model.wiener_params(&self.point(0))
     }
 
-    /// Coordinates from which a fit of the same model to other recordings can start: shared values as they
-    /// are, those of a recording where it has been fitted before, under the same name.
+    /// Coordinates from which a fit of the same plain model to other recordings can start: shared values as they
+    /// are, those of a recording where it has been fitted before, under the same name. Effects are left out.
     ///
     /// # Errors
     ///

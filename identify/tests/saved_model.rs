@@ -13,8 +13,8 @@ use std::ops::ControlFlow;
 
 use common::{ROD, recording, rod, steps, triangles};
 use identify::{
-    Fit, FitConfig, Identification, InputFile, Provenance, RigModel, Rod, Role, SavedModel, Scale,
-    fit, predict, validate,
+    Bounds, Fit, FitConfig, Identification, InputFile, ParameterInfo, Provenance, RigModel, Rod,
+    Role, SavedModel, Scale, fit, predict, validate,
 };
 use recording::Recording;
 use wiener::hysteresis::Rule;
@@ -43,6 +43,7 @@ fn saved(text: &str) -> Saved {
     let identification = Identification {
         rod: &rod,
         model: &model,
+        effects: None,
         rule: Rule::Nested,
         fit: &fit,
         training: &training,
@@ -187,7 +188,7 @@ fn what_a_model_file_may_not_say() {
             "effects = []",
             "effects = [\"latent-heat\"]",
             format!(
-                "model.toml:{}:12: effects: \"latent-heat\": no such effect in this version",
+                "model.toml:{}:12: effects: \"latent-heat\": must be empty: only plain models are read here",
                 line_of("effects")
             ),
         ),
@@ -246,10 +247,60 @@ fn what_a_model_file_may_not_say() {
     let none = SavedModel::parse("rod.toml", ROD).unwrap_err();
     assert_eq!(
         none.to_string(),
-        "rod.toml: no schema_version; a model comes from `sma identify --save-model`"
+        "rod.toml: no schema_version; a model comes from --save-model of `sma identify` or `sma diagnose`"
     );
     let absent = SavedModel::read("absent.toml".as_ref()).unwrap_err();
     assert_eq!(absent.to_string(), "absent.toml: cannot be read");
+}
+
+#[test]
+fn a_file_without_effects_is_that_of_a_plain_model() {
+    let written = saved(ROD).saved.to_toml().unwrap();
+    assert!(written.starts_with("# A model identified by `sma identify`; `sma simulate` and"));
+    assert!(written.contains("\neffects = []\n"), "{written}");
+    assert!(!written.contains("newton_iterations"), "{written}");
+    let older = written.replacen("effects = []\n", "", 1);
+    let read = SavedModel::parse("model.toml", &older).unwrap();
+    assert_eq!(read.effects(), None);
+    assert_eq!(read.to_toml().unwrap(), written);
+}
+
+#[test]
+fn draws_move_the_parameters_of_effects_within_their_bounds() {
+    let written = noisy_saved().to_toml().unwrap();
+    let text = written
+        .replacen("effects = []", "effects = [\"tide\"]", 1)
+        .replacen("substeps = 1", "substeps = 1\nnewton_iterations = 3", 1)
+        // In the covariance it takes the place of ζ.
+        .replacen("\"zeta\"]", "\"tide_mm\"]", 1)
+        .replacen(
+            "[covariance]",
+            "[[parameter]]\nname = \"tide_mm\"\nvalue = 2.0\nunit = \"mm\"\nstate = \"free\"\n\
+             bounds = [1.999, 2.001]\n\n[covariance]",
+            1,
+        );
+    let tide = Bounds {
+        lower: 0.0,
+        upper: 5.0,
+    };
+    let known = ParameterInfo::searched("tide_mm", "mm", Scale::Linear, tide);
+    let saved = SavedModel::parse_with("model.toml", &text, &|named| match named.id {
+        "tide" => Ok(vec![known.clone()]),
+        _ => Err("no tide".to_owned()),
+    })
+    .unwrap();
+    assert_eq!(saved.effects().unwrap().ids, ["tide"]);
+    let drawn: Vec<f64> = saved
+        .draws(200, 1)
+        .points
+        .iter()
+        .map(|one| one[9])
+        .collect();
+    assert!(
+        drawn.iter().all(|mm| (1.999..=2.001).contains(mm)),
+        "{drawn:?}"
+    );
+    assert!(drawn.iter().any(|mm| (mm - 2.0).abs() > 1e-6), "{drawn:?}");
 }
 
 #[test]
@@ -311,6 +362,7 @@ fn noisy_saved() -> SavedModel {
     let identification = Identification {
         rod: &rod,
         model: &model,
+        effects: None,
         rule: Rule::Nested,
         fit: &fit,
         training: &training,

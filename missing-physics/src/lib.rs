@@ -49,7 +49,7 @@ pub use diagnosis::{
 };
 pub use extended_model::ExtendedModel;
 pub use rig::setting_of_rod;
-pub use saved::{RestoredModel, read_model, saved_effects};
+pub use saved::{RestoredModel, parse_model, read_model, saved_effects};
 pub use screening::{ScreenConfig, Screened, Screening, screen};
 pub use sma_effects::{
     AmbientDrift, Backlash, DeadTime, EffectBlock, EffectId, EffectInfo, EffectParameter,

@@ -1,6 +1,8 @@
 //! `sma`: identify shape-memory-alloy actuators from recordings. The program's help says how.
 
 mod commands;
+mod earlier;
+mod kept;
 mod memory;
 mod next_run;
 mod outcome;
@@ -12,6 +14,7 @@ mod sink;
 mod specific_heat;
 mod terminal;
 mod track;
+mod turned;
 
 use std::process::ExitCode;
 

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use identify::IdentifyError;
+use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
 use wiener::WienerError;
@@ -60,7 +61,9 @@ fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
         || error.is::<RecordingError>()
         || error.is::<RigError>()
         || error.is::<TuneError>()
-        || error.is::<TaskError<WienerError>>()
+        || error.is::<TaskError<PhysicsError>>()
+        || error.is::<PhysicsError>()
+        || error.is::<WienerError>()
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! An identified rig as something to be controlled.
 
-use identify::{RigModel, SavedModel, Scope};
+use identify::{SavedModel, Scope};
+use missing_physics::{ExtendedPlant, Member, PhysicsError, RestoredModel};
 use pid_tune::Variation;
 use recording::Quantity;
 use wiener::hysteresis::Rule;
-use wiener::{Drive, Ensemble, Member, Plant, Start, Wiener, WienerError, WienerParams};
+use wiener::{Drive, Input, Plant, Start, Wiener, WienerError, WienerParams};
+
+use crate::turned::{Turned, TurnedPlant};
 
 /// Largest drive over that of the training from which a prediction is called a guess.
 pub(crate) const BEYOND: f64 = 1.02;
@@ -12,10 +15,20 @@ pub(crate) const BEYOND: f64 = 1.02;
 /// By how much a parameter is varied to see what depends on it.
 const VARIATION: f64 = 0.2;
 
+/// Time constants after which a rod with effects counts as hot, and samples in each.
+const HOT_AFTER: [usize; 2] = [40, 20];
+
 /// A rig whose output rises with heat: one whose output falls is turned over, and its set points with it.
 #[derive(Debug, Clone)]
 pub(crate) struct Rig {
+    /// What its plants have in common.
+    pub(crate) fleet: Turned,
+    /// The rod at rest; its signs are not turned.
+    pub(crate) member: Member,
+    /// The plain part, its signs turned.
     pub(crate) params: WienerParams,
+    /// Ids of the effects beyond it that count here.
+    pub(crate) effects: Vec<String>,
     pub(crate) drive: Drive,
     pub(crate) rule: Rule,
     pub(crate) ambient_degc: f64,
@@ -26,8 +39,6 @@ pub(crate) struct Rig {
     pub(crate) converged: bool,
     pub(crate) output_unit: String,
     pub(crate) drive_unit: String,
-    /// -1 if the output falls with heat.
-    sign: f64,
     /// The highest temperature that the rig stands, °C.
     temperature_max_degc: f64,
 }
@@ -74,10 +85,16 @@ pub(crate) enum RigError {
 }
 
 impl Rig {
-    pub(crate) fn of(saved: &SavedModel, drive_max: Option<f64>) -> Result<Self, anyhow::Error> {
+    pub(crate) fn of(
+        saved: &SavedModel,
+        model: &RestoredModel<'_>,
+        drive_max: Option<f64>,
+    ) -> Result<Self, anyhow::Error> {
         let rod = saved.rod();
         let file = || rod.file().to_owned();
-        let Some(params) = saved.wiener_params() else {
+        // That the temperature is known is checked last.
+        let at_rest = Start::rest(rod.ambient_degc.unwrap_or_default());
+        let Some(member) = model.member(&model.point(), at_rest) else {
             return Err(RigError::Static { file: file() }.into());
         };
         let drive_max = match drive_max {
@@ -100,9 +117,16 @@ impl Rig {
         let Some(ambient_degc) = rod.ambient_degc else {
             return Err(RigError::Ambient { file: file() }.into());
         };
-        let sign = if params.gain < 0.0 { -1.0 } else { 1.0 };
+        let sign = if member.params.gain < 0.0 { -1.0 } else { 1.0 };
+        let active = model.fleet().setting.active;
         Ok(Self {
-            params: turned(params, sign),
+            fleet: Turned {
+                fleet: model.fleet(),
+                sign,
+            },
+            member,
+            params: turned(member.params, sign),
+            effects: active.iter().map(|effect| effect.id().to_owned()).collect(),
             drive: rod.drive()?,
             rule: saved.rule(),
             ambient_degc,
@@ -114,7 +138,6 @@ impl Rig {
                 Quantity::Duty => "duty".to_owned(),
                 other => other.unit().to_owned(),
             },
-            sign,
             temperature_max_degc: match rod.limits.temperature_max_degc {
                 Some(limit) if saved.model().knows_temperature() => limit,
                 _ => f64::INFINITY,
@@ -124,12 +147,12 @@ impl Rig {
 
     /// Whether the output falls with heat, so that signs are turned.
     pub(crate) fn is_turned(&self) -> bool {
-        self.sign < 0.0
+        self.fleet.sign < 0.0
     }
 
     /// An output of the sensor as the controller sees it, and back.
     pub(crate) fn signed(&self, output: f64) -> f64 {
-        self.sign * output
+        self.fleet.sign * output
     }
 
     /// How far the output can go.
@@ -137,45 +160,41 @@ impl Rig {
         self.params.gain
     }
 
-    pub(crate) fn ensemble(&self) -> Ensemble {
-        Ensemble {
-            drive: self.drive,
-            rule: self.rule,
-        }
-    }
-
-    /// The rod at rest.
-    pub(crate) fn member(&self) -> Member {
-        self.member_of(self.params)
-    }
-
-    fn member_of(&self, params: WienerParams) -> Member {
-        Member {
-            params,
-            start: Start::rest(self.ambient_degc),
-        }
-    }
-
-    pub(crate) fn plant(&self) -> Result<Wiener, WienerError> {
-        Wiener::new(self.drive, self.rule, &[self.params])
+    pub(crate) fn plant(&self) -> Result<TurnedPlant<ExtendedPlant>, PhysicsError> {
+        let Turned { fleet, sign } = self.fleet;
+        let Member {
+            params, effects, ..
+        } = self.member;
+        let plant = ExtendedPlant::new(&fleet.setting, &[params], &[effects])?;
+        Ok(TurnedPlant { plant, sign })
     }
 
     /// The rig with its sensor's zero moved so that it reads this at rest.
-    pub(crate) fn resting_at(&self, output: f64) -> Result<Self, WienerError> {
+    pub(crate) fn resting_at(&self, output: f64) -> Result<Self, PhysicsError> {
         let mut moved = self.clone();
-        moved.params.offset += self.signed(output) - self.rest_output()?;
+        let higher = self.signed(output) - self.rest_output()?;
+        moved.params.offset += higher;
+        moved.member.params.offset += self.signed(higher);
         Ok(moved)
     }
 
     /// Output of the cold rod, as the controller sees it.
-    pub(crate) fn rest_output(&self) -> Result<f64, WienerError> {
+    pub(crate) fn rest_output(&self) -> Result<f64, PhysicsError> {
         let plant = self.plant()?;
         Ok(plant.output(&plant.rest(self.ambient_degc)).displacement[0])
     }
 
     /// Output that the largest drive holds in the end, heated from rest.
-    fn hot_output(&self) -> Result<f64, WienerError> {
-        let plant = self.plant()?;
+    fn hot_output(&self) -> anyhow::Result<f64> {
+        Ok(if self.effects.is_empty() {
+            self.plain_hot_output()?
+        } else {
+            self.hot_output_with_effects()?
+        })
+    }
+
+    fn plain_hot_output(&self) -> Result<f64, WienerError> {
+        let plant = Wiener::new(self.drive, self.rule, &[self.params])?;
         let heat = plant.heat();
         let resistance = heat.resistance_ohm_per_m();
         let [power_w_per_m] = self.drive.power_w_per_m([self.drive_max], resistance);
@@ -186,6 +205,33 @@ impl Rig {
             .on_limiting_curve(wiener::hysteresis::Branch::Cooling, [self.ambient_degc]);
         let [fraction] = plant.hysteresis().commit(&mut memory, [hottest_degc]);
         Ok(self.params.gain * fraction + self.params.offset)
+    }
+
+    /// With effects no formula has it: the rod is heated until it stands, or is as hot as it may be.
+    fn hot_output_with_effects(&self) -> Result<f64, PhysicsError> {
+        let plant = self.plant()?;
+        let mut state = plant.rest(self.ambient_degc);
+        let [time_constants, samples] = HOT_AFTER;
+        let dt_s = self.tau_s() / samples as f64;
+        let input = Input {
+            drive: [self.drive_max],
+            ambient_degc: self.ambient_degc,
+        };
+        let mut shown = plant.output(&state);
+        for _ in 0..time_constants * samples {
+            plant.step(&mut state, &input, dt_s);
+            let next = plant.output(&state);
+            if next.temperature_degc[0] > self.temperature_max_degc {
+                break;
+            }
+            shown = next;
+        }
+        Ok(shown.displacement[0])
+    }
+
+    /// Time constant of the plain part, s.
+    pub(crate) fn tau_s(&self) -> f64 {
+        self.params.heat.heat_capacity_j_per_m_k / self.params.heat.conductance_w_per_m_k
     }
 
     /// Refuses a set point that no drive within the limits holds.
@@ -217,21 +263,37 @@ impl Rig {
     }
 
     /// Rods as likely as the identified one.
-    pub(crate) fn draws(&self, saved: &SavedModel, n: usize, seed: u64) -> Vec<Member> {
+    pub(crate) fn draws(
+        &self,
+        saved: &SavedModel,
+        model: &RestoredModel<'_>,
+        n: usize,
+        seed: u64,
+    ) -> Vec<Member> {
         let points = saved.draws(n, seed).points;
         points
             .iter()
-            .filter_map(|point| self.member_at(saved.model(), point))
+            .filter_map(|point| model.member(point, self.member.start))
             .collect()
     }
 
-    /// The rod with one parameter less and more by a fifth; the loop's center by that of its height above
-    /// ambient.
-    pub(crate) fn variations<'m>(&self, saved: &'m SavedModel) -> Vec<Variation<'m, Member>> {
-        let estimate = saved.point(0);
+    /// The rig with one parameter less and more by a fifth; the loop's center by that of its height above
+    /// ambient. Those of drifts are not varied.
+    pub(crate) fn variations<'m>(
+        &self,
+        saved: &'m SavedModel,
+        model: &RestoredModel<'_>,
+    ) -> Vec<Variation<'m, Member>> {
+        let estimate = model.point();
+        let drifts: Vec<&str> = model
+            .drifts()
+            .flat_map(|drift| drift.info().parameters)
+            .map(|parameter| parameter.name)
+            .collect();
         let shared = saved.parameters().iter().enumerate();
         shared
             .filter(|(_, parameter)| parameter.info.scope == Scope::Shared)
+            .filter(|(_, parameter)| !drifts.contains(&parameter.info.name))
             .filter_map(|(k, parameter)| {
                 let name = parameter.info.name;
                 let zero = if name == "loop_center_degc" {
@@ -244,7 +306,7 @@ impl Rig {
                     let mut point = estimate.clone();
                     point[k] = (zero + factor * (estimate[k] - zero))
                         .clamp(admissible.lower, admissible.upper);
-                    self.member_at(saved.model(), &point)
+                    model.member(&point, self.member.start)
                 };
                 Some(Variation {
                     name,
@@ -253,11 +315,6 @@ impl Rig {
                 })
             })
             .collect()
-    }
-
-    fn member_at(&self, model: &RigModel, point: &[f64]) -> Option<Member> {
-        let params = model.wiener_params(point)?;
-        Some(self.member_of(turned(params, self.sign)))
     }
 }
 

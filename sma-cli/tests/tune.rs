@@ -61,6 +61,7 @@ fn the_tuned_gains_cost_less_than_the_paper_s() {
     let folder = identified();
     let result = json(folder.path(), &["--draws", "20"]);
     assert_eq!(result["command"], "tune");
+    assert_eq!(result["effects"], serde_json::json!([]));
     let cost = |k: usize| result["controllers"][k]["cost"].as_f64().unwrap();
     // Each of the paper's terms counts one, but for an overshoot within the band of 2 %.
     assert!((4.0..=5.0 + 1e-9).contains(&cost(0)), "{}", cost(0));

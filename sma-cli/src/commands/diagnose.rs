@@ -4,9 +4,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use identify::{
-    FitConfig, FitProgress, RigModel, Rod, SavedModel, WienerModel, predict, static_effects,
-};
+use identify::{FitConfig, FitProgress, RigModel, Rod, WienerModel, predict, static_effects};
 use indicatif::ProgressBar;
 use missing_physics::{
     DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Verdict, diagnose,
@@ -15,9 +13,12 @@ use missing_physics::{
 use recording::Recording;
 
 use crate::commands::on_threads;
+use crate::earlier::Earlier;
+use crate::kept::{self, Kept};
 use crate::memory::Memory;
 use crate::next_run;
 use crate::outcome::Outcome;
+use crate::provenance::provenance;
 use crate::recordings::{input_notes, is_trained_on, read_all};
 use crate::report::diagnosed::Diagnosed;
 use crate::report::plot::{self, Left};
@@ -59,9 +60,12 @@ pub(crate) struct DiagnoseArgs {
     /// Effects that are not to be found.
     #[arg(long, num_args = 1.., value_name = "EFFECT", value_parser = EffectId::parse)]
     without: Vec<EffectId>,
-    /// Start one more search of the plain model from an earlier one.
+    /// Start one more search of the plain model from an earlier one, or from the plain part of one with effects.
     #[arg(long, value_name = "MODEL")]
     from_model: Option<PathBuf>,
+    /// Write the model to a file, with what was found: for `sma simulate`, `sma tune`, and --from-model.
+    #[arg(long, value_name = "FILE")]
+    save_model: Option<PathBuf>,
     /// Write the run that would tell more, time and drive in the columns of rod.toml.
     #[arg(long, value_name = "FILE")]
     save_next: Option<PathBuf>,
@@ -86,6 +90,7 @@ pub(crate) struct DiagnoseArgs {
 #[derive(Debug)]
 struct Places {
     json: Option<Sink>,
+    model: Option<Sink>,
     next: Option<Sink>,
 }
 
@@ -99,6 +104,7 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     let inputs = args.inputs();
     let places = Places {
         json: Sink::open_if(args.json.as_deref(), &inputs)?,
+        model: Sink::open_if(args.save_model.as_deref(), &inputs)?,
         next: Sink::open_if(args.save_next.as_deref(), &inputs)?,
     };
     let rod = Rod::read(&args.rod)?;
@@ -139,7 +145,8 @@ fn with_time(
     rig: Rig,
     places: Places,
 ) -> anyhow::Result<Outcome> {
-    let config = args.config(model, &rig)?;
+    let earlier = Earlier::read(args.from_model.as_deref(), model, &rig.training)?;
+    let config = args.config(earlier.from, &rig)?;
     let bar = bar(
         args.quiet,
         config.baseline.starts,
@@ -161,6 +168,21 @@ fn with_time(
         .as_ref()
         .and_then(|next| next.run.as_ref());
     let mut notes = rig.notes.clone();
+    notes.extend(earlier.note);
+    let diagnosed = kept::Diagnosed {
+        rod: &rig.rod,
+        plain: model,
+        rule: args.memory.rule(),
+        setting: &config.setting,
+        training: &rig.training,
+        unseen: &rig.unseen,
+        diagnosis: &diagnosis,
+    };
+    let kept = match &places.model {
+        None => None,
+        Some(_) => Some(Kept::of(&diagnosed, provenance(args.seed, &args.inputs())?)),
+    };
+    notes.extend(kept.as_ref().map(|kept| kept.note.clone()));
     if places.next.is_some() && run.is_none() {
         notes.push("no next run is proposed: --save-next writes nothing".to_owned());
     }
@@ -181,6 +203,9 @@ fn with_time(
     let has_converged = diagnosis.verdict != Verdict::NotConverged;
     if !args.no_plot && has_converged {
         text += &before_and_after(plain, &diagnosis, &diagnosed, &rig)?;
+    }
+    if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
+        sink.write(&model.to_toml()?)?;
     }
     if let Some((sink, run)) = places.next.zip(run) {
         sink.write(&next_run::csv(run, &rig.rod))?;
@@ -215,6 +240,7 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         ("--validate", !args.validate.is_empty()),
         ("--without", !args.without.is_empty()),
         ("--from-model", args.from_model.is_some()),
+        ("--save-model", args.save_model.is_some()),
         ("--save-next", args.save_next.is_some()),
     ]
     .into_iter()
@@ -256,12 +282,8 @@ impl DiagnoseArgs {
         clippy::needless_update,
         reason = "a setting that is not a flag has its default"
     )]
-    fn config(&self, model: &RigModel, rig: &Rig) -> anyhow::Result<DiagnoseConfig> {
+    fn config(&self, from: Vec<Vec<f64>>, rig: &Rig) -> anyhow::Result<DiagnoseConfig> {
         let preset = DiagnoseConfig::default();
-        let from = match &self.from_model {
-            None => Vec::new(),
-            Some(path) => vec![SavedModel::read(path)?.coordinates(model, &rig.training)?],
-        };
         let catalogue = self
             .without
             .iter()

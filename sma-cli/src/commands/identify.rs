@@ -11,6 +11,7 @@ use identify::{
 use recording::Recording;
 
 use crate::commands::on_threads;
+use crate::earlier::Earlier;
 use crate::memory::Memory;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
@@ -49,13 +50,13 @@ pub(crate) struct IdentifyArgs {
     /// Independent starts of the search [default: 4; with --preset sadeghi 1].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     starts: Option<u64>,
-    /// Start one more search from an earlier model.
+    /// Start one more search from an earlier model; of one with effects from its plain part.
     #[arg(long, value_name = "MODEL")]
     from_model: Option<PathBuf>,
     /// Give the same cost to argmin's optimizers and say where they end.
     #[arg(long)]
     cross_check: bool,
-    /// Write the model to a file: for `sma simulate`, and for --from-model.
+    /// Write the model to a file: for `sma simulate`, `sma tune`, and --from-model.
     #[arg(long, value_name = "FILE")]
     save_model: Option<PathBuf>,
     /// No picture of the recording that is met worst.
@@ -111,7 +112,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         Preset::Default => RigModel::new(&rod, rule, &training)?,
         Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
-    let config = args.config(&model, &training)?;
+    let earlier = Earlier::read(args.from_model.as_deref(), &model, &training)?;
+    let config = args.config(earlier.from);
     let mut fit = fitted(args, &model, &training, &config)?;
     let heat_carried = model.carry_specific_heat(&mut fit);
     let validated = unseen
@@ -138,6 +140,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         memory: args.memory.name(),
     };
     let mut notes = identified.notes();
+    notes.extend(earlier.note);
     notes.extend(input_notes(&training, &unseen));
     say(args.quiet, &notes)?;
     let mut text = identified.text();
@@ -150,6 +153,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         let identification = Identification {
             rod: &rod,
             model: &model,
+            effects: None,
             rule,
             fit: &fit,
             training: &training,
@@ -179,16 +183,12 @@ impl IdentifyArgs {
             .collect()
     }
 
-    fn config(&self, model: &RigModel, training: &[Recording]) -> anyhow::Result<FitConfig> {
+    fn config(&self, from: Vec<Vec<f64>>) -> FitConfig {
         let preset = match self.preset {
             Preset::Default => FitConfig::default(),
             Preset::Sadeghi => FitConfig::sadeghi(),
         };
-        let from = match &self.from_model {
-            None => Vec::new(),
-            Some(path) => vec![SavedModel::read(path)?.coordinates(model, training)?],
-        };
-        Ok(FitConfig {
+        FitConfig {
             starts: self.starts.unwrap_or(preset.starts),
             seed: self.seed,
             loss: match self.loss {
@@ -197,7 +197,7 @@ impl IdentifyArgs {
             },
             from,
             ..preset
-        })
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use identify::{IdentifyError, SavedModel, predict};
+use missing_physics::{EffectId, RestoredModel, read_model};
 use recording::{
     Quantity, Recording, RecordingError, RecordingParts, Sampling, read_csv, read_drive_csv,
     write_csv,
@@ -23,7 +24,7 @@ use crate::terminal::say;
 #[command(after_help = "Example:\n  \
     sma simulate model.toml --drive profile.csv --output predicted.csv")]
 pub(crate) struct SimulateArgs {
-    /// Identified model, from `sma identify --save-model`.
+    /// Model, from --save-model of `sma identify` or `sma diagnose`.
     model: PathBuf,
     /// What the rig is driven by, CSV.
     #[arg(long, value_name = "CSV")]
@@ -39,11 +40,12 @@ pub(crate) struct SimulateArgs {
 /// Runs the command.
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let sink = Sink::open(&args.output, &[&args.model, &args.drive])?;
-    let saved = SavedModel::read(&args.model)?;
+    let saved = read_model(&args.model)?;
+    let model = RestoredModel::new(&saved)?;
     let options = saved.rod().read_options();
     let (recording, point, met) = match read_csv(&args.drive, &options) {
         Ok(recording) => {
-            let validated = saved.validate(&recording)?;
+            let validated = saved.validate_by(&model, &model.point(), &recording)?;
             let met = format!(
                 "{} has an output too: the prediction meets it to {} {} RMS",
                 recording.name(),
@@ -59,11 +61,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
                 "start and offset are those of {}",
                 first.map_or("the model", |one| one.name.as_str())
             );
-            (recording, saved.point(0), met)
+            (recording, model.point(), met)
         }
         Err(other) => return Err(IdentifyError::from(other).into()),
     };
-    let prediction = predict(saved.model(), &point, &recording)?;
+    let prediction = predict(&model, &point, &recording)?;
     let predicted = Recording::new(RecordingParts {
         name: format!("prediction for {}", recording.name()),
         time_s: match recording.sampling() {
@@ -83,7 +85,9 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
         ambient_degc: recording.ambient_degc().map(<[f64]>::to_vec),
         ..RecordingParts::default()
     })?;
-    say(args.quiet, &notes(&saved, &recording, met))?;
+    let mut notes = notes(&saved, &recording, met);
+    notes.extend(effects(&saved, &model));
+    say(args.quiet, &notes)?;
     let mut csv = Vec::new();
     write_csv(&predicted, &mut csv)?;
     sink.write(&String::from_utf8(csv)?)?;
@@ -110,6 +114,25 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
     notes.push(met);
     if !saved.model().knows_temperature() {
         notes.push("temperatures are arbitrary: the model does not know their scale".to_owned());
+    }
+    notes
+}
+
+/// What the model has beyond the plain one.
+fn effects(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
+    let Some(effects) = saved.effects() else {
+        return Vec::new();
+    };
+    let mut notes = vec![format!(
+        "the plain model with {} is simulated",
+        effects.ids.join(", ")
+    )];
+    let drifts: Vec<&str> = model.drifts().map(EffectId::id).collect();
+    if !drifts.is_empty() {
+        notes.push(format!(
+            "{}: of the recordings that were fitted, left out here",
+            drifts.join(", ")
+        ));
     }
     notes
 }

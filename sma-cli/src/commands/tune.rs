@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use identify::SavedModel;
+use missing_physics::{RestoredModel, read_model};
 use pid_tune::{
     AntiWindup, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances, DriveLimits,
     LoopAnalysis, Pace, Pid, PidGains, PidParams, Reference, RodLoop, RodLoopParams, Task, Terms,
     TunerConfig, front, robustness, second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
-use wiener::Ensemble;
 
 use crate::commands::on_threads;
 use crate::outcome::Outcome;
@@ -49,7 +49,7 @@ const SINE_PERIODS: f64 = 3.0;
     sma tune model.toml --step-output 0.5 --drive-max 2.5 --sine-hz 0.007 --sine-amplitude 0.2 --sine-bias 0.5\n\n\
     Gains are drive per error, the error in the output's own unit.")]
 pub(crate) struct TuneArgs {
-    /// Identified model, from `sma identify --save-model`.
+    /// Model, from --save-model of `sma identify` or `sma diagnose`.
     model: PathBuf,
     /// Set point of the step, as the sensor reads it; the rod starts at rest.
     #[arg(long, value_name = "Y", allow_negative_numbers = true)]
@@ -141,8 +141,9 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     inputs.extend(args.reference.iter().map(PathBuf::as_path));
     let json = Sink::open_if(args.json.as_deref(), &inputs)?;
     let responses = Sink::open_if(args.responses.as_deref(), &inputs)?;
-    let saved = SavedModel::read(&args.model)?;
-    let rig = Rig::of(&saved, args.drive_max)?;
+    let saved = read_model(&args.model)?;
+    let model = RestoredModel::new(&saved)?;
+    let rig = Rig::of(&saved, &model, args.drive_max)?;
     rig.check_set_point(args.step_output)?;
     let job = Job {
         args,
@@ -153,8 +154,8 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     // A sample time that is none would also make a run of no length.
     Pid::new(job.pid, &[PAPER])?;
     let closed_loop = job.step()?;
-    let task = Task::new(rig.ensemble(), closed_loop, job.pid)?;
-    let member = rig.member();
+    let task = Task::new(rig.fleet, closed_loop, job.pid)?;
+    let member = rig.member;
     // Fixed beforehand: each term of the response to the paper's gains counts one.
     let [of_paper] = task.evaluate(&[(member, PAPER)])?[..] else {
         unreachable!("one case has one response");
@@ -203,9 +204,14 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
             cost: weights.cost(&terms),
         })
         .collect();
-    let draws = rig.draws(&saved, args.draws, args.seed);
+    let draws = rig.draws(&saved, &model, args.draws, args.seed);
+    let [response] = task.responses(&[(member, found.gains)])?[..] else {
+        unreachable!("one case has one response");
+    };
+    let height = rig.signed(args.step_output) - rig.rest_output()?;
     let report = TunedReport {
         rig: &rig,
+        oscillates: response.ending.oscillates(height),
         set_point: args.step_output,
         pid: job.pid,
         duration_s: closed_loop.params().n_samples as f64 * job.pid.dt_s,
@@ -218,7 +224,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         } else {
             Some(robustness(&task, found.gains, &draws)?)
         },
-        varied: sensitivities(&task, found.gains, &rig.variations(&saved))?,
+        varied: sensitivities(&task, found.gains, &rig.variations(&saved, &model))?,
         front: if args.front {
             front(&task, member, &weights, &config)?
         } else {
@@ -290,9 +296,8 @@ struct Job<'a> {
 impl Job<'_> {
     /// The loop around the step.
     fn step(&self) -> anyhow::Result<ClosedLoop<'static>> {
-        let heat = &self.rig.params.heat;
-        let tau_s = heat.heat_capacity_j_per_m_k / heat.conductance_w_per_m_k;
-        let duration_s = self.args.duration_s.unwrap_or(TIME_CONSTANTS * tau_s);
+        let lasts_s = TIME_CONSTANTS * self.rig.tau_s();
+        let duration_s = self.args.duration_s.unwrap_or(lasts_s);
         let reference = Reference::Step {
             from: self.rig.rest_output()?,
             to: self.rig.signed(self.args.step_output),
@@ -333,12 +338,12 @@ impl Job<'_> {
         })?)
     }
 
+    /// Limit cycles of the plain part.
     fn analysis(&self, gains: PidGains) -> anyhow::Result<LoopAnalysis> {
-        let Ensemble { drive, rule } = self.rig.ensemble();
         let rod_loop = RodLoop::new(RodLoopParams {
             rod: self.rig.params,
-            drive,
-            rule,
+            drive: self.rig.drive,
+            rule: self.rig.rule,
             controller: self.pid,
             gains,
             setpoint: self.rig.signed(self.args.step_output),

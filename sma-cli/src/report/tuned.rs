@@ -34,7 +34,10 @@ pub(crate) struct TunedReport<'a> {
     pub(crate) opinion: SecondOpinion,
     /// The paper's gains, those found, and where somebody else's optimizer ended.
     pub(crate) candidates: Vec<Candidate>,
-    /// Limit cycles under the paper's gains and under those found.
+    /// Whether the response to the step still oscillates in the end under the gains found, by more than 2 % of
+    /// it; with the effects, if the model has any.
+    pub(crate) oscillates: bool,
+    /// Limit cycles of the plain part under the paper's gains and under those found.
     pub(crate) analyses: [LoopAnalysis; 2],
     pub(crate) robust: Option<Robustness>,
     pub(crate) varied: Vec<Sensitivity<'a>>,
@@ -131,6 +134,19 @@ impl TunedReport<'_> {
             );
         }
         let rest = "The loop comes to rest, from cold, from hot and from near the set point.";
+        if !self.rig.effects.is_empty() {
+            let _ = writeln!(
+                text,
+                "All of it is with {}; in the end the response to the step {} 2 % of it. But limit cycles and margins \
+                 are of the plain part of the model, without effects:",
+                self.rig.effects.join(", "),
+                if self.oscillates {
+                    "OSCILLATES by more than"
+                } else {
+                    "does not oscillate by more than"
+                }
+            );
+        }
         let [_, analysis] = &self.analyses;
         match largest(analysis) {
             None => text += rest,
@@ -477,6 +493,8 @@ impl TunedReport<'_> {
             "output_unit": self.rig.output_unit,
             "drive_unit": self.rig.drive_unit,
             "signs_turned": self.rig.is_turned(),
+            "effects": self.rig.effects,
+            "oscillates": self.oscillates,
             "set_point": self.set_point,
             "sample_time_s": self.pid.dt_s,
             "duration_s": self.duration_s,

@@ -1,0 +1,234 @@
+//! Checks of what stands in a model file beyond its layout.
+
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
+use crate::source::Source;
+use crate::{
+    Bounds, Enters, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance,
+    ParameterInfo, ParameterState, RigModel, SavedEffects, Scope,
+};
+
+/// A file that is read.
+pub(crate) struct Reading<'a> {
+    pub(crate) source: &'a Source<'a>,
+}
+
+impl Reading<'_> {
+    fn fault(
+        &self,
+        place: Range<usize>,
+        what: String,
+        accepted: impl Into<String>,
+    ) -> IdentifyError {
+        let (line, column) = self.source.position(place.start);
+        IdentifyError::Saved {
+            file: self.source.file.to_owned(),
+            line,
+            column,
+            what,
+            accepted: accepted.into(),
+        }
+    }
+
+    pub(crate) fn version(&self, version: &Spanned<i64>) -> Result<(), IdentifyError> {
+        if *version.get_ref() == SCHEMA_VERSION {
+            return Ok(());
+        }
+        let what = format!("schema_version = {}", version.get_ref());
+        Err(self.fault(version.span(), what, "must be 1"))
+    }
+
+    /// What is known of the parameters of the effects, in their order; `of_effect` says it of one.
+    pub(crate) fn parameters_of_effects(
+        &self,
+        effects: &[Spanned<String>],
+        of_effect: &dyn Fn(&str) -> Result<Vec<ParameterInfo>, String>,
+    ) -> Result<Vec<ParameterInfo>, IdentifyError> {
+        let mut infos = Vec::new();
+        for (k, effect) in effects.iter().enumerate() {
+            let id = effect.get_ref();
+            let known = if effects[..k].iter().any(|one| one.get_ref() == id) {
+                Err("must be there once".to_owned())
+            } else {
+                of_effect(id)
+            };
+            infos.extend(known.map_err(|accepted| {
+                self.fault(effect.span(), format!("effects: \"{id}\""), accepted)
+            })?);
+        }
+        Ok(infos)
+    }
+
+    pub(crate) fn effects(
+        &self,
+        ids: Vec<Spanned<String>>,
+        integration: &Spanned<IntegrationTable>,
+    ) -> Result<Option<SavedEffects>, IdentifyError> {
+        if ids.is_empty() {
+            return Ok(None);
+        }
+        let &IntegrationTable {
+            substeps,
+            newton_iterations: Some(newton_iterations),
+            ..
+        } = integration.get_ref()
+        else {
+            let accepted = "must have newton_iterations, since the model has effects";
+            return Err(self.fault(integration.span(), "integration".to_owned(), accepted));
+        };
+        Ok(Some(SavedEffects {
+            ids: ids.into_iter().map(Spanned::into_inner).collect(),
+            sub_steps: substeps,
+            newton_iterations,
+        }))
+    }
+
+    /// Puts what the entries say into the model; returns its parameters, and those of the effects behind them.
+    pub(crate) fn parameters(
+        &self,
+        entries: &[Spanned<ParameterTable>],
+        trained: &[&str],
+        model: &mut RigModel,
+        of_effects: Vec<ParameterInfo>,
+    ) -> Result<Vec<FittedParameter>, IdentifyError> {
+        let mut infos = model.parameters().to_vec();
+        let n_plain = infos.len();
+        infos.extend(of_effects);
+        for entry in entries {
+            self.parameter(entry, &mut infos, n_plain, trained)?;
+        }
+        for (plain, info) in model.parameters_mut().iter_mut().zip(&infos) {
+            // Beside effects a gain was searched; that of the plain part can be solved for.
+            *plain = ParameterInfo {
+                enters: plain.enters,
+                ..info.clone()
+            };
+        }
+        infos
+            .iter()
+            .map(|info| self.fitted(info, entries, trained))
+            .collect()
+    }
+
+    /// Puts what an entry says of a parameter's unit, bounds and state into what is known of it; the first
+    /// `n_plain` parameters are those of the plain part.
+    fn parameter(
+        &self,
+        entry: &Spanned<ParameterTable>,
+        infos: &mut [ParameterInfo],
+        n_plain: usize,
+        trained: &[&str],
+    ) -> Result<(), IdentifyError> {
+        let table = entry.get_ref();
+        let fault = |accepted: String| {
+            let what = format!("parameter {} = {}", table.name, table.value);
+            Err(self.fault(entry.span(), what, accepted))
+        };
+        let known: Vec<&str> = infos.iter().map(|info| info.name).collect();
+        let Some(k) = known.iter().position(|&name| name == table.name) else {
+            return fault(format!(
+                "no such parameter; this model has {}",
+                known.join(", ")
+            ));
+        };
+        let info = &mut infos[k];
+        // Those of the plain part depend on recordings.
+        if k >= n_plain && info.unit != table.unit {
+            return fault(format!("unit must be \"{}\"", info.unit));
+        }
+        let Bounds { lower, upper } = info.admissible;
+        if !(lower..=upper).contains(&table.value) {
+            return fault(format!(
+                "must lie from {lower:e} to {upper:e} {}",
+                table.unit
+            ));
+        }
+        let rises = |[lower, upper]: [f64; 2]| lower <= upper;
+        if !table.ci95.is_none_or(rises) || !table.bounds.is_none_or(rises) {
+            return fault("ci95 and bounds must rise".to_owned());
+        }
+        match (info.scope, &table.recording) {
+            (Scope::Shared, None) => {}
+            (Scope::PerRecording, Some(name)) if trained.contains(&name.as_str()) => {}
+            (Scope::Shared, Some(_)) => {
+                return fault("is shared: must not name a recording".to_owned());
+            }
+            (Scope::PerRecording, _) => {
+                return fault(format!("must name its recording: {}", trained.join(" or ")));
+            }
+        }
+        info.unit.clone_from(&table.unit);
+        info.bounds = match table.bounds {
+            Some([lower, upper]) => {
+                // Who has bounds was searched.
+                info.enters = Enters::Nonlinear;
+                Bounds { lower, upper }
+            }
+            None if info.enters == Enters::Nonlinear => {
+                return fault("must have bounds = [low, high]".to_owned());
+            }
+            None => Bounds::NONE,
+        };
+        info.state = match table.state {
+            State::Free => ParameterState::Free,
+            State::Fixed => ParameterState::Fixed(table.value),
+        };
+        Ok(())
+    }
+
+    /// The values of a parameter, one a training recording if it is not shared.
+    fn fitted(
+        &self,
+        info: &ParameterInfo,
+        entries: &[Spanned<ParameterTable>],
+        trained: &[&str],
+    ) -> Result<FittedParameter, IdentifyError> {
+        let own: Vec<Option<&str>> = match info.scope {
+            Scope::Shared => vec![None],
+            Scope::PerRecording => trained.iter().copied().map(Some).collect(),
+        };
+        let mut fitted = FittedParameter {
+            info: info.clone(),
+            values: Vec::new(),
+            intervals: Vec::new(),
+            at_bound: false,
+        };
+        for recording in own {
+            let mut found = entries.iter().filter(|entry| {
+                let table = entry.get_ref();
+                table.name == info.name && table.recording.as_deref() == recording
+            });
+            let (Some(entry), None) = (found.next(), found.next()) else {
+                let of = recording.map_or(String::new(), |name| format!(" of {name}"));
+                let what = format!("parameter {}{of}", info.name);
+                return Err(self.fault(0..0, what, "must be there once"));
+            };
+            let table = entry.get_ref();
+            fitted.values.push(table.value);
+            let interval = table.ci95.map(|[lower, upper]| Bounds { lower, upper });
+            fitted.intervals.push(interval);
+            fitted.at_bound |= table.at_bound;
+        }
+        Ok(fitted)
+    }
+
+    pub(crate) fn covariance(
+        &self,
+        covariance: Spanned<ParameterCovariance>,
+    ) -> Result<ParameterCovariance, IdentifyError> {
+        let place = covariance.span();
+        let covariance = covariance.into_inner();
+        let n = covariance.names.len();
+        let is_square = covariance.scales.len() == n
+            && covariance.matrix.len() == n
+            && covariance.matrix.iter().all(|row| row.len() == n);
+        if is_square {
+            return Ok(covariance);
+        }
+        let what = format!("covariance of {n} names");
+        Err(self.fault(place, what, "must have as many scales, rows and columns"))
+    }
+}

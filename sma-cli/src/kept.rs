@@ -1,0 +1,110 @@
+//! What a diagnosis leaves to later commands.
+
+use identify::{Identification, Provenance, RigModel, Rod, SavedModel};
+use missing_physics::{Diagnosis, Setting, Verdict, saved_effects};
+use recording::Recording;
+use wiener::hysteresis::Rule;
+
+/// What was diagnosed, and how.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Diagnosed<'a> {
+    pub(crate) rod: &'a Rod,
+    /// The plain model.
+    pub(crate) plain: &'a RigModel,
+    pub(crate) rule: Rule,
+    pub(crate) setting: &'a Setting,
+    pub(crate) training: &'a [Recording],
+    pub(crate) unseen: &'a [Recording],
+    pub(crate) diagnosis: &'a Diagnosis,
+}
+
+/// The last model of the report, and what to say of it.
+#[derive(Debug)]
+pub(crate) struct Kept {
+    /// `None` if it has hypotheses of one's own.
+    pub(crate) model: Option<SavedModel>,
+    pub(crate) note: String,
+}
+
+impl Kept {
+    pub(crate) fn of(diagnosed: &Diagnosed<'_>, made: Provenance) -> Self {
+        let diagnosis = diagnosed.diagnosis;
+        let (stage, effects) = match &diagnosis.extended {
+            None => (&diagnosis.baseline, None),
+            Some(extended) => match saved_effects(extended, diagnosed.setting) {
+                Ok(effects) => (&extended.stage, Some(effects)),
+                Err(_) => {
+                    let ids: Vec<&str> = extended.effects.iter().map(|one| one.id()).collect();
+                    return Self {
+                        model: None,
+                        note: format!(
+                            "no model is saved: it has {}, and hypotheses of your own have no place in a model \
+                             file yet; leave them out to save the model without them",
+                            ids.join(", ")
+                        ),
+                    };
+                }
+            },
+        };
+        let note = match &effects {
+            None if diagnosis.verdict == Verdict::NotConverged => {
+                "the plain model is saved, NOT CONVERGED".to_owned()
+            }
+            None => "the plain model is saved: no effect was found".to_owned(),
+            Some(effects) => {
+                let findings = diagnosis.findings.iter();
+                let found: Vec<&str> = findings.map(|one| one.effect.id()).collect();
+                note(&effects.ids, &found)
+            }
+        };
+        let model = SavedModel::of(
+            &Identification {
+                rod: diagnosed.rod,
+                model: diagnosed.plain,
+                effects,
+                rule: diagnosed.rule,
+                fit: &stage.fit,
+                training: diagnosed.training,
+                unseen: diagnosed.unseen,
+                validated: &stage.validated,
+            },
+            made,
+        );
+        Self {
+            model: Some(model),
+            note,
+        }
+    }
+}
+
+/// Which effects are saved, and which of them are no findings.
+fn note(ids: &[String], found: &[&str]) -> String {
+    let suspects: Vec<&str> = ids
+        .iter()
+        .map(String::as_str)
+        .filter(|id| !found.contains(id))
+        .collect();
+    let mut note = format!("the model with {} is saved", ids.join(", "));
+    if !suspects.is_empty() {
+        note += &format!("; only suspected: {}", suspects.join(", "));
+    }
+    note
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_only_suspected_is_said() {
+        let ids = ["latent-heat", "radiation"].map(ToOwned::to_owned);
+        assert_eq!(
+            note(&ids, &["radiation", "latent-heat"]),
+            "the model with latent-heat, radiation is saved"
+        );
+        assert_eq!(
+            note(&ids, &["latent-heat"]),
+            "the model with latent-heat, radiation is saved; only suspected: radiation"
+        );
+    }
+}
