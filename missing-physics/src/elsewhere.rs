@@ -1,5 +1,7 @@
 //! A model where it was not fitted: in another recording.
 
+use identify::{ForwardModel, ParameterInfo};
+
 use crate::{Candidate, EffectId, ExtendedModel};
 
 /// Whether the parameters of an effect are those of a recording.
@@ -10,9 +12,20 @@ pub(crate) fn is_drift(effect: Candidate) -> bool {
 /// The point for another recording: of a drift of the surroundings it has the mean, which is as a loop that lies
 /// lower, and of that of the sensor's zero nothing.
 pub(crate) fn without_drifts(model: &ExtendedModel, point: &[f64]) -> Vec<f64> {
+    drifts_dropped(ForwardModel::parameters(model), point, |effect| {
+        model.first_parameter(effect)
+    })
+}
+
+/// The same for any model; `first` is the place of the first parameter of an effect.
+pub(crate) fn drifts_dropped(
+    infos: &[ParameterInfo],
+    point: &[f64],
+    first: impl Fn(EffectId) -> Option<usize>,
+) -> Vec<f64> {
     let mut point = point.to_vec();
     let mut drop = |effect: EffectId| {
-        let first = model.first_parameter(effect)?;
+        let first = first(effect)?;
         let knots = &mut point[first..first + effect.info().parameters.len()];
         // Straight between knots, from 0 at the start.
         let last = knots.last().copied().unwrap_or(0.0);
@@ -22,11 +35,8 @@ pub(crate) fn without_drifts(model: &ExtendedModel, point: &[f64]) -> Vec<f64> {
     };
     drop(EffectId::SensorDrift);
     let warmer_k = drop(EffectId::AmbientDrift).unwrap_or(0.0);
-    let infos = identify::ForwardModel::parameters(model);
-    let center = infos
-        .iter()
-        .position(|info| info.name == "loop_center_degc");
-    if let Some(center) = center {
+    let mut infos = infos.iter();
+    if let Some(center) = infos.position(|info| info.name == "loop_center_degc") {
         point[center] -= warmer_k;
     }
     point

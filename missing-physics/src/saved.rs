@@ -9,6 +9,7 @@ use identify::{
 use recording::{Quantity, Recording};
 use wiener::{Block, Start, lockstep};
 
+use crate::elsewhere::{drifts_dropped, is_drift};
 use crate::{
     EffectId, EffectSet, EffectValues, Extended, ExtendedPlant, ExtendedStage, Member, Need,
     PhysicsError, Setting, setting_of_rod,
@@ -136,7 +137,10 @@ impl<'a> RestoredModel<'a> {
         let ids = ids.collect::<Result<Vec<_>, _>>().map_err(refused)?;
         setting.sub_steps = effects.sub_steps;
         setting.newton_iterations = effects.newton_iterations;
-        let carried = ids.iter().copied().filter(|&effect| !is_drift(effect));
+        let carried = ids
+            .iter()
+            .copied()
+            .filter(|&effect| !is_drift(effect.into()));
         setting.active = carried.collect::<EffectSet>();
         restored.base = Some(base);
         restored.slots = ids
@@ -166,7 +170,7 @@ impl<'a> RestoredModel<'a> {
         let first = self.slots.iter().filter(|(_, index)| *index == 0);
         first
             .map(|&(effect, _)| effect)
-            .filter(|&effect| is_drift(effect))
+            .filter(|&effect| is_drift(effect.into()))
     }
 
     /// The plants of points: what the members have in common.
@@ -196,26 +200,11 @@ impl<'a> RestoredModel<'a> {
         self.parameters.len() - self.slots.len()
     }
 
-    /// As `elsewhere` has it for a model that was just fitted.
     fn without_drifts(&self, point: &[f64]) -> Vec<f64> {
-        let mut point = point.to_vec();
-        let mut drop = |drift: EffectId| {
-            let first = self.slots.iter().position(|&(effect, _)| effect == drift)?;
-            let first = self.n_plain() + first;
-            let knots = &mut point[first..first + drift.info().parameters.len()];
-            // Straight between knots, from 0 at the start.
-            let last = knots.last().copied().unwrap_or(0.0);
-            let mean = (knots.iter().sum::<f64>() - 0.5 * last) / knots.len() as f64;
-            knots.fill(0.0);
-            Some(mean)
-        };
-        drop(EffectId::SensorDrift);
-        let warmer_k = drop(EffectId::AmbientDrift).unwrap_or(0.0);
-        let mut infos = self.parameters.iter();
-        if let Some(center) = infos.position(|info| info.name == "loop_center_degc") {
-            point[center] -= warmer_k;
-        }
-        point
+        drifts_dropped(&self.parameters, point, |drift| {
+            let slot = self.slots.iter().position(|&(effect, _)| effect == drift)?;
+            Some(self.n_plain() + slot)
+        })
     }
 }
 
@@ -240,10 +229,6 @@ impl ForwardModel for RestoredModel<'_> {
             .collect();
         lockstep(&self.fleet, &members, &profile, visit).map_err(refused)
     }
-}
-
-fn is_drift(effect: EffectId) -> bool {
-    matches!(effect, EffectId::AmbientDrift | EffectId::SensorDrift)
 }
 
 fn refused(error: PhysicsError) -> IdentifyError {

@@ -727,3 +727,35 @@ fn one_load_tests_no_coupling_and_the_verdict_is_null() {
     assert_eq!(json["verdict"], Value::Null);
     assert_eq!(json["findings"], serde_json::json!([]));
 }
+
+/// A fan that is not there.
+const FAN: &str = r#"
+[[hypothesis]]
+id = "fan"
+heat_flow_w_per_m = "-k * (T - Ta) * (1 - cos(2 * pi * t / 50))"
+[hypothesis.parameters.k]
+unit = "W/(m K)"
+typical = 0.02
+bounds = [0.0, 0.2]
+"#;
+
+#[test]
+fn a_hypothesis_of_ones_own_competes() {
+    let folder = with_latent_heat();
+    std::fs::write(folder.path().join("own.toml"), FAN).unwrap();
+    let json = json(folder.path(), &["--hypothesis", "own.toml"]);
+    assert_eq!(json["findings"][0]["effect"], "latent-heat");
+    let entries = json["catalogue"].as_array().unwrap();
+    let fan = entries.iter().find(|entry| entry["effect"] == "fan");
+    assert_eq!(fan.unwrap()["verdict"], "excluded");
+}
+
+#[test]
+fn a_hypothesis_that_does_not_vanish_is_refused_with_its_place() {
+    let folder = with_latent_heat();
+    let bad = FAN.replace("-k *", "-0.1 - k *");
+    std::fs::write(folder.path().join("own.toml"), bad).unwrap();
+    let (code, error) = refusal(folder.path(), &["--hypothesis", "own.toml"]);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("own.toml:4:"), "{error}");
+}

@@ -7,8 +7,8 @@ use clap::Args;
 use identify::{FitConfig, FitProgress, RigModel, Rod, WienerModel, predict, static_effects};
 use indicatif::ProgressBar;
 use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Verdict, diagnose,
-    setting_of_rod,
+    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Hypothesis, Setting, Verdict,
+    diagnose, setting_of_rod,
 };
 use recording::Recording;
 
@@ -40,7 +40,15 @@ use crate::terminal::{bar, say};
     Latent heat is missing: the rod takes up 15 ± 2 kJ/kg while transforming, and gives it back on cooling (literature 4-37).\n  \
     Error on the unseen recording 0.92 → 0.33 mm; 87 % (80 % to 92 %) of what could be explained is.\n\
     Then record what next.csv drives, and give it as one more training recording. To see what is said if an effect\n\
-    were not known, leave it out: --without latent-heat\n\n\
+    were not known, leave it out: --without latent-heat. To try an effect that is not known, write it down:\n\n  \
+    [[hypothesis]]\n  \
+    id = \"fan\"\n  \
+    heat_flow_w_per_m = \"-k * (T - Ta) * (1 - cos(2 * pi * t / 50))\"\n  \
+    [hypothesis.parameters.k]\n  \
+    unit = \"W/(m K)\"\n  \
+    typical = 0.02\n  \
+    bounds = [0.0, 0.2]\n\n\
+    Other places: drive, shift_k, displacement. Variables: T Ta xi drive t dir y.\n\n\
     Effects: supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
     end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
@@ -60,6 +68,9 @@ pub(crate) struct DiagnoseArgs {
     /// Effects that are not to be found.
     #[arg(long, num_args = 1.., value_name = "EFFECT", value_parser = EffectId::parse)]
     without: Vec<EffectId>,
+    /// Hypotheses of your own that compete with the known effects, TOML: an expression at a place of the cascade.
+    #[arg(long, value_name = "FILE")]
+    hypothesis: Option<PathBuf>,
     /// Start one more search of the plain model from an earlier one, or from the plain part of one with effects.
     #[arg(long, value_name = "MODEL")]
     from_model: Option<PathBuf>,
@@ -239,6 +250,7 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
     let unused: Vec<&str> = [
         ("--validate", !args.validate.is_empty()),
         ("--without", !args.without.is_empty()),
+        ("--hypothesis", args.hypothesis.is_some()),
         ("--from-model", args.from_model.is_some()),
         ("--save-model", args.save_model.is_some()),
         ("--save-next", args.save_next.is_some()),
@@ -273,6 +285,7 @@ impl DiagnoseArgs {
         std::iter::once(&self.rod)
             .chain(&self.train)
             .chain(&self.validate)
+            .chain(&self.hypothesis)
             .chain(&self.from_model)
             .map(PathBuf::as_path)
             .collect()
@@ -288,8 +301,16 @@ impl DiagnoseArgs {
             .without
             .iter()
             .fold(EffectSet::all(), |all, effect| all.without(*effect));
+        // They serve to the end of the program, as the catalogue does.
+        let hypotheses: &[Hypothesis] = match &self.hypothesis {
+            Some(path) => Hypothesis::read(path)?.leak(),
+            None => &[],
+        };
         Ok(DiagnoseConfig {
-            setting: setting_of_rod(&rig.rod, rig.training[0].output_unit()),
+            setting: Setting {
+                hypotheses,
+                ..setting_of_rod(&rig.rod, rig.training[0].output_unit())
+            },
             catalogue,
             limits: rig.rod.limits,
             baseline: FitConfig {

@@ -190,7 +190,11 @@ impl Diagnosed<'_> {
 
     /// What recordings say of an effect: in a word, and how far.
     fn said(&self, entry: &Entry) -> (&'static str, String) {
-        if self.without.iter().any(|left_out| entry.effect == *left_out) {
+        if self
+            .without
+            .iter()
+            .any(|left_out| entry.effect == *left_out)
+        {
             return ("not tried", "left out by --without".to_owned());
         }
         let size = |size: f64| match entry.unit {

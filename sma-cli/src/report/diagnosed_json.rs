@@ -49,7 +49,10 @@ impl Diagnosed<'_> {
     }
 
     fn entry(&self, entry: &Entry) -> Value {
-        let is_left_out = self.without.iter().any(|left_out| entry.effect == *left_out);
+        let is_left_out = self
+            .without
+            .iter()
+            .any(|left_out| entry.effect == *left_out);
         let verdict = if is_left_out {
             "not_testable"
         } else {
