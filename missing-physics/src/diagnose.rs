@@ -214,7 +214,8 @@ fn located<T>(
     })
 }
 
-/// The run that would tell apart a name that is not sure and what else it could be.
+/// The run that would tell apart a name that is not sure and what else it could be; where nothing accounts for the
+/// mismatch, the models that come nearest.
 fn next(
     search: &Search<'_>,
     judged: &Judged,
@@ -222,20 +223,67 @@ fn next(
 ) -> Result<Option<NextExperiment>, IdentifyError> {
     let unsure = judged.named.iter().filter(|named| !named.others.is_empty());
     let strongest = unsure.max_by(|a, b| a.contribution.total_cmp(&b.contribution));
-    let (Some(named), Some(best)) = (strongest, search.get(judged.effects)) else {
-        return Ok(None);
+    let mut rivals = match strongest {
+        Some(named) => in_its_place(search, judged.effects, named),
+        None if judged.verdict == Verdict::Unexplained => nearest(search),
+        None => Vec::new(),
     };
-    let less = judged.effects.without(named.effect);
-    let others = named.others.iter().filter_map(|&(effect, _)| {
-        let node = search.get(less.with(effect))?;
-        Some(Rival { effect, node })
+    rivals.truncate(RIVALS);
+    match rivals.first() {
+        Some(best) => next_experiment(search.case, &rivals, limits, &best.node.noise),
+        None => Ok(None),
+    }
+}
+
+/// A model with a name, and those with what else it could be.
+fn in_its_place<'a>(
+    search: &'a Search<'_>,
+    effects: CandidateSet,
+    named: &Named,
+) -> Vec<Rival<'a>> {
+    let less = effects.without(named.effect);
+    let others = named.others.iter().map(|(effect, _)| *effect);
+    std::iter::once(named.effect)
+        .chain(others)
+        .filter_map(|effect| {
+            let node = search.get(less.with(effect))?;
+            Some(Rival { effect, node })
+        })
+        .collect()
+}
+
+/// The most credible models with effects, each by one that the most credible does not have.
+fn nearest<'a>(search: &'a Search<'_>) -> Vec<Rival<'a>> {
+    let with_effects = |node: &&Node| node.is_admitted() && !node.effects.is_empty();
+    let mut nodes: Vec<&Node> = search.nodes().filter(with_effects).collect();
+    nodes.sort_by(|a, b| {
+        search
+            .credit(b.effects)
+            .total_cmp(&search.credit(a.effects))
     });
-    let own = Rival {
-        effect: named.effect,
-        node: best,
+    let own = |node: &Node, other: &Node| {
+        let mut own = node.effects.iter();
+        own.find(|&effect| !other.effects.contains(effect))
     };
-    let rivals: Vec<Rival<'_>> = std::iter::once(own).chain(others).take(RIVALS).collect();
-    next_experiment(search.case, &rivals, limits, &best.noise)
+    let Some((best, others)) = nodes.split_first() else {
+        return Vec::new();
+    };
+    let mut rivals: Vec<Rival<'_>> = Vec::new();
+    for &node in others {
+        let (Some(of_best), Some(effect)) = (own(best, node), own(node, best)) else {
+            continue;
+        };
+        if rivals.is_empty() {
+            rivals.push(Rival {
+                effect: of_best,
+                node: best,
+            });
+        }
+        if rivals.iter().all(|rival| rival.effect != effect) {
+            rivals.push(Rival { effect, node });
+        }
+    }
+    rivals
 }
 
 /// Blocks of what was found, with the probabilities of the names: what an effect can do is known better than
