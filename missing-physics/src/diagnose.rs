@@ -28,6 +28,9 @@ use crate::{CandidateSet, EffectBlock, EffectSet, Setting};
 /// Most explanations that a run is sought for.
 const RIVALS: usize = 3;
 
+/// Factor by which a run must part models that are all far off more than the recordings at hand do.
+const FURTHER: f64 = 2.0;
+
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
@@ -225,14 +228,20 @@ fn next(
     let strongest = unsure.max_by(|a, b| a.contribution.total_cmp(&b.contribution));
     let mut rivals = match strongest {
         Some(named) => in_its_place(search, judged.effects, named),
-        None if judged.verdict == Verdict::Unexplained => nearest(search),
+        None if judged.verdict == Verdict::Unexplained => nearest(search, judged.effects),
         None => Vec::new(),
     };
     rivals.truncate(RIVALS);
-    match rivals.first() {
-        Some(best) => next_experiment(search.case, &rivals, limits, &best.node.noise),
-        None => Ok(None),
-    }
+    let Some(best) = rivals.first() else {
+        return Ok(None);
+    };
+    let next = next_experiment(search.case, &rivals, limits, &best.node.noise)?;
+    // Between models that are all far off, a run counts that parts them further than these recordings do.
+    let tells_more = |next: &NextExperiment| {
+        let run = next.run.as_ref();
+        strongest.is_some() || run.is_some_and(|run| run.separation > FURTHER * run.separation_now)
+    };
+    Ok(next.filter(tells_more))
 }
 
 /// A model with a name, and those with what else it could be.
@@ -252,14 +261,15 @@ fn in_its_place<'a>(
         .collect()
 }
 
-/// The most credible models with effects, each by one that the most credible does not have.
-fn nearest<'a>(search: &'a Search<'_>) -> Vec<Rival<'a>> {
+/// The chosen model, or the most credible with effects, and the most credible others, each by an effect that the
+/// first does not have.
+fn nearest<'a>(search: &'a Search<'_>, chosen: CandidateSet) -> Vec<Rival<'a>> {
     let with_effects = |node: &&Node| node.is_admitted() && !node.effects.is_empty();
     let mut nodes: Vec<&Node> = search.nodes().filter(with_effects).collect();
+    let rank = |node: &Node| (node.effects == chosen, search.credit(node.effects));
     nodes.sort_by(|a, b| {
-        search
-            .credit(b.effects)
-            .total_cmp(&search.credit(a.effects))
+        let (a, b) = (rank(a), rank(b));
+        b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
     });
     let own = |node: &Node, other: &Node| {
         let mut own = node.effects.iter();
