@@ -1,0 +1,138 @@
+//! A run, sample by sample.
+
+use crate::integrator::Integrator;
+use crate::random::{Random, Stream};
+use crate::rig::{Rig, Sample};
+use crate::surroundings::Weather;
+use crate::{Hysteresis, Traces, TruthError, TruthPlant};
+
+/// Millimeters of a meter.
+const MM_PER_M: f64 = 1e3;
+/// Steps of a sample at least, where the path between samples is filtered or delayed.
+const STEPS_FOR_ELECTRONICS: f64 = 32.0;
+/// The same where friction must see the path turn.
+const STEPS_FOR_FRICTION: f64 = 8.0;
+
+/// What the plant is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Command<'a> {
+    pub(crate) drive: &'a [f64],
+    pub(crate) dt_s: f64,
+    pub(crate) seed: u64,
+}
+
+impl Command<'_> {
+    /// What the supply is told from when on, within sample `k`: a dead time ends old samples in the midst of it.
+    fn pieces(&self, k: usize, dead_time_s: f64) -> [(f64, f64); 2] {
+        let whole = (dead_time_s / self.dt_s).floor();
+        let rest_s = dead_time_s - whole * self.dt_s;
+        let late = |samples: usize| match k.checked_sub(samples) {
+            Some(index) => self.drive[index],
+            None => 0.0,
+        };
+        let whole = whole as usize;
+        [(0.0, late(whole + 1)), (rest_s, late(whole))]
+    }
+}
+
+pub(crate) fn run<H: Hysteresis>(
+    plant: &TruthPlant,
+    operator: &H,
+    command: &Command<'_>,
+) -> Result<Traces, TruthError> {
+    let (n_samples, dt_s, seed) = (command.drive.len(), command.dt_s, command.seed);
+    let weather = Weather::new(
+        plant.ambient_degc,
+        plant.ambient_drift,
+        plant.draughts,
+        (n_samples, dt_s, seed),
+    );
+    let sample_at = |k: usize| Sample {
+        start_s: k as f64 * dt_s,
+        length_s: dt_s,
+        ambient_degc: [weather.ambient_degc[k], weather.ambient_degc[k + 1]],
+        draught: [weather.draught[k], weather.draught[k + 1]],
+    };
+    let (mut rig, mut state) = Rig::at_rest(plant, operator, sample_at(0))?;
+    let steps = match (plant.output_filter, plant.friction) {
+        (Some(_), _) => STEPS_FOR_ELECTRONICS,
+        (None, Some(_)) => STEPS_FOR_FRICTION,
+        (None, None) => 1.0,
+    };
+    let longest_s = plant.longest_step_s.min(dt_s / steps);
+    let mut integrator = Integrator::new(rig.layout.n_states, plant.tolerance_k, longest_s);
+    let dead_time_s = plant.supply.map_or(0.0, |supply| supply.dead_time_s);
+    let mut traces = Traces::with_capacity(n_samples);
+    for k in 0..n_samples {
+        read(plant, &rig, &state, &weather, (k, dt_s), &mut traces);
+        rig.begin(sample_at(k));
+        let [old, new] = command.pieces(k, dead_time_s);
+        for ((from_s, target), to_s) in [(old, new.0), (new, dt_s)] {
+            if to_s > from_s {
+                rig.command(from_s, target);
+                integrator
+                    .advance(&mut rig, &mut state, (from_s, to_s))
+                    .map_err(|_| TruthError::Diverged { index: k })?;
+            }
+        }
+        rig.end_sample();
+    }
+    traces.ambient_degc = weather.read(plant.ambient_sensor, seed);
+    record(plant, seed, &mut traces);
+    Ok(traces)
+}
+
+/// Reads the channels at the start of a sample, still without noise.
+fn read<H: Hysteresis>(
+    plant: &TruthPlant,
+    rig: &Rig<'_, H>,
+    state: &[f64],
+    weather: &Weather,
+    (k, dt_s): (usize, f64),
+    traces: &mut Traces,
+) {
+    let time_s = k as f64 * dt_s;
+    let mut displacement_m = rig.output_m();
+    if let Some(drift) = plant.sensor_drift {
+        let ambient_rise_k = weather.ambient_degc[k] - weather.ambient_degc[0];
+        displacement_m += drift.offset_m(time_s, ambient_rise_k);
+    }
+    if let Some(hum) = plant.mains_hum {
+        displacement_m += hum.at_m(time_s);
+    }
+    let middle_degc = rig.middle_degc();
+    traces.time_s.push(time_s);
+    traces.quiet_displacement_mm.push(displacement_m * MM_PER_M);
+    traces.temperature_degc.push(middle_degc);
+    traces
+        .thermocouple_degc
+        .push(rig.bead_degc(state).unwrap_or(middle_degc));
+    traces.fraction.push(rig.mean_fraction());
+}
+
+/// Adds noise and the converter's steps.
+fn record(plant: &TruthPlant, seed: u64, traces: &mut Traces) {
+    let mut displacement_m: Vec<f64> = traces
+        .quiet_displacement_mm
+        .iter()
+        .map(|mm| mm / MM_PER_M)
+        .collect();
+    if let Some(noise) = plant.displacement_noise {
+        noise.add(
+            &mut displacement_m,
+            Random::new(seed, Stream::DisplacementNoise),
+        );
+    }
+    if let Some(converter) = plant.converter {
+        for value_m in &mut displacement_m {
+            *value_m = converter.read_m(*value_m);
+        }
+    }
+    traces.displacement_mm = displacement_m.into_iter().map(|m| m * MM_PER_M).collect();
+    if let Some(noise) = plant.temperature_noise {
+        noise.add(
+            &mut traces.thermocouple_degc,
+            Random::new(seed, Stream::TemperatureNoise),
+        );
+    }
+}

@@ -1,0 +1,33 @@
+/// What a run shows, one value a sample, read at its start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Traces {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Recorded displacement, mm: with noise and the converter's steps.
+    pub displacement_mm: Vec<f64>,
+    /// The same before noise and converter, mm: not for who diagnoses.
+    pub quiet_displacement_mm: Vec<f64>,
+    /// Temperature of the middle of the rod, °C: not for who diagnoses.
+    pub temperature_degc: Vec<f64>,
+    /// Recorded temperature, °C: that of the bead, if there is one, with noise.
+    pub thermocouple_degc: Vec<f64>,
+    /// Ambient temperature as recorded, °C.
+    pub ambient_degc: Vec<f64>,
+    /// Transformed fraction, the mean over the length: not for who diagnoses.
+    pub fraction: Vec<f64>,
+}
+
+impl Traces {
+    pub(crate) fn with_capacity(n_samples: usize) -> Self {
+        let empty = || Vec::with_capacity(n_samples);
+        Self {
+            time_s: empty(),
+            displacement_mm: empty(),
+            quiet_displacement_mm: empty(),
+            temperature_degc: empty(),
+            thermocouple_degc: empty(),
+            ambient_degc: empty(),
+            fraction: empty(),
+        }
+    }
+}
