@@ -5,7 +5,7 @@ use identify::{
     WienerModel,
 };
 use recording::Recording;
-use wiener::{Block, lockstep};
+use wiener::Block;
 
 use crate::{Candidate, CandidateSet, EffectValues, Extended, Member, Setting};
 
@@ -151,7 +151,9 @@ impl ForwardModel for ExtendedModel {
                 ..self.setting
             },
         };
-        lockstep(&fleet, &members, &profile, visit)
+        // Compiled once, in the crate of the effects.
+        fleet
+            .run(&members, &profile, visit)
             .map_err(|error| IdentifyError::Model(Box::new(error)))
     }
 }

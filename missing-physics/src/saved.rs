@@ -7,7 +7,7 @@ use identify::{
     SavedModel, Scale, WienerModel,
 };
 use recording::{Quantity, Recording};
-use wiener::{Block, Start, lockstep};
+use wiener::{Block, Start};
 
 use crate::elsewhere::{drifts_dropped, is_drift};
 use crate::{
@@ -227,7 +227,7 @@ impl ForwardModel for RestoredModel<'_> {
             .iter()
             .filter_map(|point| self.member(point, base.start(point, profile.first_ambient_degc())))
             .collect();
-        lockstep(&self.fleet, &members, &profile, visit).map_err(refused)
+        self.fleet.run(&members, &profile, visit).map_err(refused)
     }
 }
 
