@@ -55,7 +55,7 @@ pub(crate) struct Visited {
     /// Whether its search went to its end.
     is_finished: bool,
     /// Its fit from many places, if it was made: the node stands where that ended.
-    pub(crate) fit: Option<Arc<Fit>>,
+    fit: Option<Arc<Fit>>,
 }
 
 impl From<Node> for Visited {
@@ -246,22 +246,12 @@ impl<'a> Search<'a> {
         self.get(effects).map_or(f64::INFINITY, Node::mean_square)
     }
 
-    /// The model of the lowest error.
-    fn nearest(&self) -> &Node {
-        let nodes = self.nodes();
-        nodes.fold(self.baseline(), |nearest, node| {
-            if node.mean_square() < nearest.mean_square() {
-                node
-            } else {
-                nearest
-            }
-        })
-    }
-
     /// Mean square of what the best model leaves, over that of the noise; at least 1.
     fn dispersion(&self) -> f64 {
+        let errors = self.nodes().map(Node::mean_square);
+        let least = errors.fold(f64::INFINITY, f64::min);
         if self.noise > 0.0 {
-            (self.nearest().mean_square() / self.noise).max(1.0)
+            (least / self.noise).max(1.0)
         } else {
             1.0
         }
@@ -279,8 +269,8 @@ impl<'a> Search<'a> {
     /// mismatch that models differ by, and only the size of the residual tells, with as many samples as are
     /// independent in what the baseline leaves.
     fn evidence(&self, node: &Node) -> (f64, f64) {
-        if !self.is_misfit() {
-            let dispersion = self.dispersion();
+        let dispersion = self.dispersion();
+        if dispersion <= MISFIT {
             let n = self.case.layout.len() as f64 / dispersion;
             return (node.noise.nats() / dispersion, n);
         }

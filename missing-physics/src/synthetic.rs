@@ -2,6 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
+use fixtures::wire::{AMBIENT_DEGC, ROD};
 use identify::{Fit, FitConfig, ForwardModel, ParameterVector, Rod, WienerModel, fit};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -13,22 +14,6 @@ use wiener::{Profile, Start, WienerParams};
 use crate::case::Case;
 use crate::{EffectSet, EffectValues, Extended, Member, Setting, setting_of_rod};
 
-const ROD: &str = r#"
-[rod]
-diameter_mm = 0.75
-length_mm = 125.0
-density_kg_per_m3 = 6450.0
-specific_heat_j_per_kg_k = 480.0
-resistance_ohm_per_m = 2.13
-
-[surroundings]
-ambient_degc = 22.0
-
-[load]
-lever = 1.0
-"#;
-
-const AMBIENT_DEGC: f64 = 22.0;
 const CONDUCTANCE_W_PER_M_K: f64 = 0.141;
 
 /// Standard deviation of the noise, mm: 0.2 % of the stroke.

@@ -6,64 +6,35 @@
     reason = "a test fails by panicking wherever it makes its data"
 )]
 
+mod common;
+
 use std::ops::ControlFlow;
 
+use common::{params, played, recording, setting};
+use fixtures::wire::{AMBIENT_DEGC, ROD};
 use identify::{
     Fit, FitConfig, ForwardModel, Identification, LeastSquaresConfig, ParameterVector, Provenance,
     RigModel, Rod, SavedModel, WienerModel, fit, predict, validate_at,
 };
 use missing_physics::{
     Candidate, EffectId, EffectSet, EffectValues, Extended, ExtendedModel, ExtendedStage,
-    Hypothesis, Member, RestoredModel, Setting, Stage, parse_model, saved_effects, setting_of_rod,
+    Hypothesis, RestoredModel, Setting, Stage, parse_model, saved_effects, setting_of_rod,
 };
-use recording::{Recording, RecordingParts};
-use wiener::hysteresis::{LoopParams, Rule};
-use wiener::thermal::RodParams;
-use wiener::{Profile, Start, WienerParams};
+use recording::Recording;
+use wiener::hysteresis::Rule;
+use wiener::{Start, WienerParams};
 
-const ROD: &str = r#"
-[rod]
-diameter_mm = 0.75
-length_mm = 125.0
-density_kg_per_m3 = 6450.0
-specific_heat_j_per_kg_k = 480.0
-resistance_ohm_per_m = 2.13
-
-[surroundings]
-ambient_degc = 22.0
-
-[load]
-lever = 1.0
-"#;
-
-const AMBIENT_DEGC: f64 = 22.0;
 const DT_S: f64 = 0.3;
 
 fn truth() -> WienerParams {
-    let rod = RodParams {
-        diameter_m: 0.75e-3,
-        density_kg_per_m3: 6450.0,
-        specific_heat_j_per_kg_k: 480.0,
-        resistance_ohm_per_m: 2.13,
-        convective_coefficient_w_per_m2_k: 60.0,
-    };
     WienerParams {
-        heat: rod.heat_balance().unwrap(),
-        limiting_loop: LoopParams {
-            loop_center_degc: 55.0,
-            loop_half_width_k: 8.0,
-            loop_spread_k: 3.0,
-            ..LoopParams::default()
-        },
-        zeta: 0.85,
-        gain: 5.0,
         offset: 1.0,
+        ..params()
     }
 }
 
 /// A wire with latent heat and an expansion under some rest and triangles of current, with a wiggle for noise.
-fn recording(name: &str, heights_a: [f64; 3]) -> Recording {
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+fn recorded(name: &str, heights_a: [f64; 3]) -> Recording {
     let mut current_a = vec![0.0; 30];
     for height_a in heights_a {
         let share = |k: i32| 1.0 - (f64::from(k) / 100.0 - 1.0).abs();
@@ -74,39 +45,14 @@ fn recording(name: &str, heights_a: [f64; 3]) -> Recording {
     let fleet = Extended {
         setting: Setting {
             active: EffectSet::of(EffectId::LatentHeat).with(EffectId::ThermalExpansion),
-            ..setting_of_rod(&rod, "mm")
+            ..setting()
         },
     };
-    let mut output = run(&fleet, truth(), effects, &current_a);
+    let mut output = played(&fleet, truth(), effects, &current_a, DT_S);
     for (k, y) in output.iter_mut().enumerate() {
         *y += 0.01 * (2.1 * (k * k % 1009) as f64).sin();
     }
-    Recording::new(RecordingParts {
-        name: name.to_owned(),
-        time_s: Some((0..output.len()).map(|k| DT_S * k as f64).collect()),
-        drive: current_a,
-        output,
-        output_unit: "mm".to_owned(),
-        ..RecordingParts::default()
-    })
-    .unwrap()
-}
-
-fn run(fleet: &Extended, params: WienerParams, effects: EffectValues, drive: &[f64]) -> Vec<f64> {
-    let profile = Profile::uniform(drive, DT_S, AMBIENT_DEGC).unwrap();
-    let start = Start::rest(AMBIENT_DEGC);
-    let member = Member {
-        params,
-        effects,
-        start,
-    };
-    let mut output = Vec::new();
-    fleet
-        .run(&[member], &profile, &mut |block| {
-            output.extend(block.displacement.iter().step_by(block.stride));
-        })
-        .unwrap();
-    output
+    recording(name, current_a, output, DT_S)
 }
 
 /// A model fitted from the truth, where it has such a parameter.
@@ -148,10 +94,10 @@ struct Made {
 fn made(effects: &[EffectId], iterations: usize) -> Made {
     let rod = Rod::parse("rod.toml", ROD).unwrap();
     let training = vec![
-        recording("a.csv", [2.4, 2.0, 2.3]),
-        recording("b.csv", [2.2, 2.4, 1.9]),
+        recorded("a.csv", [2.4, 2.0, 2.3]),
+        recorded("b.csv", [2.2, 2.4, 1.9]),
     ];
-    let unseen = vec![recording("c.csv", [2.3, 1.9, 2.1])];
+    let unseen = vec![recorded("c.csv", [2.3, 1.9, 2.1])];
     let base = WienerModel::new(&rod, Rule::Nested, &training).unwrap();
     let plain = fitted(&base, &training, iterations);
     let active: EffectSet = effects.iter().copied().collect();
@@ -294,7 +240,7 @@ fn drifts_stay_with_their_recordings() {
         },
     };
     let recording = &made.unseen[0];
-    let expected = run(&fleet, member.params, effects, recording.drive());
+    let expected = played(&fleet, member.params, effects, recording.drive(), DT_S);
     let predicted = predict(&restored, &restored.point(), recording).unwrap();
     for (predicted, expected) in predicted.output.iter().zip(expected) {
         assert!((predicted - expected).abs() < 1e-9);

@@ -1,3 +1,4 @@
+use fixtures::wire::{AMBIENT_DEGC, ROD};
 use identify::Rod;
 use missing_physics::{
     EffectId, EffectSet, EffectValues, Extended, Member, Setting, setting_of_rod,
@@ -15,28 +16,6 @@ const DT_S: f64 = 0.1;
 
 /// Stroke, mm.
 const STROKE_MM: f64 = 5.0;
-
-/// Temperature of the surroundings, °C.
-const AMBIENT_DEGC: f64 = 22.0;
-
-/// What is known of the rig: everything but its loop and its time constant.
-const ROD: &str = r#"
-[rod]
-diameter_mm = 0.75
-length_mm = 125.0
-density_kg_per_m3 = 6450.0
-specific_heat_j_per_kg_k = 480.0
-resistance_ohm_per_m = 2.13
-
-[surroundings]
-ambient_degc = 22.0
-
-[load]
-lever = 1.0
-
-[columns]
-output = { name = "displacement_mm", unit = "mm" }
-"#;
 
 /// Color of the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test uses what it needs")]
 
+use fixtures::wire::{AMBIENT_DEGC, ROD};
 use identify::{Rod, WienerModel};
 use missing_physics::{
     DiagnoseConfig, Diagnosis, EffectValues, Extended, Hypothesis, Member, Setting, diagnose,
@@ -14,23 +15,6 @@ use recording::{Recording, RecordingParts};
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
 use wiener::{Profile, Start, WienerParams};
-
-const ROD: &str = r#"
-[rod]
-diameter_mm = 0.75
-length_mm = 125.0
-density_kg_per_m3 = 6450.0
-specific_heat_j_per_kg_k = 480.0
-resistance_ohm_per_m = 2.13
-[surroundings]
-ambient_degc = 22.0
-[load]
-lever = 1.0
-[columns]
-output = { name = "displacement_mm", unit = "mm" }
-"#;
-
-const AMBIENT_DEGC: f64 = 22.0;
 
 const DT_S: f64 = 0.2;
 
@@ -58,8 +42,8 @@ pub(crate) fn setting() -> Setting {
     setting_of_rod(&Rod::parse("rod.toml", ROD).unwrap(), "mm")
 }
 
-/// Output of the wire with effects, mm, without noise.
-pub(crate) fn output_mm(setting: Setting, effects: EffectValues) -> Vec<f64> {
+/// The plain model of the wire.
+pub(crate) fn params() -> WienerParams {
     let rod = RodParams {
         diameter_m: 0.75e-3,
         density_kg_per_m3: 6450.0,
@@ -67,31 +51,59 @@ pub(crate) fn output_mm(setting: Setting, effects: EffectValues) -> Vec<f64> {
         resistance_ohm_per_m: 2.13,
         convective_coefficient_w_per_m2_k: 60.0,
     };
-    let member = Member {
-        params: WienerParams {
-            heat: rod.heat_balance().unwrap(),
-            limiting_loop: LoopParams {
-                loop_center_degc: 55.0,
-                loop_half_width_k: 8.0,
-                loop_spread_k: 3.0,
-                ..LoopParams::default()
-            },
-            zeta: 0.85,
-            gain: 5.0,
-            offset: 0.0,
+    WienerParams {
+        heat: rod.heat_balance().unwrap(),
+        limiting_loop: LoopParams {
+            loop_center_degc: 55.0,
+            loop_half_width_k: 8.0,
+            loop_spread_k: 3.0,
+            ..LoopParams::default()
         },
+        zeta: 0.85,
+        gain: 5.0,
+        offset: 0.0,
+    }
+}
+
+/// Output of a plant that starts at rest, mm, without noise.
+pub(crate) fn played(
+    fleet: &Extended,
+    params: WienerParams,
+    effects: EffectValues,
+    current_a: &[f64],
+    dt_s: f64,
+) -> Vec<f64> {
+    let member = Member {
+        params,
         effects,
         start: Start::rest(AMBIENT_DEGC),
     };
-    let current_a = current_a();
-    let profile = Profile::uniform(&current_a, DT_S, AMBIENT_DEGC).unwrap();
+    let profile = Profile::uniform(current_a, dt_s, AMBIENT_DEGC).unwrap();
     let mut output = Vec::new();
-    Extended { setting }
+    fleet
         .run(&[member], &profile, &mut |block| {
             output.extend(block.displacement.iter().step_by(block.stride));
         })
         .unwrap();
     output
+}
+
+/// What was played and what came of it, as a recording.
+pub(crate) fn recording(name: &str, current_a: Vec<f64>, output: Vec<f64>, dt_s: f64) -> Recording {
+    Recording::new(RecordingParts {
+        name: name.to_owned(),
+        time_s: Some((0..output.len()).map(|k| dt_s * k as f64).collect()),
+        drive: current_a,
+        output,
+        output_unit: "mm".to_owned(),
+        ..RecordingParts::default()
+    })
+    .unwrap()
+}
+
+/// Output of the wire with effects under its drive, mm, without noise.
+pub(crate) fn output_mm(setting: Setting, effects: EffectValues) -> Vec<f64> {
+    played(&Extended { setting }, params(), effects, &current_a(), DT_S)
 }
 
 /// An output with white noise.
@@ -107,14 +119,7 @@ pub(crate) fn noisy(output: Vec<f64>) -> Vec<f64> {
 /// Diagnosis of an output, with hypotheses beside the catalogue.
 pub(crate) fn diagnosed(output: Vec<f64>, hypotheses: &'static [Hypothesis]) -> Diagnosis {
     let rod = Rod::parse("rod.toml", ROD).unwrap();
-    let recording = Recording::new(RecordingParts {
-        time_s: Some((0..output.len()).map(|k| DT_S * k as f64).collect()),
-        drive: current_a(),
-        output,
-        output_unit: "mm".to_owned(),
-        ..RecordingParts::default()
-    });
-    let training = [recording.unwrap()];
+    let training = [recording("made-up.csv", current_a(), output, DT_S)];
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: Setting {
