@@ -188,9 +188,10 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let best = search.get(judged.effects).unwrap_or(plain);
     let floor = noise.floor(search.case, best);
     let gained = plain.mean_square() - best.mean_square();
-    if judged.named.is_empty() || !noise.forbids(floor.class, gained) {
+    if !noise.forbids(floor.class, gained) {
         return (judged, floor);
     }
+    // In such noise tests cry wolf: only the size of the error tells.
     let verdict = without_effects(search, noise, 1.0);
     (judged.demoted(verdict), floor)
 }

@@ -18,7 +18,7 @@ const ALL_NOISE: f64 = 1.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Measured {
     /// Variance that gates count with: of holds and repeated cycles the smaller one, which is harder on us, or
-    /// the white part where there are neither.
+    /// the white part where there are neither; with the rounding of coarse steps.
     pub(crate) gate: f64,
     /// Standard deviation that there is at least.
     pub(crate) lower: f64,
@@ -67,8 +67,14 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
         of_holds.max(floor.repeats.map_or(0.0, |repeats| repeats.samples as f64))
     };
     let n: f64 = floors.iter().map(|(_, floor)| independent(floor)).sum();
+    let least = least.unwrap_or(lower).max(0.0);
     Measured {
-        gate: least.unwrap_or(lower).max(rounding.unwrap_or(0.0)).max(0.0),
+        gate: match rounding {
+            // What stands still or repeats is rounded to the same step: that hides part of the rounding.
+            Some(rounding) if 12.0 * rounding > COARSE * COARSE * least => least + rounding,
+            Some(rounding) => least.max(rounding),
+            None => least,
+        },
         lower: lower.sqrt(),
         upper: pooled(&NoiseFloor::upper).map(f64::sqrt),
         rounding: rounding.map(f64::sqrt),
@@ -84,14 +90,13 @@ impl Measured {
     }
 
     /// Whether noise of a class forbids names for what lowers the mean square of the residual by `gained`: what
-    /// grows toward low frequencies bends like physics, and rounding is a function of the output. Repeated cycles
-    /// tell such noise all the same.
+    /// grows toward low frequencies bends like physics, and is told by repeated cycles alone; rounding is a function
+    /// of the output, the same in every cycle.
     pub(crate) fn forbids(&self, class: NoiseClass, gained: f64) -> bool {
-        let is_unknown = !self.has_repeats;
         match class {
             NoiseClass::White | NoiseClass::Colored => false,
-            NoiseClass::OneOverF => is_unknown,
-            NoiseClass::Quantized => is_unknown && gained < self.rounding.unwrap_or(0.0).powi(2),
+            NoiseClass::OneOverF => !self.has_repeats,
+            NoiseClass::Quantized => gained < self.rounding.unwrap_or(0.0).powi(2),
         }
     }
 

@@ -9,8 +9,6 @@ use crate::{
 
 /// Lanes of a full chunk: four vectors of eight, as in [`wiener::lockstep`].
 const WIDE: usize = 32;
-/// Lanes of a chunk between.
-const MEDIUM: usize = 24;
 /// Lanes of a small chunk: one vector of eight.
 const NARROW: usize = 8;
 
@@ -137,9 +135,8 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> Task<'_, F> {
         let chunks: Vec<_> = cases
             .par_chunks(share)
             .map(|chunk| match chunk.len() {
-                1 => self.chunk::<1>(chunk),
+                // Two widths: a plant with many effects takes the compiler long.
                 n if n <= NARROW => self.chunk::<NARROW>(chunk),
-                n if n <= MEDIUM => self.chunk::<MEDIUM>(chunk),
                 _ => self.chunk::<WIDE>(chunk),
             })
             .collect();

@@ -24,6 +24,7 @@ use commands::diagnose::DiagnoseArgs;
 use commands::identify::IdentifyArgs;
 use commands::inspect::InspectArgs;
 use commands::simulate::SimulateArgs;
+use commands::trial::TrialArgs;
 use commands::tune::TuneArgs;
 
 /// Identify the model of a shape-memory-alloy actuator from recordings of drive and displacement, tune a
@@ -42,6 +43,7 @@ enum Command {
     Simulate(SimulateArgs),
     Tune(TuneArgs),
     Diagnose(DiagnoseArgs),
+    Trial(TrialArgs),
 }
 
 fn main() -> ExitCode {
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Simulate(args) => commands::simulate::run(args),
         Command::Tune(args) => commands::tune::run(args),
         Command::Diagnose(args) => commands::diagnose::run(args),
+        Command::Trial(args) => commands::trial::run(args),
     };
     outcome::report(&result)
 }

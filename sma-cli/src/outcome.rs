@@ -4,6 +4,7 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use blind_trial::TrialError;
 use identify::IdentifyError;
 use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
@@ -31,11 +32,17 @@ pub(crate) fn report(result: &anyhow::Result<Outcome>) -> ExitCode {
     if let Err(error) = result
         && !is_closed_pipe(error)
     {
-        let chain: Vec<String> = error.chain().map(ToString::to_string).collect();
         // Nobody is left to tell if stderr is closed too.
-        let _ = writeln!(io::stderr(), "sma: {}", chain.join(": "));
+        let _ = writeln!(io::stderr(), "sma: {}", with_sources(error.as_ref()));
     }
     ExitCode::from(code(result))
+}
+
+/// An error and what is behind it.
+pub(crate) fn with_sources(error: &dyn Error) -> String {
+    let chain = std::iter::successors(Some(error), |&error| error.source());
+    let texts: Vec<String> = chain.map(ToString::to_string).collect();
+    texts.join(": ")
 }
 
 /// Exit codes; clap itself ends with 2 for a call that is no call of this program.
@@ -63,6 +70,7 @@ fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
         || error.is::<TuneError>()
         || error.is::<TaskError<PhysicsError>>()
         || error.is::<PhysicsError>()
+        || error.is::<TrialError>()
         || error.is::<WienerError>()
 }
 

@@ -11,7 +11,6 @@ use sha2::{Digest, Sha256};
 
 /// The call of this program and the hashes of its inputs.
 pub(crate) fn provenance(seed: u64, inputs: &[&Path]) -> anyhow::Result<Provenance> {
-    let arguments = std::env::args().skip(1).map(|argument| quoted(&argument));
     let input = inputs
         .iter()
         .map(|path| {
@@ -25,13 +24,19 @@ pub(crate) fn provenance(seed: u64, inputs: &[&Path]) -> anyhow::Result<Provenan
         .collect::<anyhow::Result<_>>()?;
     Ok(Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        command: std::iter::once("sma".to_owned())
-            .chain(arguments)
-            .collect::<Vec<_>>()
-            .join(" "),
+        command: call(),
         seed,
         input,
     })
+}
+
+/// The call of this program.
+pub(crate) fn call() -> String {
+    let arguments = std::env::args().skip(1).map(|argument| quoted(&argument));
+    std::iter::once("sma".to_owned())
+        .chain(arguments)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// An argument as a shell would take it.

@@ -424,7 +424,6 @@ fn asymmetry_moves_the_limiting_curves_by_the_formula() {
     let mut drive = sweep(&up_and_down(250.0));
     drive.push(0.0);
     let shown = trace(&active, &quick(shape), &values, &drive, 1.0);
-    let amplitude_k = 0.4 * (PI * shape.loop_spread_k / 2.0).min(shape.loop_half_width_k);
     let mut compared = 0;
     for (k, (&p, &degc)) in shown
         .fraction
@@ -434,14 +433,15 @@ fn asymmetry_moves_the_limiting_curves_by_the_formula() {
     {
         // On the limiting curves only: far from where each sweep began.
         let side = match k {
-            0..=401 if degc > 57.0 => 1.0,
-            402.. if degc < 213.0 => -1.0,
+            0..=401 if degc > 70.0 => 1.0,
+            402.. if degc < 200.0 => -1.0,
             _ => continue,
         };
-        let symmetric_degc = shape.loop_center_degc
-            + side * shape.loop_half_width_k
-            + shape.loop_spread_k * (PI * (p - 0.5)).tan();
-        let expected_degc = symmetric_degc - side * amplitude_k * (2.0 * p - 1.0);
+        let from_branch_k = shape.loop_spread_k * (PI * (p - 0.5)).tan();
+        let bent = 0.4 * from_branch_k / (0.6 * shape.loop_half_width_k);
+        let wider_k = 0.4 * from_branch_k / (1.0 + bent * bent).sqrt();
+        let expected_degc = shape.loop_center_degc + side * shape.loop_half_width_k + from_branch_k
+            - side * wider_k;
         assert_abs_diff_eq!(degc, expected_degc, epsilon = 1e-6);
         compared += 1;
     }
@@ -452,6 +452,7 @@ fn asymmetry_moves_the_limiting_curves_by_the_formula() {
 fn fatigue_shifts_the_loop_by_the_logarithm_of_the_cycles() {
     let mut values = EffectValues::default();
     values.functional_fatigue.fatigue_k = 3.0;
+    values.functional_fatigue.fatigue_stroke_loss = 0.05;
     let setting = Setting {
         cycles_before: 0.5,
         ..setting(EffectSet::of(EffectId::FunctionalFatigue))
@@ -464,9 +465,12 @@ fn fatigue_shifts_the_loop_by_the_logarithm_of_the_cycles() {
         if k > 0 {
             cycles += 0.5 * (shown.fraction[k] - shown.fraction[k - 1]).abs();
         }
-        let shift_k = 3.0 * ((1.0 + cycles) / 1.5_f64).ln();
-        let [expected] = operator.commit(&mut memory, [shown.temperature_degc[k] - shift_k]);
+        let log = ((1.0 + cycles) / 1.5_f64).ln();
+        let [expected] = operator.commit(&mut memory, [shown.temperature_degc[k] - 3.0 * log]);
         assert_abs_diff_eq!(shown.fraction[k], expected, epsilon = 1e-10);
+        let of = params();
+        let stroke = of.gain * (expected * (1.0 - 0.05 * log)) + of.offset;
+        assert_abs_diff_eq!(shown.displacement[k], stroke, epsilon = 1e-9);
     }
     assert!(cycles > 2.0);
 }

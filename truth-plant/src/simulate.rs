@@ -105,7 +105,7 @@ fn read<H: Hysteresis>(
     traces.quiet_displacement_mm.push(displacement_m * MM_PER_M);
     traces.temperature_degc.push(middle_degc);
     traces
-        .thermocouple_degc
+        .quiet_thermocouple_degc
         .push(rig.bead_degc(state).unwrap_or(middle_degc));
     traces.fraction.push(rig.mean_fraction());
 }
@@ -129,6 +129,7 @@ fn record(plant: &TruthPlant, seed: u64, traces: &mut Traces) {
         }
     }
     traces.displacement_mm = displacement_m.into_iter().map(|m| m * MM_PER_M).collect();
+    traces.thermocouple_degc = traces.quiet_thermocouple_degc.clone();
     if let Some(noise) = plant.temperature_noise {
         noise.add(
             &mut traces.thermocouple_degc,

@@ -11,6 +11,8 @@ pub struct Traces {
     pub temperature_degc: Vec<f64>,
     /// Recorded temperature, °C: that of the bead, if there is one, with noise.
     pub thermocouple_degc: Vec<f64>,
+    /// The same before noise, °C: not for who diagnoses.
+    pub quiet_thermocouple_degc: Vec<f64>,
     /// Ambient temperature as recorded, °C.
     pub ambient_degc: Vec<f64>,
     /// Transformed fraction, the mean over the length: not for who diagnoses.
@@ -26,6 +28,7 @@ impl Traces {
             quiet_displacement_mm: empty(),
             temperature_degc: empty(),
             thermocouple_degc: empty(),
+            quiet_thermocouple_degc: empty(),
             ambient_degc: empty(),
             fraction: empty(),
         }

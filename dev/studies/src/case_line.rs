@@ -1,10 +1,28 @@
 //! A line of a file of results.
 
+use std::fmt;
+
+use blind_trial::Line;
 use identify::Validated;
 use missing_physics::{Candidate, Diagnosis, EffectId, Finding, Role, Stage};
 use serde::{Deserialize, Serialize};
 
 use crate::{Made, Study};
+
+/// A case of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CaseId {
+    /// The study.
+    pub study: Study,
+    /// Number of the case.
+    pub case: u64,
+}
+
+impl fmt::Display for CaseId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, case {}", self.study.id(), self.case)
+    }
+}
 
 /// What came out of a case; no times, so that equal seeds give equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -173,6 +191,15 @@ impl Named {
     /// Whether it is, or could also be, one of these.
     pub(crate) fn meets(&self, effects: &[String]) -> bool {
         effects.contains(&self.effect) || self.could_also_be.iter().any(|one| effects.contains(one))
+    }
+}
+
+impl Line for CaseLine {
+    type Key = CaseId;
+
+    fn key(&self) -> CaseId {
+        let Self { study, case, .. } = *self;
+        CaseId { study, case }
     }
 }
 

@@ -1,7 +1,6 @@
-use std::io;
-use std::path::PathBuf;
-
 use identify::IdentifyError;
+
+use crate::CaseId;
 
 /// What stops a study.
 #[derive(Debug, thiserror::Error)]
@@ -16,86 +15,40 @@ pub enum StudyError {
         known: String,
     },
     /// A case could not be diagnosed.
-    #[error("{study}, case {case}")]
+    #[error("{case}")]
     Case {
-        /// Name of the study.
-        study: &'static str,
-        /// Number of the case.
-        case: u64,
+        /// Which case.
+        case: CaseId,
         /// Why.
         #[source]
         source: Box<IdentifyError>,
     },
     /// A case came to a fault of the program; what the fault is has been printed.
-    #[error("{study}, case {case}: a fault of the program, printed above")]
+    #[error("{case}: a fault of the program, printed above")]
     Panicked {
-        /// Name of the study.
-        study: &'static str,
-        /// Number of the case.
-        case: u64,
-    },
-    /// The file of results cannot be read or written.
-    #[error("{}", path.display())]
-    File {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        #[source]
-        source: io::Error,
-    },
-    /// Another run writes the same file.
-    #[error("{}: another run is writing it", path.display())]
-    InUse {
-        /// Which.
-        path: PathBuf,
-    },
-    /// A whole line of the file is not one of ours.
-    #[error("{}:{line}: not a result", path.display())]
-    Line {
-        /// Which file.
-        path: PathBuf,
-        /// Which line, from 1.
-        line: usize,
-        /// Why.
-        #[source]
-        source: serde_json::Error,
-    },
-    /// A line is there twice.
-    #[error("{}:{line}: {study}, case {case}, is there twice", path.display())]
-    Twice {
-        /// Which file.
-        path: PathBuf,
-        /// Which line, from 1.
-        line: usize,
-        /// Name of the study.
-        study: &'static str,
-        /// Number of the case.
-        case: u64,
+        /// Which case.
+        case: CaseId,
     },
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Study;
 
     #[test]
-    fn errors_name_the_case_or_the_file() {
-        let study = "single";
-        let source = Box::new(IdentifyError::NoRecordings);
-        let case = StudyError::Case {
-            study,
+    fn errors_name_the_case() {
+        let case = CaseId {
+            study: Study::Single,
             case: 3,
-            source,
         };
-        assert_eq!(case.to_string(), "single, case 3");
-        let text = StudyError::Panicked { study, case: 3 }.to_string();
+        let source = Box::new(IdentifyError::NoRecordings);
+        let text = StudyError::Case { case, source }.to_string();
+        assert_eq!(text, "single, case 3");
+        let text = StudyError::Panicked { case }.to_string();
         assert_eq!(
             text,
             "single, case 3: a fault of the program, printed above"
         );
-        let source = io::Error::from(io::ErrorKind::NotFound);
-        let path = PathBuf::from("single.jsonl");
-        let file = StudyError::File { path, source };
-        assert_eq!(file.to_string(), "single.jsonl");
     }
 }

@@ -7,22 +7,21 @@ use wiener::hysteresis::Rule;
 
 use crate::case_line::ids;
 use crate::study::sizes;
-use crate::{CaseLine, Made, MadeUp, Outcome, Step, Study, StudyError, Truth, made_up};
+use crate::{CaseId, CaseLine, Made, MadeUp, Outcome, Step, Study, StudyError, Truth, made_up};
 
 /// Makes up the rig of a case and diagnoses it.
 ///
 /// # Errors
 ///
 /// [`StudyError::Case`] with what the diagnosis refuses.
-pub fn run_case(study: Study, case: u64) -> Result<CaseLine, StudyError> {
-    line(study, case).map_err(|source| StudyError::Case {
-        study: study.id(),
+pub fn run_case(case: CaseId) -> Result<CaseLine, StudyError> {
+    line(case).map_err(|source| StudyError::Case {
         case,
         source: Box::new(source),
     })
 }
 
-fn line(study: Study, case: u64) -> Result<CaseLine, IdentifyError> {
+fn line(CaseId { study, case }: CaseId) -> Result<CaseLine, IdentifyError> {
     let made = study.made(case);
     let concealed = study.concealed(case);
     let rig = made_up(&made);

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::{CaseLine, Outcome, Proportion, Study};
+use blind_trial::Proportion;
+
+use crate::{CaseLine, Outcome, Study};
 
 /// Score from which on an effect counts as visible, standard deviations.
 const VISIBLE_T: f64 = 5.0;

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use blind_trial::in_order;
 use missing_physics::EffectId;
-use studies::{CaseLine, Study, StudyError, in_order, run_case};
+use studies::{CaseId, CaseLine, Study, StudyError, run_case};
 
 /// Effects that are concealed, one a rig, at their typical size.
 const CONCEALED: [EffectId; 8] = [
@@ -17,12 +18,12 @@ const CONCEALED: [EffectId; 8] = [
     EffectId::ReturnPointMemory,
 ];
 
-fn ran(cases: &[(Study, u64)]) -> Result<Vec<CaseLine>, StudyError> {
+fn ran(cases: &[CaseId]) -> Result<Vec<CaseLine>, StudyError> {
     let mut lines = Vec::new();
     in_order(
         cases,
         2,
-        |&(study, case)| run_case(study, case),
+        |&case| run_case(case),
         |line| {
             lines.push(line);
             ControlFlow::Continue(())
@@ -31,12 +32,16 @@ fn ran(cases: &[(Study, u64)]) -> Result<Vec<CaseLine>, StudyError> {
     lines.into_iter().collect()
 }
 
+fn of(study: Study, case: u64) -> CaseId {
+    CaseId { study, case }
+}
+
 #[test]
 fn clean_recordings_have_no_finding_and_single_effects_are_found() {
-    let white = (0..8).map(|case| (Study::CleanWhite, case));
-    let colored = (0..4).map(|case| (Study::CleanAr1, case));
+    let white = (0..8).map(|case| of(Study::CleanWhite, case));
+    let colored = (0..4).map(|case| of(Study::CleanAr1, case));
     // The first round of cases has every effect once, in the catalogue's order.
-    let single = CONCEALED.map(|effect| (Study::Single, effect as u64));
+    let single = CONCEALED.map(|effect| of(Study::Single, effect as u64));
     // The long ones first: two threads then end together.
     let cases: Vec<_> = single.into_iter().chain(colored).chain(white).collect();
     let lines = ran(&cases).unwrap();

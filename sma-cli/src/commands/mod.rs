@@ -6,6 +6,7 @@ pub(crate) mod diagnose;
 pub(crate) mod identify;
 pub(crate) mod inspect;
 pub(crate) mod simulate;
+pub(crate) mod trial;
 pub(crate) mod tune;
 
 /// Runs a command on so many threads, 0 for all; its result does not depend on them.

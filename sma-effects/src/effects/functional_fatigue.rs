@@ -1,20 +1,25 @@
 use crate::EffectValues;
-use crate::effect::{Base, Before, Effect, Shift, Trial, ZoneStart, without_memory_of_the_rod};
+use crate::effect::{
+    Base, Before, Effect, Shift, Standing, Trial, ZoneStart, without_memory_of_the_rod,
+};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::loop_scale::LoopScale;
 
 parameters! {
-    /// The loop drifts with the transformations that the rod has gone through.
+    /// The loop drifts with the transformations that the rod has gone through, and the stroke with it.
     ///
     /// ```text
-    /// ξ = loop(T - ΔT),   ΔT = a ln((1 + n)/(1 + n_0)),   n = n_0 + ½ ∫|dp|
+    /// ξ = loop(T - a s),   u → u (1 - b s),   s = ln((1 + n)/(1 + n_0)),   n = n_0 + ½ ∫|dp|
     /// ```
     ///
     /// n counts full cycles, partial ones by their path; n_0 is the setting's `cycles_before`. Nothing
-    /// drifts at rest, which tells it from ambient drift. Left out: a loss of stroke.
+    /// drifts at rest, which tells it from ambient drift.
     FunctionalFatigue {
-        /// Shift of the loop per natural logarithm of the cycle count a, K; -5 to 5.
-        fatigue_k: EffectParameter::size("K", 1.0, [-5.0, 5.0])
+        /// Shift of the loop per natural logarithm of the cycle count a, K; -8 to 8.
+        fatigue_k: EffectParameter::size("K", 1.0, [-8.0, 8.0])
             .unchecked([1.0, 4.0], "10 to 20 K over 100 to 10,000 cycles"),
+        /// Loss of stroke b, share of it per natural logarithm of the cycle count; -0.2 to 0.2.
+        fatigue_stroke_loss: EffectParameter::size("1", 0.01, [-0.2, 0.2]),
     }
 }
 
@@ -26,12 +31,14 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
-    sentence: "the loop shifts by {value} for each factor of 2.7 in the number of cycles",
+    sentence: "the loop and its stroke drift with the number of cycles, by {value} for each factor of 2.7",
 };
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
     per_log_k: [f64; L],
+    loss_per_log: [f64; L],
+    scale: LoopScale<L>,
     cycles_before: f64,
 }
 
@@ -63,10 +70,13 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const STANDS_IN_ZONE: bool = true;
     type Zone = Path<L>;
     const IMPLICIT: bool = true;
+    const SHOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {
             per_log_k: values.map(|lane| lane.functional_fatigue.fatigue_k),
+            loss_per_log: values.map(|lane| lane.functional_fatigue.fatigue_stroke_loss),
+            scale: LoopScale::new(base.params),
             cycles_before: base.setting.cycles_before,
         }
     }
@@ -97,6 +107,14 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             let added = 0.5 * (to.transformed[l] - from.transformed[l]).abs();
             zone.log[l] += log_step(added / zone.cycles[l]);
             zone.cycles[l] += added;
+        }
+    }
+
+    #[inline(always)]
+    fn stroke(&self, zone: &Path<L>, at: &Standing<L>, fraction: &mut [f64; L]) {
+        for l in 0..L {
+            let lost = self.loss_per_log[l] * zone.log[l];
+            fraction[l] -= lost * (self.scale.span[l] * at.transformed[l]);
         }
     }
 }

@@ -1,5 +1,3 @@
-use core::f64::consts::FRAC_PI_2;
-
 use crate::EffectValues;
 use crate::effect::{Base, Before, Effect, Shift, Trial, ZoneStart, without_memory_of_the_rod};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
@@ -9,19 +7,19 @@ parameters! {
     /// The transformation takes a wider range of temperatures on cooling than on heating.
     ///
     /// ```text
-    /// ξ = loop(T - ΔT),   ΔT = A c (2p - 1),   A = a min(π h_0/2, T_c)
-    /// c = (v - θ)/T_c,   v = play of half width T_c on θ = T - ΔT
+    /// ξ = loop(T - ΔT),   ΔT = a c g,   c = w (3 - w²)/2,   w = (v - θ)/T_c
+    /// g = x/√(1 + (a x/(0.6 T_c))²),   x = v - T_r
     /// ```
     ///
-    /// c is -1 on the heating curve and +1 on the cooling curve, and moves between them without a step after
-    /// a reversal. Around the middle of the loop the spread is h_0 (1 - a) on heating and h_0 (1 + a) on
-    /// cooling, where h_0 is not above 2 T_c/π. The factor of a keeps dT/dθ > 0, so every branch stays
-    /// continuous and monotone. Not so together with a `loop-shape` that makes the loop steeper: it may fold, and
-    /// the end of a sample is then one of several, with what
+    /// v is the play of half width T_c on θ = T - ΔT: the place in the middle between the branches. c is -1 on the
+    /// heating curve and +1 on the cooling curve, and moves smoothly between them after a reversal. The spread is
+    /// h_0 (1 - a) on heating and h_0 (1 + a) on cooling; far outside of the loop, from T_c/|a|, the branches run
+    /// parallel. So dT/dθ > 0, and every branch is continuous and monotone. Not so together with a
+    /// `loop-shape` that makes the loop steeper: it may fold, and the end of a sample is then one of several, with what
     /// [`ExtendedState::residual_k`](crate::ExtendedState::residual_k) tells.
     LoopAsymmetry {
-        /// Relative difference of the spreads a; -0.9 to 0.9.
-        loop_asymmetry: EffectParameter::size("1", 0.2, [-0.9, 0.9]),
+        /// Relative difference of the spreads a; -0.6 to 0.6.
+        loop_asymmetry: EffectParameter::size("1", 0.2, [-0.6, 0.6]),
     }
 }
 
@@ -36,19 +34,16 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     sentence: "the transformation is spread {value} wider on cooling, and as much narrower on heating, than assumed",
 };
 
+/// How far the shift may go, share of T_c: below 2/3, or branches would fold.
+const REACH: f64 = 0.6;
+
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
-    /// A/T_c.
-    shift_per_k: [f64; L],
+    asymmetry: [f64; L],
+    /// (a/(0.6 T_c))².
+    bend_per_k2: [f64; L],
+    center_degc: [f64; L],
     half_width_k: [f64; L],
-}
-
-impl<const L: usize> Lanes<L> {
-    /// c T_c.
-    #[inline(always)]
-    fn place_k(&self, lane: usize, before: f64, driving_degc: f64) -> f64 {
-        play(before, driving_degc, self.half_width_k[lane]) - driving_degc
-    }
 }
 
 impl<const L: usize> Effect<L> for Lanes<L> {
@@ -58,15 +53,15 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const IMPLICIT: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
-        let mut shift_per_k = [0.0; L];
-        for l in 0..L {
-            let of_loop = &base.params[l].limiting_loop;
-            let spread = FRAC_PI_2 * of_loop.loop_spread_k / of_loop.loop_half_width_k;
-            shift_per_k[l] = values[l].loop_asymmetry.loop_asymmetry * spread.min(1.0);
-        }
+        let half_width_k = base.params.map(|lane| lane.limiting_loop.loop_half_width_k);
+        let asymmetry = values.map(|lane| lane.loop_asymmetry.loop_asymmetry);
+        let bend_per_k: [f64; L] =
+            core::array::from_fn(|l| asymmetry[l] / (REACH * half_width_k[l]));
         Self {
-            shift_per_k,
-            half_width_k: base.params.map(|lane| lane.limiting_loop.loop_half_width_k),
+            asymmetry,
+            bend_per_k2: bend_per_k.map(|bend| bend * bend),
+            center_degc: base.params.map(|lane| lane.limiting_loop.loop_center_degc),
+            half_width_k,
         }
     }
 
@@ -79,14 +74,20 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     #[inline(always)]
     fn shift(&self, zone: &[f64; L], _: &Before<L>, to: &Trial<L>, shift: &mut Shift<L>) {
         for l in 0..L {
-            let place_k = self.place_k(l, zone[l], to.driving_degc[l]);
-            // Inside the play the driven side rests.
-            let moves = place_k.abs() < self.half_width_k[l];
-            let place_per_k = if moves { -1.0 } else { 0.0 };
-            let side = 2.0 * to.transformed[l] - 1.0;
-            shift.kelvin[l] += self.shift_per_k[l] * (place_k * side);
-            shift.per_k[l] +=
-                self.shift_per_k[l] * (place_per_k * side + place_k * (2.0 * to.slope_per_k[l]));
+            let middle_degc = play(zone[l], to.driving_degc[l], self.half_width_k[l]);
+            let w = (middle_degc - to.driving_degc[l]) / self.half_width_k[l];
+            let x = middle_degc - self.center_degc[l];
+            let root = 1.0 / (1.0 + self.bend_per_k2[l] * (x * x)).sqrt();
+            let g = x * root;
+            let c = 0.5 * w * (3.0 - w * w);
+            // Inside the play the driven side rests; on a branch the place does.
+            let per_k = if w.abs() < 1.0 {
+                -1.5 * (1.0 - w * w) * g / self.half_width_k[l]
+            } else {
+                c * (root * root * root)
+            };
+            shift.kelvin[l] += self.asymmetry[l] * (c * g);
+            shift.per_k[l] += self.asymmetry[l] * per_k;
         }
     }
 

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
 
-use studies::{CaseLine, Results, Study, StudyError, in_order, run_case, summary};
+use blind_trial::{Journal, TrialError, in_order};
+use studies::{CaseId, CaseLine, Study, StudyError, run_case, summary};
 
 /// Where results go unless told otherwise, from the workspace's root.
 const RESULTS: &str = "dev/studies/results";
@@ -80,25 +81,23 @@ fn cases(text: &str) -> Result<Range<u64>, String> {
 }
 
 /// Runs what is not in the file yet, prints the summary, and returns how many cases failed.
-fn run(job: &Job) -> Result<usize, StudyError> {
+fn run(job: &Job) -> Result<usize, TrialError> {
     make_folder(&job.out)?;
-    let mut results = Results::open(&job.out)?;
-    let missing: Vec<u64> = job
-        .cases
-        .clone()
-        .filter(|&case| !results.contains(job.study, case))
-        .collect();
+    let mut journal = Journal::open(&job.out)?;
+    let study = job.study;
+    let cases = job.cases.clone().map(|case| CaseId { study, case });
+    let missing: Vec<CaseId> = cases.filter(|&case| !journal.contains(case)).collect();
     let n_threads = available_parallelism().map_or(1, NonZero::get);
     let (mut n_failed, mut broken) = (0, None);
     in_order(
         &missing,
         n_threads,
-        |&case| sound(job.study, case),
+        |&case| sound(case),
         |done| {
             let appended = match done {
                 Ok(line) => {
                     say(&progress(&line));
-                    results.append(line)
+                    journal.append(line)
                 }
                 Err(error) => {
                     n_failed += 1;
@@ -118,33 +117,30 @@ fn run(job: &Job) -> Result<usize, StudyError> {
     if let Some(error) = broken {
         return Err(error);
     }
-    let results = results.sorted()?;
-    let lines: Vec<&CaseLine> = results.of(job.study).collect();
+    let journal = journal.sorted()?;
+    let lines: Vec<&CaseLine> = journal.lines().filter(|line| line.study == study).collect();
     // A closed pipe is not a fault of the study.
-    let _ = io::stdout().write_all(summary(job.study, &lines).as_bytes());
+    let _ = io::stdout().write_all(summary(study, &lines).as_bytes());
     Ok(n_failed)
 }
 
 /// Makes the folder of the results, and none above it: that would hide that this is not the workspace's root.
-fn make_folder(out: &Path) -> Result<(), StudyError> {
+fn make_folder(out: &Path) -> Result<(), TrialError> {
     let Some(folder) = out.parent().filter(|folder| folder.starts_with(RESULTS)) else {
         return Ok(());
     };
     match fs::create_dir(folder) {
         Err(source) if source.kind() != ErrorKind::AlreadyExists => {
             let path = folder.to_owned();
-            Err(StudyError::File { path, source })
+            Err(TrialError::File { path, source })
         }
         _ => Ok(()),
     }
 }
 
 /// A fault of the program in one case leaves the others alone.
-fn sound(study: Study, case: u64) -> Result<CaseLine, StudyError> {
-    catch_unwind(|| run_case(study, case)).unwrap_or(Err(StudyError::Panicked {
-        study: study.id(),
-        case,
-    }))
+fn sound(case: CaseId) -> Result<CaseLine, StudyError> {
+    catch_unwind(|| run_case(case)).unwrap_or(Err(StudyError::Panicked { case }))
 }
 
 fn progress(line: &CaseLine) -> String {

@@ -1,31 +1,44 @@
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::{CaseLine, Study, StudyError};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::TrialError;
+
+/// A line of a [`Journal`].
+pub trait Line: Serialize + DeserializeOwned {
+    /// What tells one line from another, and their order.
+    type Key: Ord + Copy + Display;
+
+    /// That of this line.
+    fn key(&self) -> Self::Key;
+}
 
 /// A file of results: a JSON object a line, a line a case.
 ///
 /// What is in it when it is opened stays; a last line without its end, from a run that was cut off, does not.
 #[derive(Debug)]
-pub struct Results {
+pub struct Journal<L: Line> {
     path: PathBuf,
     file: File,
     /// With their text: to read a number and write it again may move its last digit.
-    lines: BTreeMap<(Study, u64), (CaseLine, String)>,
+    lines: BTreeMap<L::Key, (L, String)>,
     /// Whether the lines of the file stand in their order.
     is_sorted: bool,
 }
 
-impl Results {
+impl<L: Line> Journal<L> {
     /// Opens a file, or makes it.
     ///
     /// # Errors
     ///
-    /// [`StudyError::File`], [`StudyError::InUse`], [`StudyError::Line`], [`StudyError::Twice`].
-    pub fn open(path: &Path) -> Result<Self, StudyError> {
-        let failed = |source| failed(path, source);
+    /// [`TrialError::File`], [`TrialError::InUse`], [`TrialError::Line`], [`TrialError::Twice`].
+    pub fn open(path: &Path) -> Result<Self, TrialError> {
+        let failed = |source| TrialError::file(path, source);
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
@@ -34,7 +47,7 @@ impl Results {
             .open(path)
             .map_err(failed)?;
         file.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => StudyError::InUse {
+            TryLockError::WouldBlock => TrialError::InUse {
                 path: path.to_owned(),
             },
             TryLockError::Error(source) => failed(source),
@@ -44,39 +57,38 @@ impl Results {
         let whole = text.rfind('\n').map_or(0, |end| end + 1);
         file.set_len(whole as u64).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
-        let mut results = Self {
+        let mut journal = Self {
             path: path.to_owned(),
             file,
             lines: BTreeMap::new(),
             is_sorted: true,
         };
         for (index, line) in text[..whole].lines().enumerate() {
-            results.keep(index, line)?;
+            journal.keep(index, line)?;
         }
-        Ok(results)
+        Ok(journal)
     }
 
-    fn keep(&mut self, index: usize, text: &str) -> Result<(), StudyError> {
-        let line: CaseLine = serde_json::from_str(text).map_err(|source| StudyError::Line {
+    fn keep(&mut self, index: usize, text: &str) -> Result<(), TrialError> {
+        let line: L = serde_json::from_str(text).map_err(|source| TrialError::Line {
             path: self.path.clone(),
             line: index + 1,
             source,
         })?;
-        let (study, case) = (line.study, line.case);
+        let key = line.key();
         if self.insert(line, format!("{text}\n")) {
             return Ok(());
         }
-        Err(StudyError::Twice {
+        Err(TrialError::Twice {
             path: self.path.clone(),
             line: index + 1,
-            study: study.id(),
-            case,
+            key: key.to_string(),
         })
     }
 
     /// Whether the line is new.
-    fn insert(&mut self, line: CaseLine, text: String) -> bool {
-        let key = (line.study, line.case);
+    fn insert(&mut self, line: L, text: String) -> bool {
+        let key = line.key();
         self.is_sorted &= self
             .lines
             .last_key_value()
@@ -86,95 +98,95 @@ impl Results {
 
     /// Whether a case is in it.
     #[must_use]
-    pub fn contains(&self, study: Study, case: u64) -> bool {
-        self.lines.contains_key(&(study, case))
+    pub fn contains(&self, key: L::Key) -> bool {
+        self.lines.contains_key(&key)
     }
 
-    /// The cases of a study, by number.
-    pub fn of(&self, study: Study) -> impl Iterator<Item = &CaseLine> {
-        self.lines
-            .range((study, 0)..=(study, u64::MAX))
-            .map(|(_, (line, _))| line)
+    /// Its lines in their order.
+    pub fn lines(&self) -> impl Iterator<Item = &L> {
+        self.lines.values().map(|(line, _)| line)
     }
 
     /// Adds a line at the end, and sees it to the disk's cache before it returns.
     ///
     /// # Errors
     ///
-    /// [`StudyError::File`].
-    pub fn append(&mut self, line: CaseLine) -> Result<(), StudyError> {
+    /// [`TrialError::File`].
+    pub fn append(&mut self, line: L) -> Result<(), TrialError> {
         let text = serde_json::to_string(&line).map_err(io::Error::from);
-        let text = text.map_err(|source| failed(&self.path, source))? + "\n";
+        let text = text.map_err(|source| TrialError::file(&self.path, source))? + "\n";
         self.file
             .write_all(text.as_bytes())
             .and_then(|()| self.file.flush())
-            .map_err(|source| failed(&self.path, source))?;
+            .map_err(|source| TrialError::file(&self.path, source))?;
         self.insert(line, text);
         Ok(())
     }
 
-    /// Brings the lines into the order of studies and cases, in whatever order they were run.
+    /// Takes in the lines of another that it does not have.
     ///
     /// # Errors
     ///
-    /// [`StudyError::File`].
-    pub fn sorted(self) -> Result<Self, StudyError> {
+    /// [`TrialError::File`].
+    pub fn merge(&mut self, other: Self) -> Result<(), TrialError> {
+        for (line, _) in other.lines.into_values() {
+            if !self.contains(line.key()) {
+                self.append(line)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings the lines into their order, in whatever order they were run.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::File`].
+    pub fn sorted(self) -> Result<Self, TrialError> {
         if self.is_sorted {
             return Ok(self);
         }
-        let failed = |source| failed(&self.path, source);
         let texts = self.lines.values().map(|(_, text)| text.as_str());
         let whole: String = texts.collect();
         let beside = self.path.with_extension("jsonl.new");
         fs::write(&beside, whole)
             .and_then(|()| fs::rename(&beside, &self.path))
-            .map_err(failed)?;
+            .map_err(|source| TrialError::file(&self.path, source))?;
         Self::open(&self.path)
-    }
-}
-
-fn failed(path: &Path, source: io::Error) -> StudyError {
-    StudyError::File {
-        path: path.to_owned(),
-        source,
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::{Errors, Outcome};
+    use serde::Deserialize;
 
-    fn line(case: u64) -> CaseLine {
-        CaseLine {
-            study: Study::CleanWhite,
-            case,
-            seed: 7,
-            truth: None,
-            diagnosis: Outcome {
-                verdict: "adequate".to_owned(),
-                t: None,
-                findings: Vec::new(),
-                suspects: Vec::new(),
-                baseline: Errors {
-                    train: 1.0 / 3.0,
-                    unseen: Some(1.1),
-                },
-                extended: None,
-                explained: None,
-                interval: None,
-                simulations: 12_345,
-            },
-            steps: Vec::new(),
+    use super::*;
+
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    struct Number {
+        case: u64,
+        value: f64,
+    }
+
+    impl Line for Number {
+        type Key = u64;
+
+        fn key(&self) -> u64 {
+            self.case
         }
     }
 
+    fn line(case: u64) -> Number {
+        let value = 1.0 / 3.0;
+        Number { case, value }
+    }
+
     fn written(path: &Path, cases: &[u64]) -> String {
-        let mut results = Results::open(path).unwrap();
+        let mut journal = Journal::open(path).unwrap();
         for &case in cases {
-            results.append(line(case)).unwrap();
+            journal.append(line(case)).unwrap();
         }
-        results.sorted().unwrap();
+        journal.sorted().unwrap();
         fs::read_to_string(path).unwrap()
     }
 
@@ -184,11 +196,11 @@ mod tests {
         let path = folder.path().join("cut.jsonl");
         let whole = written(&path, &[0, 1, 2]);
         fs::write(&path, &whole[..whole.len() - 9]).unwrap();
-        let results = Results::open(&path).unwrap();
-        assert!(results.contains(Study::CleanWhite, 1));
-        assert!(!results.contains(Study::CleanWhite, 2));
-        assert!(results.of(Study::CleanWhite).eq(&[line(0), line(1)]));
-        drop(results);
+        let journal: Journal<Number> = Journal::open(&path).unwrap();
+        assert!(journal.contains(1));
+        assert!(!journal.contains(2));
+        assert!(journal.lines().eq(&[line(0), line(1)]));
+        drop(journal);
         assert_eq!(written(&path, &[2]), whole);
     }
 
@@ -202,25 +214,39 @@ mod tests {
     }
 
     #[test]
+    fn shards_merge_into_the_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let whole = written(&folder.path().join("whole.jsonl"), &[0, 1, 2]);
+        let [one, other] = ["one.jsonl", "other.jsonl"].map(|name| folder.path().join(name));
+        written(&one, &[0, 2]);
+        written(&other, &[1, 2]);
+        let mut journal: Journal<Number> = Journal::open(&one).unwrap();
+        journal.merge(Journal::open(&other).unwrap()).unwrap();
+        journal.sorted().unwrap();
+        assert_eq!(fs::read_to_string(&one).unwrap(), whole);
+    }
+
+    #[test]
     fn a_whole_line_that_is_none_of_ours_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bad.jsonl");
         let whole = written(&path, &[0]);
-        fs::write(&path, format!("{whole}{{}}\n")).unwrap();
-        let text = Results::open(&path).unwrap_err().to_string();
+        let opened = |text: &str| {
+            fs::write(&path, text).unwrap();
+            Journal::<Number>::open(&path).unwrap_err().to_string()
+        };
+        let text = opened(&format!("{whole}{{}}\n"));
         assert!(text.ends_with("bad.jsonl:2: not a result"), "{text}");
-        fs::write(&path, format!("{whole}{whole}")).unwrap();
-        let text = Results::open(&path).unwrap_err().to_string();
-        let end = "bad.jsonl:2: clean-white, case 0, is there twice";
-        assert!(text.ends_with(end), "{text}");
+        let text = opened(&format!("{whole}{whole}"));
+        assert!(text.ends_with("bad.jsonl:2: 0 is there twice"), "{text}");
     }
 
     #[test]
     fn two_runs_do_not_write_one_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("both.jsonl");
-        let _first = Results::open(&path).unwrap();
-        let text = Results::open(&path).unwrap_err().to_string();
+        let _first: Journal<Number> = Journal::open(&path).unwrap();
+        let text = Journal::<Number>::open(&path).unwrap_err().to_string();
         assert!(
             text.ends_with("both.jsonl: another run is writing it"),
             "{text}"

@@ -1,0 +1,136 @@
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use truth_plant::{Addition, TruthPlant};
+
+/// What is sealed: the answer of a case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Answer {
+    /// What was concealed; empty in a clean case.
+    pub concealed: Vec<Concealed>,
+    /// Family of the loop.
+    pub hysteresis: String,
+    /// Kind of the noise.
+    pub noise: String,
+}
+
+/// A concealed piece of physics.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Concealed {
+    /// Its name in the truth plant.
+    pub addition: String,
+    /// Its name in the catalogue; `None` if it stands in none.
+    pub effect: Option<String>,
+    /// Size over the usual one.
+    pub size: f64,
+    /// The parameter that means the same in truth and catalogue, where there is one.
+    pub parameter: Option<True>,
+}
+
+/// The true value of a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct True {
+    /// Its name in the catalogue.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+}
+
+impl Concealed {
+    /// An addition of a plant that has it.
+    pub(crate) fn of(addition: Addition, size: f64, plant: &TruthPlant) -> Self {
+        let parameter = parameter(addition, plant).map(|(name, value)| True {
+            name: name.to_owned(),
+            value,
+        });
+        Self {
+            addition: kebab(&format!("{addition:?}")),
+            effect: addition.catalogue_id().map(str::to_owned),
+            size,
+            parameter,
+        }
+    }
+}
+
+/// What means the same in the truth and in the catalogue.
+fn parameter(addition: Addition, plant: &TruthPlant) -> Option<(&'static str, f64)> {
+    Some(match addition {
+        Addition::SupplyLag => ("supply_lag_s", plant.supply?.time_constant_s),
+        Addition::SupplyDeadTime => ("dead_time_s", plant.supply?.dead_time_s),
+        Addition::OutputDelay => ("dead_time_s", plant.output_filter?.dead_time_s),
+        Addition::OutputFilter => ("output_lag_s", plant.output_filter?.time_constant_s),
+        Addition::LatentHeat => ("latent_heat_j_per_kg", plant.latent_heat?.enthalpy_j_per_kg),
+        Addition::Radiation => ("emissivity", plant.radiation?.emissivity),
+        Addition::Thermocouple => {
+            let bead = plant.thermocouple?;
+            let conductance = 1.0 / bead.contact_k_per_w + bead.loss_w_per_k;
+            (
+                "thermocouple_lag_s",
+                bead.heat_capacity_j_per_k / conductance,
+            )
+        }
+        Addition::StressCoupling => {
+            let spring = plant.bias_spring?;
+            let yields = spring.stiffness_n_per_m / plant.rod.stiffness_n_per_m();
+            let swing_n = spring.stiffness_n_per_m * plant.stroke_m / (1.0 + yields);
+            let rise_n_per_k =
+                plant.rod.section_m2() * plant.stress_coupling?.clausius_clapeyron_pa_per_k;
+            ("stress_shift_k", swing_n / rise_n_per_k)
+        }
+        _ => return None,
+    })
+}
+
+fn kebab(name: &str) -> String {
+    let mut text = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !text.is_empty() {
+            text.push('-');
+        }
+        text.extend(letter.to_lowercase());
+    }
+    text
+}
+
+/// A seal: SHA-256 of salt and answer, in hexadecimal. Published before the diagnosis; with the salt it shows later
+/// that the answer is the one that was sealed.
+#[must_use]
+pub fn seal(salt: &str, answer: &Answer) -> String {
+    // An answer holds no map with keys that are no text, and no number that is none.
+    let text = serde_json::to_string(answer).unwrap_or_default();
+    hex(&Sha256::digest(format!("{salt}\n{text}").as_bytes()))
+}
+
+/// Bytes in hexadecimal.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answer(size: f64) -> Answer {
+        let plant = TruthPlant::default();
+        Answer {
+            concealed: vec![Concealed::of(Addition::LatentHeat, size, &plant)],
+            hysteresis: "l2p".to_owned(),
+            noise: "white".to_owned(),
+        }
+    }
+
+    #[test]
+    fn another_answer_or_another_salt_has_another_seal() {
+        assert_eq!(seal("salt", &answer(1.0)), seal("salt", &answer(1.0)));
+        assert_ne!(seal("salt", &answer(1.0)), seal("salt", &answer(0.5)));
+        assert_ne!(seal("salt", &answer(1.0)), seal("pepper", &answer(1.0)));
+    }
+
+    #[test]
+    fn additions_have_readable_names() {
+        assert_eq!(answer(1.0).concealed[0].addition, "latent-heat");
+        assert_eq!(kebab("ConvectionDip"), "convection-dip");
+    }
+}

@@ -1,0 +1,83 @@
+use serde::{Deserialize, Serialize};
+
+use crate::answer::{Answer, seal};
+use crate::{CaseId, Competitors, Line, Oracle, TrialError, Verdict};
+
+/// What came out of a case; no times, so that equal seeds give equal bytes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseLine {
+    /// Which case.
+    pub case: CaseId,
+    /// SHA-256 of the files that were diagnosed.
+    pub files: String,
+    /// Seal of the answer, published before.
+    pub seal: String,
+    /// Effects that the diagnosis had to do without.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub struck: Vec<String>,
+    /// What the diagnosis says.
+    pub verdict: Verdict,
+    /// What others say of the same files, where they were asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub competitors: Option<Competitors>,
+    /// What was behind the seal, and what there was to be seen.
+    pub opened: Revealed,
+}
+
+/// What is known of a case after its seal was opened.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Revealed {
+    /// Salt of the seal.
+    pub salt: String,
+    /// The answer.
+    pub answer: Answer,
+    /// Standard deviation of the output's noise, mm.
+    pub noise_mm: f64,
+    /// Whether the sizes of effects are in their true units: heat capacity and resistance are known.
+    pub has_scale: bool,
+    /// What each of the concealed effects left to be seen; empty where none has a name.
+    pub oracles: Vec<Oracle>,
+    /// Effects that this recording cannot tell from each of them.
+    pub aliases: Vec<Vec<String>>,
+    /// What the catalogue of the diagnosis says of each of them.
+    pub said: Vec<Option<String>>,
+    /// Of a single effect: share of the squares of what it leaves in the spans that are blamed, and share of the
+    /// time that these take.
+    pub spans: Option<[f64; 2]>,
+    /// What became of an ambiguous set.
+    pub next: Option<Next>,
+}
+
+/// What one more run made of an ambiguous set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Next {
+    /// Whether the truth was named, and alone, with the run that was recommended.
+    pub recommended: bool,
+    /// The same with a run of that length drawn from the drives of the trial.
+    pub random: bool,
+}
+
+impl Line for CaseLine {
+    type Key = CaseId;
+
+    fn key(&self) -> CaseId {
+        self.case
+    }
+}
+
+impl CaseLine {
+    /// Checks that the answer is the one that was sealed.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::BrokenSeal`].
+    pub fn check_seal(&self) -> Result<(), TrialError> {
+        if seal(&self.opened.salt, &self.opened.answer) == self.seal {
+            return Ok(());
+        }
+        Err(TrialError::BrokenSeal { case: self.case })
+    }
+}

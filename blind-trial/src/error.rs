@@ -1,0 +1,125 @@
+use std::io;
+use std::path::PathBuf;
+
+use identify::IdentifyError;
+use recording::RecordingError;
+use truth_plant::TruthError;
+
+use crate::CaseId;
+
+/// What stops a trial, or a case of it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrialError {
+    /// No family of that name.
+    #[error("no family {id:?}; there are: {known}")]
+    UnknownFamily {
+        /// What was asked for.
+        id: String,
+        /// What there is.
+        known: String,
+    },
+    /// The truth could not be simulated.
+    #[error("{case}: the true plant")]
+    Truth {
+        /// Which case.
+        case: CaseId,
+        /// Why.
+        #[source]
+        source: TruthError,
+    },
+    /// The files of a case could not be read.
+    #[error("{case}: the files of the case")]
+    Files {
+        /// Which case.
+        case: CaseId,
+        /// Why.
+        #[source]
+        source: Box<RecordingError>,
+    },
+    /// A case could not be diagnosed.
+    #[error("{case}: the diagnosis")]
+    Diagnosis {
+        /// Which case.
+        case: CaseId,
+        /// Why.
+        #[source]
+        source: Box<IdentifyError>,
+    },
+    /// A case came to a fault of the program; what the fault is has been printed.
+    #[error("{case}: a fault of the program, printed above")]
+    Panicked {
+        /// Which case.
+        case: CaseId,
+    },
+    /// A file cannot be read or written.
+    #[error("{}", path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: io::Error,
+    },
+    /// Another run writes the same file.
+    #[error("{}: another run is writing it", path.display())]
+    InUse {
+        /// Which.
+        path: PathBuf,
+    },
+    /// A whole line of a file is not one of ours.
+    #[error("{}:{line}: not a result", path.display())]
+    Line {
+        /// Which file.
+        path: PathBuf,
+        /// Which line, from 1.
+        line: usize,
+        /// Why.
+        #[source]
+        source: serde_json::Error,
+    },
+    /// A line is there twice.
+    #[error("{}:{line}: {key} is there twice", path.display())]
+    Twice {
+        /// Which file.
+        path: PathBuf,
+        /// Which line, from 1.
+        line: usize,
+        /// What it is of.
+        key: String,
+    },
+    /// A folder holds results of another trial.
+    #[error("{}: holds a trial with {what} {found}, and this one has {expected}; take another folder", path.display())]
+    OtherTrial {
+        /// The folder's file.
+        path: PathBuf,
+        /// What differs.
+        what: &'static str,
+        /// What it has.
+        found: String,
+        /// What was asked for.
+        expected: String,
+    },
+    /// An answer is not the one that was sealed.
+    #[error("{case}: the answer is not the one that was sealed")]
+    BrokenSeal {
+        /// Which case.
+        case: CaseId,
+    },
+}
+
+impl TrialError {
+    pub(crate) fn file(path: &std::path::Path, source: io::Error) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    pub(crate) fn diagnosis(case: CaseId) -> impl Fn(IdentifyError) -> Self {
+        move |source| Self::Diagnosis {
+            case,
+            source: Box::new(source),
+        }
+    }
+}

@@ -1,0 +1,251 @@
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use truth_plant::Addition;
+
+use crate::TrialError;
+
+/// What the cases of a family have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// Nothing concealed, white noise.
+    CleanWhite,
+    /// Nothing concealed, autoregressive noise.
+    CleanAr,
+    /// Nothing concealed, 1/f noise.
+    CleanOneOverF,
+    /// Nothing concealed, steps of the converter coarser than the noise.
+    CleanQuantized,
+    /// Nothing concealed, outliers.
+    CleanOutliers,
+    /// One effect of the catalogue at half its usual size, at that, at twice that; white or autoregressive noise.
+    Single,
+    /// The same with 1/f noise, coarse steps or outliers.
+    HardNoise,
+    /// Two effects of the catalogue.
+    Pair,
+    /// One effect, and a loop that is not of the plain model's family.
+    OtherLoop,
+    /// Such a loop alone.
+    OtherLoopClean,
+    /// One effect that no catalogue has.
+    Outside,
+    /// One effect, struck from the catalogue with its aliases.
+    Deleted,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 12] = [
+        Self::CleanWhite,
+        Self::CleanAr,
+        Self::CleanOneOverF,
+        Self::CleanQuantized,
+        Self::CleanOutliers,
+        Self::Single,
+        Self::HardNoise,
+        Self::Pair,
+        Self::OtherLoop,
+        Self::OtherLoopClean,
+        Self::Outside,
+        Self::Deleted,
+    ];
+
+    /// Its name in files and flags.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::CleanWhite => "clean-white",
+            Self::CleanAr => "clean-ar",
+            Self::CleanOneOverF => "clean-one-over-f",
+            Self::CleanQuantized => "clean-quantized",
+            Self::CleanOutliers => "clean-outliers",
+            Self::Single => "single",
+            Self::HardNoise => "hard-noise",
+            Self::Pair => "pair",
+            Self::OtherLoop => "other-loop",
+            Self::OtherLoopClean => "other-loop-clean",
+            Self::Outside => "outside",
+            Self::Deleted => "deleted",
+        }
+    }
+
+    /// The family of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::UnknownFamily`] with all names.
+    pub fn parse(id: &str) -> Result<Self, TrialError> {
+        let mut all = Self::ALL.into_iter();
+        all.find(|family| family.id() == id)
+            .ok_or_else(|| TrialError::UnknownFamily {
+                id: id.to_owned(),
+                known: Self::ALL.map(Self::id).join(" "),
+            })
+    }
+
+    /// Number of cases of a published table.
+    #[must_use]
+    pub fn published(self) -> u64 {
+        match self {
+            Self::CleanWhite
+            | Self::CleanAr
+            | Self::CleanOneOverF
+            | Self::CleanQuantized
+            | Self::CleanOutliers => 300,
+            Self::Single => 4 * 3 * N_NAMED,
+            Self::HardNoise => 3 * N_NAMED,
+            Self::Pair => 80,
+            Self::OtherLoop => 3 * N_NAMED,
+            Self::OtherLoopClean => 60,
+            Self::Outside => 10 * OUTSIDE.len() as u64,
+            Self::Deleted => 4 * N_NAMED,
+        }
+    }
+
+    /// Whether nothing is concealed and the loop is that of the plain model.
+    #[must_use]
+    pub fn is_clean(self) -> bool {
+        matches!(
+            self,
+            Self::CleanWhite
+                | Self::CleanAr
+                | Self::CleanOneOverF
+                | Self::CleanQuantized
+                | Self::CleanOutliers
+        )
+    }
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
+    }
+}
+
+/// Additions that a catalogue knows.
+const N_NAMED: u64 = 21;
+
+/// What no catalogue has. A source's impedance is not among them: it shows through a resistance that changes with the
+/// phase, which has a name.
+pub(crate) const OUTSIDE: [Addition; 6] = [
+    Addition::Draughts,
+    Addition::MountSlip,
+    Addition::MainsHum,
+    Addition::SecondRod,
+    Addition::SpringChange,
+    Addition::ConvectionDip,
+];
+
+/// What a catalogue knows.
+pub(crate) fn named() -> Vec<Addition> {
+    let known = |addition: &Addition| addition.catalogue_id().is_some();
+    Addition::ALL.into_iter().filter(known).collect()
+}
+
+/// One case of a trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct CaseId {
+    /// Its family.
+    pub family: Family,
+    /// Its number in the family, from 0.
+    pub number: u64,
+}
+
+impl fmt::Display for CaseId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{:04}", self.family, self.number)
+    }
+}
+
+/// How many cases of each family a trial has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plan {
+    cases: Vec<CaseId>,
+}
+
+impl Plan {
+    /// The cases of a published table, of some families; of all, if none is given.
+    #[must_use]
+    pub fn published(families: &[Family]) -> Self {
+        Self::with(families, Family::published)
+    }
+
+    /// About so many cases in all, in the proportions of the published table, at least one a family.
+    #[must_use]
+    pub fn of_about(n_cases: u64, families: &[Family]) -> Self {
+        let all: u64 = chosen(families).map(Family::published).sum();
+        Self::with(families, |family| {
+            ((family.published() * n_cases + all / 2) / all).clamp(1, family.published())
+        })
+    }
+
+    fn with(families: &[Family], count: impl Fn(Family) -> u64) -> Self {
+        let cases = chosen(families)
+            .flat_map(|family| (0..count(family)).map(move |number| CaseId { family, number }));
+        Self {
+            cases: cases.collect(),
+        }
+    }
+
+    /// Every n-th of its cases, from the i-th; `i` from 0, below `n`.
+    #[must_use]
+    pub fn shard(mut self, i: usize, n: usize) -> Self {
+        self.cases = self.cases.into_iter().skip(i).step_by(n.max(1)).collect();
+        self
+    }
+
+    /// Its cases in their order.
+    #[must_use]
+    pub fn cases(&self) -> &[CaseId] {
+        &self.cases
+    }
+}
+
+/// The families that are given, in their order; all, if none is.
+fn chosen(families: &[Family]) -> impl Iterator<Item = Family> {
+    Family::ALL
+        .into_iter()
+        .filter(move |family| families.is_empty() || families.contains(family))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_the_files() {
+        for family in Family::ALL {
+            assert_eq!(Family::parse(family.id()).unwrap(), family);
+            let json = serde_json::to_string(&family).unwrap();
+            assert_eq!(json, format!("{:?}", family.id()));
+        }
+        let text = Family::parse("clean").unwrap_err().to_string();
+        assert!(text.starts_with("no family \"clean\"; there are: clean-white "));
+    }
+
+    #[test]
+    fn the_published_table_has_enough_cases() {
+        assert_eq!(named().len() as u64, N_NAMED);
+        let n = |clean: bool| -> u64 {
+            let all = Family::ALL.into_iter();
+            all.filter(|family| family.is_clean() == clean)
+                .map(Family::published)
+                .sum()
+        };
+        assert_eq!(n(true), 1500);
+        assert!(n(false) >= 600, "{}", n(false));
+    }
+
+    #[test]
+    fn shards_make_up_the_whole() {
+        let whole = Plan::of_about(60, &[]);
+        assert!((50..75).contains(&whole.cases().len()));
+        let mut shards: Vec<CaseId> = (0..3)
+            .flat_map(|i| whole.clone().shard(i, 3).cases)
+            .collect();
+        shards.sort();
+        assert_eq!(shards, whole.cases());
+    }
+}

@@ -1,0 +1,207 @@
+//! What there was to be seen: of one who knows the plant without the effect, and the noise.
+
+use identify::{
+    Fit, ForwardModel, IdentifyError, ParameterVector, RefineConfig, WienerModel, predict, refine,
+};
+use recording::{Recording, RecordingParts};
+use serde::{Deserialize, Serialize};
+use truth_plant::{NoiseKind, Traces, TruthPlant};
+
+/// Correlation times of the 1/f noise of the truth: octaves from 1 sample.
+const OCTAVES: u32 = 14;
+
+/// Samples that a prediction of the noise looks back.
+const MEMORY: usize = 64;
+
+/// How much of a concealed effect there was to be seen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Oracle {
+    /// Root mean square of what it changes in the output, mm.
+    pub raw_mm: f64,
+    /// The same of what the plain model, refitted, cannot follow, mm.
+    pub left_mm: f64,
+    /// Score of one who knows its trace and the noise, standard deviations.
+    ///
+    /// ```text
+    /// t² = Δ' Σ⁻¹ Δ,   Δ = (y₁ - f(θ₁)) - (y₀ - f(θ₀))        with and without it, each with the plain model's best
+    /// ```
+    pub t: f64,
+}
+
+/// What an effect leaves in the training recording after the plain model has been refitted, sample by sample.
+#[derive(Debug, Clone)]
+pub(crate) struct Left {
+    pub(crate) oracle: Oracle,
+    /// Δ of the output, mm.
+    pub(crate) output_mm: Vec<f64>,
+}
+
+/// How the plain model sees the training recording.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Eye<'a> {
+    pub(crate) base: &'a WienerModel,
+    /// Where it ended on the noisy recording: a start near both ends that are sought.
+    pub(crate) fit: &'a Fit,
+    pub(crate) training: &'a Recording,
+    /// The true rig: its noise counts.
+    pub(crate) truth: &'a TruthPlant,
+}
+
+impl Eye<'_> {
+    /// What one effect leaves, from quiet traces with and without it.
+    pub(crate) fn left(&self, with: &Traces, without: &Traces) -> Result<Left, IdentifyError> {
+        let [with_rest, without_rest] = [self.rest(with)?, self.rest(without)?];
+        let apart =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+        let raw = apart(&with.quiet_displacement_mm, &without.quiet_displacement_mm);
+        let output_mm = apart(&with_rest.output_mm, &without_rest.output_mm);
+        let temperature_k = apart(&with_rest.temperature_k, &without_rest.temperature_k);
+        let mut squares = self.whitened_squares(&output_mm);
+        if let Some(noise) = self.truth.temperature_noise {
+            squares += sum_of_squares(&temperature_k) / (noise.deviation * noise.deviation);
+        }
+        Ok(Left {
+            oracle: Oracle {
+                raw_mm: rms(&raw),
+                left_mm: rms(&output_mm),
+                t: squares.sqrt(),
+            },
+            output_mm,
+        })
+    }
+
+    /// What the plain model leaves of quiet traces.
+    fn rest(&self, traces: &Traces) -> Result<Rest, IdentifyError> {
+        let quiet = self.quiet(traces)?;
+        let recordings = [quiet];
+        let vector = ParameterVector::new(self.base.parameters(), 1);
+        let start = self.fit.coordinates(&vector);
+        let temperature_weight = match (
+            self.training.temperature_degc(),
+            self.fit.temperature_rmse_k,
+        ) {
+            (Some(_), Some(rmse_k)) if rmse_k > 0.0 => (self.fit.train_rmse / rmse_k).powi(2),
+            _ => 0.0,
+        };
+        let config = RefineConfig {
+            temperature_weight,
+            ..RefineConfig::default()
+        };
+        let refined = refine(self.base, &recordings, &[start], &config)?;
+        let shown = predict(self.base, &refined.points[0], &recordings[0])?;
+        let less = |recorded: &[f64], shown: &[f64]| -> Vec<f64> {
+            recorded.iter().zip(shown).map(|(y, f)| y - f).collect()
+        };
+        Ok(Rest {
+            output_mm: less(recordings[0].output(), &shown.output),
+            temperature_k: match recordings[0].temperature_degc() {
+                Some(recorded) => less(recorded, &shown.temperature_degc),
+                None => Vec::new(),
+            },
+        })
+    }
+
+    /// The training recording without its noise.
+    fn quiet(&self, traces: &Traces) -> Result<Recording, IdentifyError> {
+        let noisy = self.training;
+        let has_temperature = noisy.temperature_degc().is_some();
+        Ok(Recording::new(RecordingParts {
+            name: noisy.name().to_owned(),
+            time_s: Some(noisy.time_s().to_vec()),
+            drive_quantity: noisy.drive_quantity(),
+            drive: noisy.drive().to_vec(),
+            output_unit: noisy.output_unit().to_owned(),
+            output: traces.quiet_displacement_mm.clone(),
+            temperature_degc: has_temperature.then(|| traces.quiet_thermocouple_degc.clone()),
+            ambient_degc: noisy.ambient_degc().map(<[f64]>::to_vec),
+            ..RecordingParts::default()
+        })?)
+    }
+
+    /// x' Σ⁻¹ x, Σ the covariance of the output's noise.
+    fn whitened_squares(&self, x: &[f64]) -> f64 {
+        let covariances = covariances_mm2(self.truth);
+        let (coefficients, variance) = predictor(&covariances);
+        let innovation = |k: usize| {
+            let past = coefficients.iter().zip(x[..k].iter().rev());
+            x[k] - past.map(|(a, x)| a * x).sum::<f64>()
+        };
+        (0..x.len()).map(|k| innovation(k).powi(2)).sum::<f64>() / variance
+    }
+}
+
+struct Rest {
+    output_mm: Vec<f64>,
+    temperature_k: Vec<f64>,
+}
+
+/// Covariances of the output's noise at lags 0, 1, …, mm²: the process and the rounding of the converter. Of outliers
+/// only what is around them counts: who knows the noise knows them.
+fn covariances_mm2(plant: &TruthPlant) -> Vec<f64> {
+    let Some(noise) = plant.displacement_noise else {
+        return vec![1.0];
+    };
+    let variance_mm2 = (1e3 * noise.deviation).powi(2);
+    let correlation = |lag: usize| -> f64 {
+        let lag = lag as f64;
+        match noise.kind {
+            NoiseKind::Ar1 { correlation } => correlation.powf(lag),
+            NoiseKind::OneOverF => {
+                let octaves = (0..OCTAVES).map(|octave| (-lag / f64::from(1_u32 << octave)).exp());
+                octaves.sum::<f64>() / f64::from(OCTAVES)
+            }
+            _ => f64::from(u8::from(lag < 0.5)),
+        }
+    };
+    let mut covariances: Vec<f64> = (0..=MEMORY)
+        .map(|lag| variance_mm2 * correlation(lag))
+        .collect();
+    if let Some(converter) = plant.converter {
+        let step_mm = 1e3 * converter.full_scale_m / f64::from(1_u32 << converter.bits);
+        covariances[0] += step_mm * step_mm / 12.0;
+    }
+    covariances
+}
+
+/// The best linear prediction from the past, and the variance of its error (Levinson and Durbin).
+fn predictor(covariances: &[f64]) -> (Vec<f64>, f64) {
+    let mut coefficients: Vec<f64> = Vec::new();
+    let mut variance = covariances[0];
+    for order in 1..covariances.len() {
+        let known = coefficients.iter().zip(covariances[1..order].iter().rev());
+        let missing = covariances[order] - known.map(|(a, c)| a * c).sum::<f64>();
+        let last = missing / variance;
+        let turned = coefficients.iter().rev();
+        coefficients = coefficients
+            .iter()
+            .zip(turned)
+            .map(|(a, b)| a - last * b)
+            .collect();
+        coefficients.push(last);
+        variance *= 1.0 - last * last;
+    }
+    (coefficients, variance)
+}
+
+fn sum_of_squares(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum()
+}
+
+fn rms(x: &[f64]) -> f64 {
+    (sum_of_squares(x) / x.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_predictor_of_an_autoregressive_process_is_its_coefficient() {
+        let covariances: Vec<f64> = (0..6).map(|lag| 4.0 * 0.8_f64.powi(lag)).collect();
+        let (coefficients, variance) = predictor(&covariances);
+        assert!((coefficients[0] - 0.8).abs() < 1e-12);
+        assert!(coefficients[1..].iter().all(|a| a.abs() < 1e-12));
+        assert!((variance - 4.0 * 0.36).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,238 @@
+use std::path::Path;
+use std::time::Instant;
+
+use identify::Fit;
+use missing_physics::{Diagnosis, EffectSet, Run};
+use rand::Rng;
+use truth_plant::{Draw, DriveProfile, Shape};
+
+use crate::aliases::{aliases, effects_of, stand_ins};
+use crate::case::{Case, Recorded};
+use crate::case_line::{CaseLine, Next, Revealed};
+use crate::competitors::compete;
+use crate::folder::Folder;
+use crate::oracle::{Eye, Left};
+use crate::verdict::{Opened, Verdict};
+use crate::{CaseId, Family, Oracle, TrialError};
+
+/// Millimeters of a meter.
+const MM_PER_M: f64 = 1e3;
+
+/// A case that was run, and how long its diagnosis took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ran {
+    /// What came out.
+    pub line: CaseLine,
+    /// Wall time of the diagnosis, s.
+    pub diagnosis_s: f64,
+}
+
+/// Writes the files of a case into a folder, diagnoses them, asks others if they are wanted, and opens the seal.
+///
+/// # Errors
+///
+/// [`TrialError`] with the case.
+pub fn run_case(
+    seed: &str,
+    id: CaseId,
+    folder: &Path,
+    asks_others: bool,
+) -> Result<Ran, TrialError> {
+    let case = Case::drawn(seed, id);
+    let recorded = case.record()?;
+    let folder = Folder::write(folder, &case, &recorded)?;
+    let files = Opened::read(&folder)?;
+    let begun = Instant::now();
+    let whole = files.diagnosed(EffectSet::all())?;
+    let diagnosis_s = begun.elapsed().as_secs_f64();
+    let (struck, diagnosis) = match id.family {
+        Family::Deleted => struck(&case, &files, whole)?,
+        _ => (Vec::new(), whole),
+    };
+    let verdict = Verdict::from(&diagnosis);
+    // They would have the truth in their catalogue.
+    let asks_others = asks_others && id.family != Family::Deleted;
+    let competitors = asks_others
+        .then(|| compete(id, &files, &diagnosis))
+        .transpose()?;
+    let opened = Judge {
+        case: &case,
+        recorded: &recorded,
+        folder: &folder,
+        files: &files,
+        diagnosis: &diagnosis,
+    }
+    .open()?;
+    Ok(Ran {
+        line: CaseLine {
+            case: id,
+            files: folder.digest()?,
+            seal: case.seal(),
+            struck,
+            verdict,
+            competitors,
+            opened,
+        },
+        diagnosis_s,
+    })
+}
+
+/// The diagnosis without the truth and its aliases.
+fn struck(
+    case: &Case,
+    files: &Opened,
+    whole: Diagnosis,
+) -> Result<(Vec<String>, Diagnosis), TrialError> {
+    let mut struck: Vec<String> = Vec::new();
+    for effect in case
+        .open()
+        .1
+        .concealed
+        .iter()
+        .filter_map(|one| one.effect.as_ref())
+    {
+        let others = aliases(case.id, files, &whole.baseline.fit, effect)?;
+        let named = stand_ins(&whole, effect);
+        for id in std::iter::once(effect).chain(&others).chain(&named) {
+            if !struck.contains(id) {
+                struck.push(id.clone());
+            }
+        }
+    }
+    let left = effects_of(&struck).fold(EffectSet::all(), EffectSet::without);
+    let diagnosis = files.diagnosed(left)?;
+    Ok((struck, diagnosis))
+}
+
+/// Who opens the seal.
+struct Judge<'a> {
+    case: &'a Case,
+    recorded: &'a Recorded,
+    folder: &'a Folder,
+    files: &'a Opened,
+    diagnosis: &'a Diagnosis,
+}
+
+impl Judge<'_> {
+    fn open(&self) -> Result<Revealed, TrialError> {
+        let (salt, answer) = self.case.open();
+        let noise = self.case.truth.displacement_noise;
+        let mut revealed = Revealed {
+            salt: salt.to_owned(),
+            answer: answer.clone(),
+            noise_mm: noise.map_or(0.0, |noise| MM_PER_M * noise.deviation),
+            has_scale: self.case.known.has_scale(),
+            oracles: Vec::new(),
+            aliases: Vec::new(),
+            said: Vec::new(),
+            spans: None,
+            next: None,
+        };
+        let fit = &self.diagnosis.baseline.fit;
+        let mut left = Vec::new();
+        for without in &self.case.without {
+            left.push(self.left(fit, without)?);
+        }
+        revealed.oracles = left.iter().map(|left| left.oracle).collect::<Vec<Oracle>>();
+        for concealed in &answer.concealed {
+            let effect = concealed.effect.as_deref();
+            revealed.aliases.push(match effect {
+                Some(effect) => aliases(self.case.id, self.files, fit, effect)?,
+                None => Vec::new(),
+            });
+            revealed
+                .said
+                .push(effect.and_then(|effect| self.said(effect)));
+        }
+        if let [only] = &left[..] {
+            revealed.spans = self.spans(only);
+        }
+        let is_ambiguous = self
+            .diagnosis
+            .findings
+            .iter()
+            .any(|finding| !finding.could_also_be.is_empty());
+        let run = self.diagnosis.next_experiment.as_ref();
+        if let Some(run) = run
+            .and_then(|next| next.run.as_ref())
+            .filter(|_| is_ambiguous)
+        {
+            revealed.next = Some(Next {
+                recommended: self.resolved(&recommended(run), "recommended")?,
+                random: self.resolved(&self.random(run), "random")?,
+            });
+        }
+        Ok(revealed)
+    }
+
+    fn left(&self, fit: &Fit, without: &truth_plant::TruthPlant) -> Result<Left, TrialError> {
+        let quiet = self.case.run(without, &self.case.drives[0], "train")?;
+        let eye = Eye {
+            base: &self.files.base,
+            fit,
+            training: &self.files.training[0],
+            truth: &self.case.truth,
+        };
+        eye.left(&self.recorded.train, &quiet)
+            .map_err(TrialError::diagnosis(self.case.id))
+    }
+
+    /// What the catalogue says of an effect.
+    fn said(&self, effect: &str) -> Option<String> {
+        let mut entries = self.diagnosis.catalogue.iter();
+        let entry = entries.find(|entry| entry.effect.id() == effect)?;
+        Some(entry.status.id().to_owned())
+    }
+
+    /// Share of the squares of what is left in the blamed spans, and their share of the time; `None` without spans.
+    fn spans(&self, left: &Left) -> Option<[f64; 2]> {
+        let spans = &self.diagnosis.mismatch.spans;
+        let time_s = self.files.training[0].time_s();
+        let is_inside = |k: usize| {
+            let mut spans = spans.iter();
+            spans.any(|span| (span.start_s..=span.end_s).contains(&time_s[k]))
+        };
+        let inside: Vec<usize> = (0..time_s.len()).filter(|&k| is_inside(k)).collect();
+        let squares = |k: usize| left.output_mm[k] * left.output_mm[k];
+        let all: f64 = (0..time_s.len()).map(squares).sum();
+        let own: f64 = inside.iter().map(|&k| squares(k)).sum();
+        (!inside.is_empty() && all > 0.0)
+            .then(|| [own / all, inside.len() as f64 / time_s.len() as f64])
+    }
+
+    /// Whether one more run leaves the truth named, and alone.
+    fn resolved(&self, profile: &DriveProfile, name: &str) -> Result<bool, TrialError> {
+        let traces = self.case.run(&self.case.truth, profile, name)?;
+        self.folder.add_next(self.case, &traces, profile)?;
+        let diagnosis = Opened::with_next(self.folder)?.diagnosed(EffectSet::all())?;
+        let concealed = &self.case.open().1.concealed;
+        let is_truth = |id: &str| {
+            concealed
+                .iter()
+                .any(|one| one.effect.as_deref() == Some(id))
+        };
+        Ok(!diagnosis.findings.is_empty()
+            && diagnosis
+                .findings
+                .iter()
+                .all(|finding| finding.could_also_be.is_empty() && is_truth(finding.effect.id())))
+    }
+
+    /// A run as long as the one that was recommended.
+    fn random(&self, run: &Run) -> DriveProfile {
+        let chance = self.case.chance();
+        let shape = Shape::ALL[chance.of("random run").random_range(0..Shape::ALL.len())];
+        let draw = Draw::new(chance.seed("random run"));
+        DriveProfile {
+            drive: draw.drive(shape, &self.case.truth, run.drive.len()).drive,
+            dt_s: run.dt_s,
+        }
+    }
+}
+
+fn recommended(run: &Run) -> DriveProfile {
+    DriveProfile {
+        drive: run.drive.clone(),
+        dt_s: run.dt_s,
+    }
+}

@@ -1,0 +1,306 @@
+use std::collections::BTreeMap;
+use std::fs::{self, OpenOptions};
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Case, CaseId, CaseLine, Journal, Plan, Ran, TrialError, in_order, run_case};
+
+/// Which trial a folder holds.
+const TRIAL: &str = "trial.json";
+/// Seals, published before the first diagnosis.
+const SEALS: &str = "seals.csv";
+/// What came out, a line a case.
+const CASES: &str = "cases.jsonl";
+/// How long each diagnosis took.
+const TIMES: &str = "times.csv";
+/// Every run of the program on the folder.
+const RUNS: &str = "runs.csv";
+/// Files of cases, where they are kept.
+const KEPT: &str = "cases";
+
+/// A trial: a folder with sealed answers and what came out.
+#[derive(Debug)]
+pub struct Trial {
+    folder: PathBuf,
+    head: Head,
+    journal: Journal<CaseLine>,
+}
+
+/// What makes two trials one.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    seed: String,
+    version: String,
+}
+
+/// How a trial is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunConfig {
+    /// Cases under way at a time.
+    pub jobs: usize,
+    /// Whether the files of the cases stay in the folder.
+    pub keep_files: bool,
+    /// Whether others are asked as well.
+    pub asks_others: bool,
+}
+
+/// How far a trial is.
+#[derive(Debug)]
+pub struct Progress<'a> {
+    /// Cases that are done.
+    pub done: usize,
+    /// Cases of the plan.
+    pub of: usize,
+    /// What the last one came to.
+    pub last: Result<&'a CaseLine, &'a TrialError>,
+}
+
+impl Trial {
+    /// Opens the folder of a trial, or makes it.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::OtherTrial`] if the folder holds one of another seed or of another version of the program, and what
+    /// [`Journal::open`] refuses.
+    pub fn open(folder: &Path, seed: &str) -> Result<Self, TrialError> {
+        fs::create_dir_all(folder).map_err(|source| TrialError::file(folder, source))?;
+        let head = Head {
+            seed: seed.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        };
+        let path = folder.join(TRIAL);
+        match fs::read_to_string(&path) {
+            Ok(text) => head.check(&path, &text)?,
+            Err(_) => put(&path, &format!("{}\n", head.text()))?,
+        }
+        Ok(Self {
+            folder: folder.to_owned(),
+            head,
+            journal: Journal::open(&folder.join(CASES))?,
+        })
+    }
+
+    /// Runs the cases of a plan that are not in the folder yet; returns how many failed.
+    ///
+    /// The seals of the whole plan are written before the first diagnosis.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::File`]. A case that fails stops no other; `progress` hears of it, and another run tries it again.
+    pub fn run(
+        &mut self,
+        plan: &Plan,
+        config: RunConfig,
+        progress: &mut dyn FnMut(Progress<'_>),
+    ) -> Result<usize, TrialError> {
+        self.publish(plan)?;
+        let missing: Vec<CaseId> = plan
+            .cases()
+            .iter()
+            .copied()
+            .filter(|&id| !self.journal.contains(id))
+            .collect();
+        let of = plan.cases().len();
+        let (mut done, mut n_failed, mut broken) = (of - missing.len(), 0, None);
+        let (folder, seed) = (self.folder.clone(), self.head.seed.clone());
+        in_order(
+            &missing,
+            config.jobs,
+            |&id| {
+                let kept_in = config.keep_files.then_some(&folder);
+                sound(&seed, id, kept_in, config.asks_others)
+            },
+            |ran| {
+                done += 1;
+                let kept = match ran {
+                    Ok(ran) => {
+                        let last = Ok(&ran.line);
+                        progress(Progress { done, of, last });
+                        self.keep(ran, config.jobs)
+                    }
+                    Err(error) => {
+                        n_failed += 1;
+                        let last = Err(&error);
+                        progress(Progress { done, of, last });
+                        Ok(())
+                    }
+                };
+                match kept {
+                    Ok(()) => ControlFlow::Continue(()),
+                    Err(error) => {
+                        broken = Some(error);
+                        ControlFlow::Break(())
+                    }
+                }
+            },
+        );
+        match broken {
+            Some(error) => Err(error),
+            None => Ok(n_failed),
+        }
+    }
+
+    /// Takes in the cases of another folder of the same trial.
+    ///
+    /// # Errors
+    ///
+    /// As [`Trial::open`].
+    pub fn merge(&mut self, folder: &Path) -> Result<(), TrialError> {
+        let other = Self::open(folder, &self.head.seed)?;
+        for name in [SEALS, TIMES] {
+            let mut rows = self.rows(name)?;
+            rows.extend(other.rows(name)?);
+            self.write_rows(name, &rows)?;
+        }
+        self.journal.merge(other.journal)
+    }
+
+    /// Brings the cases into their order and gives them out, each with its seal checked against its answer and
+    /// against what was published.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::BrokenSeal`], [`TrialError::File`].
+    pub fn finished(self) -> Result<Vec<CaseLine>, TrialError> {
+        let seals = self.rows(SEALS)?;
+        let lines: Vec<CaseLine> = self.journal.sorted()?.lines().cloned().collect();
+        for line in &lines {
+            line.check_seal()?;
+            if seals.get(&line.case.to_string()) != Some(&line.seal) {
+                return Err(TrialError::BrokenSeal { case: line.case });
+            }
+        }
+        Ok(lines)
+    }
+
+    /// Wall times of the diagnoses that ran alone on the machine, s.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::File`].
+    pub fn times_alone_s(&self) -> Result<Vec<f64>, TrialError> {
+        let alone = |row: &String| {
+            let (time_s, jobs) = row.split_once(',')?;
+            (jobs == "1").then(|| time_s.parse().ok())?
+        };
+        Ok(self.rows(TIMES)?.values().filter_map(alone).collect())
+    }
+
+    /// Writes down that the program was run on the folder.
+    ///
+    /// # Errors
+    ///
+    /// [`TrialError::File`].
+    pub fn log(&self, what: &str) -> Result<(), TrialError> {
+        append(&self.folder.join(RUNS), &format!("{what}\n"))
+    }
+
+    fn keep(&mut self, ran: Ran, jobs: usize) -> Result<(), TrialError> {
+        let row = format!("{},{:.3},{jobs}\n", ran.line.case, ran.diagnosis_s);
+        append(&self.folder.join(TIMES), &row)?;
+        self.journal.append(ran.line)
+    }
+
+    /// Writes the seals of a plan, beside those that are there.
+    fn publish(&self, plan: &Plan) -> Result<(), TrialError> {
+        let mut rows = self.rows(SEALS)?;
+        for &id in plan.cases() {
+            rows.entry(id.to_string())
+                .or_insert_with(|| Case::drawn(&self.head.seed, id).seal());
+        }
+        self.write_rows(SEALS, &rows)
+    }
+
+    /// The rows of a table, by what stands first in them.
+    fn rows(&self, name: &str) -> Result<BTreeMap<String, String>, TrialError> {
+        let path = self.folder.join(name);
+        if !path.exists() {
+            return Ok(BTreeMap::new());
+        }
+        let text = fs::read_to_string(&path).map_err(|source| TrialError::file(&path, source))?;
+        let rows = text.lines().filter_map(|line| line.split_once(','));
+        Ok(rows
+            .map(|(first, rest)| (first.to_owned(), rest.to_owned()))
+            .collect())
+    }
+
+    fn write_rows(&self, name: &str, rows: &BTreeMap<String, String>) -> Result<(), TrialError> {
+        let text: String = rows
+            .iter()
+            .map(|(first, rest)| format!("{first},{rest}\n"))
+            .collect();
+        put(&self.folder.join(name), &text)
+    }
+}
+
+impl Head {
+    fn text(&self) -> String {
+        // Two texts are always an object.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    fn check(&self, path: &Path, text: &str) -> Result<(), TrialError> {
+        let found: Self = serde_json::from_str(text).map_err(|source| TrialError::Line {
+            path: path.to_owned(),
+            line: 1,
+            source,
+        })?;
+        let pairs = [
+            ("seed", found.seed, &self.seed),
+            ("version", found.version, &self.version),
+        ];
+        match pairs.into_iter().find(|(_, found, own)| found != *own) {
+            None => Ok(()),
+            Some((what, found, expected)) => Err(TrialError::OtherTrial {
+                path: path.to_owned(),
+                what,
+                found,
+                expected: expected.clone(),
+            }),
+        }
+    }
+}
+
+/// Runs a case in a folder of its own; a fault of the program in one leaves the others alone.
+fn sound(
+    seed: &str,
+    id: CaseId,
+    kept_in: Option<&PathBuf>,
+    asks_others: bool,
+) -> Result<Ran, TrialError> {
+    let run = || match kept_in {
+        Some(folder) => {
+            let folder = folder.join(KEPT).join(id.to_string());
+            fs::create_dir_all(&folder).map_err(|source| TrialError::file(&folder, source))?;
+            run_case(seed, id, &folder, asks_others)
+        }
+        None => {
+            let folder = tempfile::tempdir()
+                .map_err(|source| TrialError::file(&std::env::temp_dir(), source))?;
+            run_case(seed, id, folder.path(), asks_others)
+        }
+    };
+    catch_unwind(run).unwrap_or(Err(TrialError::Panicked { case: id }))
+}
+
+/// Writes a file whole or not at all.
+fn put(path: &Path, text: &str) -> Result<(), TrialError> {
+    let beside = path.with_extension("new");
+    fs::write(&beside, text)
+        .and_then(|()| fs::rename(&beside, path))
+        .map_err(|source| TrialError::file(path, source))
+}
+
+fn append(path: &Path, text: &str) -> Result<(), TrialError> {
+    OpenOptions::new()
+        .append(true)
+        .create(true)
+        .open(path)
+        .and_then(|mut file| file.write_all(text.as_bytes()))
+        .map_err(|source| TrialError::file(path, source))
+}

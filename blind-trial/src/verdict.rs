@@ -1,0 +1,202 @@
+use std::path::{Path, PathBuf};
+
+use identify::{Rod, Validated, WienerModel};
+use missing_physics::{
+    DiagnoseConfig, Diagnosis, EffectSet, Finding, Stage, diagnose, setting_of_rod,
+};
+use recording::Recording;
+use serde::{Deserialize, Serialize};
+use wiener::hysteresis::Rule;
+
+use crate::folder::Folder;
+use crate::{CaseId, TrialError};
+
+/// What a diagnosis says of a case: made from its files alone, and written before the seal is opened.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Verdict {
+    /// Its name.
+    pub verdict: String,
+    /// What the noise is like.
+    pub noise_class: String,
+    /// What is missing, the strongest first.
+    pub findings: Vec<Named>,
+    /// Ids of what helps without a licensed name.
+    pub suspects: Vec<String>,
+    /// Block that is blamed, and how surely.
+    pub block: Option<(String, f64)>,
+    /// Stretches of the training recording with most of the mismatch, s.
+    pub spans_s: Vec<[f64; 2]>,
+    /// Errors of the plain model, mm.
+    pub plain: Errors,
+    /// Errors of the model with what was found, mm.
+    pub extended: Option<Errors>,
+    /// Share of the explainable error of the unseen recording that is explained.
+    pub explained: Option<f64>,
+    /// Whether a run is recommended.
+    pub recommends_run: bool,
+}
+
+/// A finding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Named {
+    /// Id of the effect.
+    pub effect: String,
+    /// Ids of those that would do as well.
+    pub could_also_be: Vec<String>,
+    /// Probability of the name.
+    pub probability: f64,
+    /// Its parameters.
+    pub parameters: Vec<Estimate>,
+}
+
+/// A parameter of a finding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Estimate {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// Root mean squares, mm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Errors {
+    /// On the training recording.
+    pub train: f64,
+    /// On the unseen one.
+    pub unseen: Option<f64>,
+}
+
+impl Named {
+    /// The effect and what would do as well.
+    pub fn set(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(&self.effect)
+            .chain(&self.could_also_be)
+            .map(String::as_str)
+    }
+}
+
+impl From<&Diagnosis> for Verdict {
+    fn from(diagnosis: &Diagnosis) -> Self {
+        let errors = |stage: &Stage| Errors {
+            train: stage.fit.train_rmse,
+            unseen: Validated::rmse_of_all(&stage.validated),
+        };
+        let mismatch = &diagnosis.mismatch;
+        let block = mismatch.block;
+        let next = diagnosis.next_experiment.as_ref();
+        Self {
+            verdict: diagnosis.verdict.id().to_owned(),
+            noise_class: diagnosis.noise_floor.class.id().to_owned(),
+            findings: diagnosis.findings.iter().map(Named::from).collect(),
+            suspects: diagnosis
+                .suspects
+                .iter()
+                .map(|suspect| suspect.effect.id().to_owned())
+                .collect(),
+            block: block.map(|(block, probability)| (block.id().to_owned(), probability)),
+            spans_s: mismatch
+                .spans
+                .iter()
+                .map(|span| [span.start_s, span.end_s])
+                .collect(),
+            plain: errors(&diagnosis.baseline),
+            extended: diagnosis.extended.as_ref().map(|one| errors(&one.stage)),
+            explained: diagnosis.explained.and_then(|shares| shares.validate),
+            recommends_run: next.is_some_and(|next| next.run.is_some()),
+        }
+    }
+}
+
+impl From<&Finding> for Named {
+    fn from(finding: &Finding) -> Self {
+        let parameters = finding.parameters.iter().map(|parameter| Estimate {
+            name: parameter.name.to_owned(),
+            value: parameter.value,
+            ci95: parameter.ci95,
+        });
+        Self {
+            effect: finding.effect.id().to_owned(),
+            could_also_be: finding
+                .could_also_be
+                .iter()
+                .map(|other| other.id().to_owned())
+                .collect(),
+            probability: finding.probability,
+            parameters: parameters.collect(),
+        }
+    }
+}
+
+/// The files of a case, read as `sma diagnose` reads them.
+#[derive(Debug)]
+pub(crate) struct Opened {
+    case: CaseId,
+    pub(crate) base: WienerModel,
+    pub(crate) config: DiagnoseConfig,
+    pub(crate) training: Vec<Recording>,
+    pub(crate) unseen: Vec<Recording>,
+}
+
+impl Opened {
+    pub(crate) fn read(folder: &Folder) -> Result<Self, TrialError> {
+        let [train, held] = folder.recordings();
+        Self::of(folder, &[train], &held)
+    }
+
+    /// The same with the run that was recommended as one more recording.
+    pub(crate) fn with_next(folder: &Folder) -> Result<Self, TrialError> {
+        let [train, held] = folder.recordings();
+        Self::of(folder, &[train, folder.next()], &held)
+    }
+
+    fn of(folder: &Folder, train: &[PathBuf], held: &Path) -> Result<Self, TrialError> {
+        let case = folder.case;
+        let refused = TrialError::diagnosis(case);
+        let rod = Rod::read(&folder.rod()).map_err(&refused)?;
+        let options = rod.read_options();
+        let read = |path: &Path| {
+            recording::read_csv(path, &options).map_err(|source| TrialError::Files {
+                case,
+                source: Box::new(source),
+            })
+        };
+        let training = train
+            .iter()
+            .map(|path| read(path))
+            .collect::<Result<Vec<_>, _>>()?;
+        let unseen = vec![read(held)?];
+        Ok(Self {
+            case,
+            base: WienerModel::new(&rod, Rule::LastReversal, &training).map_err(&refused)?,
+            config: DiagnoseConfig {
+                setting: setting_of_rod(&rod, training[0].output_unit()),
+                limits: rod.limits,
+                ..DiagnoseConfig::default()
+            },
+            training,
+            unseen,
+        })
+    }
+
+    pub(crate) fn diagnosed(&self, catalogue: EffectSet) -> Result<Diagnosis, TrialError> {
+        let config = DiagnoseConfig {
+            catalogue,
+            ..self.config.clone()
+        };
+        diagnose(
+            &self.base,
+            &self.training,
+            &self.unseen,
+            &config,
+            &mut |_| (),
+        )
+        .map_err(TrialError::diagnosis(self.case))
+    }
+}

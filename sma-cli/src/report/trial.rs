@@ -1,0 +1,143 @@
+//! What is said of a blind trial.
+
+use blind_trial::Proportion;
+use blind_trial::scores::{Figure, Score, Scores, VISIBLE_T};
+use serde_json::{Value, json};
+
+use super::table::{folding, right, table, unpadded};
+
+/// A trial whose seals were opened.
+#[derive(Debug)]
+pub(crate) struct Tried<'a> {
+    pub(crate) seed: &'a str,
+    pub(crate) n_cases: usize,
+    pub(crate) scores: Scores,
+}
+
+impl Tried<'_> {
+    pub(crate) fn text(&self) -> String {
+        let mut scores = table(["quantity", "figure", "target", ""]);
+        for score in &self.scores.table {
+            scores.add_row(vec![
+                score.quantity.clone(),
+                score.figure.to_string(),
+                score.target_text(),
+                mark(score).to_owned(),
+            ]);
+        }
+        let mut power = table(["oracle score from", "in the stated set", "top-1"]);
+        for bin in &self.scores.power.bins {
+            power.add_row(vec![
+                right(format!("{}", bin.from_t)),
+                right(bin.stated.to_string()),
+                right(bin.top.to_string()),
+            ]);
+        }
+        unpadded(&format!(
+            "{}\n\n{scores}\n\nSingle effects, over how visible they were:\n\n{power}\n{}",
+            self.head(),
+            self.others()
+        ))
+    }
+
+    /// Other methods on the same files; empty if none was asked.
+    fn others(&self) -> String {
+        let methods = &self.scores.others.methods;
+        if methods.is_empty() {
+            return String::new();
+        }
+        let mut others = folding([
+            "method",
+            "finds something: clean",
+            "with a visible effect",
+            "names it first",
+            "explains of the unseen error",
+        ]);
+        for method in methods {
+            let or_nothing = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
+            others.add_row(vec![
+                method.name.to_owned(),
+                method.false_alarms.to_string(),
+                method.alarms.to_string(),
+                or_nothing(method.named.map(|share| share.to_string())),
+                or_nothing(method.explained.map(|figure| figure.to_string())),
+            ]);
+        }
+        format!("\nOther methods on the same files:\n\n{others}\n")
+    }
+
+    /// The first sentence.
+    pub(crate) fn head(&self) -> String {
+        let with_target = self.scores.table.iter().filter_map(Score::holds);
+        let (held, all) = with_target.fold((0, 0), |(held, all), holds| {
+            (held + usize::from(holds), all + 1)
+        });
+        format!(
+            "{} cases of seed {}: {held} of {all} targets are met. Every answer was sealed before its case was \
+             diagnosed, and every seal holds.\nEffects count as visible from an oracle score of {VISIBLE_T}; intervals \
+             are exact 95 % intervals.",
+            self.n_cases, self.seed
+        )
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        let confusion = &self.scores.confusion;
+        let share = |of: Proportion| json!({"hits": of.hits, "n": of.n});
+        json!({
+            "schema_version": 1,
+            "command": "trial",
+            "version": env!("CARGO_PKG_VERSION"),
+            "seed": self.seed,
+            "cases": self.n_cases,
+            "table": self.scores.table.iter().map(row).collect::<Vec<_>>(),
+            "power": self.scores.power.bins.iter().map(|bin| json!({
+                "oracle_score_from": bin.from_t,
+                "in_set": share(bin.stated),
+                "top_1": share(bin.top),
+            })).collect::<Vec<_>>(),
+            "confusion": {
+                "concealed": confusion.rows,
+                "named": confusion.columns,
+                "cases": confusion.counts,
+            },
+            "methods": self.scores.others.methods.iter().map(|method| json!({
+                "method": method.name,
+                "false_alarms": share(method.false_alarms),
+                "alarms": share(method.alarms),
+                "named_first": method.named.map(share),
+                "explained_fraction": method.explained.and_then(|figure| figure.value()),
+            })).collect::<Vec<_>>(),
+            "calibration": self.scores.calibration.bins.iter().map(|bin| json!({
+                "stated": bin.stated, "right": bin.right, "n": bin.n,
+            })).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Whether a target is met.
+pub(crate) fn mark(score: &Score) -> &'static str {
+    match score.holds() {
+        Some(true) => "met",
+        Some(false) => "not met",
+        None => "",
+    }
+}
+
+fn row(score: &Score) -> Value {
+    let (hits, n, interval) = match score.figure {
+        Figure::Share(share) => {
+            let interval = (share.n > 0).then(|| share.interval());
+            (Some(share.hits), share.n, interval)
+        }
+        Figure::Number { n, .. } => (None, n, None),
+    };
+    json!({
+        "quantity": score.quantity.trim(),
+        "value": score.figure.value(),
+        "hits": hits,
+        "n": n,
+        "interval_95": interval,
+        "target": score.target_text(),
+        "met": score.holds(),
+    })
+}

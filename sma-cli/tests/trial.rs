@@ -1,0 +1,114 @@
+//! `sma trial`: sealed cases, resumed and put together.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test may end in a panic"
+)]
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+
+fn sma(arguments: &[&str]) -> std::process::Output {
+    Command::cargo_bin("sma")
+        .unwrap()
+        .args(["trial", "--quiet", "--seed", "a test"])
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn shards_put_together_are_the_whole_to_the_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let family = ["--family", "clean-white", "--cases", "2"];
+    let whole = sma(&[&family[..], &["--out", &place("whole"), "--json", "-"]].concat());
+    assert_eq!(whole.status.code(), Some(0));
+    let json: serde_json::Value = serde_json::from_slice(&whole.stdout).unwrap();
+    assert_eq!(json["cases"], 2);
+    assert_eq!(json["table"][0]["n"], 2);
+    for (shard, out) in [("1/2", "one"), ("2/2", "other")] {
+        let out = place(out);
+        let ran = sma(&[&family[..], &["--shard", shard, "--out", &out]].concat());
+        assert_eq!(ran.status.code(), Some(0));
+    }
+    let page = place("page.html");
+    let merged = sma(&[
+        "--cases",
+        "0",
+        "--out",
+        &place("merged"),
+        "--merge",
+        &place("one"),
+        &place("other"),
+        "--html",
+        &page,
+    ]);
+    assert_eq!(merged.status.code(), Some(0));
+    for name in ["cases.jsonl", "seals.csv"] {
+        let of = |out: &str| text(&folder.path().join(out).join(name));
+        assert_eq!(of("whole"), of("merged"), "{name}");
+    }
+    assert!(text(Path::new(&page)).contains("<svg"));
+    // Nothing is run twice.
+    let before = text(&folder.path().join("whole/times.csv"));
+    let again = sma(&[&family[..], &["--out", &place("whole")]].concat());
+    assert_eq!(again.status.code(), Some(0));
+    assert_eq!(text(&folder.path().join("whole/times.csv")), before);
+}
+
+#[test]
+fn an_answer_that_was_changed_breaks_its_seal() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("t").display().to_string();
+    let ran = sma(&["--family", "clean-ar", "--cases", "1", "--out", &out]);
+    assert_eq!(ran.status.code(), Some(0));
+    let path = folder.path().join("t/cases.jsonl");
+    fs::write(&path, text(&path).replace("\"l2p\"", "\"preisach\"")).unwrap();
+    let ran = sma(&["--cases", "0", "--out", &out]);
+    assert_eq!(ran.status.code(), Some(3));
+    let message = String::from_utf8(ran.stderr).unwrap();
+    assert_eq!(
+        message,
+        "sma: clean-ar-0000: the answer is not the one that was sealed\n"
+    );
+}
+
+#[test]
+fn a_folder_of_another_trial_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("t").display().to_string();
+    let empty = sma(&["--cases", "0", "--out", &out]);
+    assert_eq!(empty.status.code(), Some(1));
+    let other = Command::cargo_bin("sma")
+        .unwrap()
+        .args(["trial", "--seed", "another", "--cases", "0", "--out", &out])
+        .output()
+        .unwrap();
+    assert_eq!(other.status.code(), Some(3));
+    let message = String::from_utf8(other.stderr).unwrap();
+    assert!(
+        message.contains("holds a trial with seed a test, and this one has another"),
+        "{message}"
+    );
+}
+
+#[test]
+fn bad_calls_say_what_would_be_accepted() {
+    for (arguments, expected) in [
+        (["--family", "clean"], "there are: clean-white clean-ar"),
+        (["--shard", "3/2"], "must be i/n with 1 ≤ i ≤ n, as 2/4"),
+    ] {
+        let ran = sma(&arguments);
+        assert_eq!(ran.status.code(), Some(2));
+        let message = String::from_utf8(ran.stderr).unwrap();
+        assert!(message.contains(expected), "{message}");
+    }
+}
