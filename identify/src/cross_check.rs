@@ -61,8 +61,8 @@ pub enum CrossVerdict {
 /// # Errors
 ///
 /// What the model refuses, and [`IdentifyError::CrossCheck`] if argmin fails.
-pub fn cross_check<M: ForwardModel>(
-    model: &M,
+pub fn cross_check(
+    model: &dyn ForwardModel,
     training: &[Recording],
     fit: &Fit,
 ) -> Result<CrossCheck, IdentifyError> {
@@ -128,11 +128,11 @@ pub fn cross_check<M: ForwardModel>(
 }
 
 /// The problem with the weights of a fit's last round, and the coordinates of that fit.
-fn at_the_end<'a, M: ForwardModel>(
-    model: &'a M,
+fn at_the_end<'a>(
+    model: &'a dyn ForwardModel,
     training: &'a [Recording],
     fit: &Fit,
-) -> Result<(Problem<'a, M>, Vec<f64>), IdentifyError> {
+) -> Result<(Problem<'a>, Vec<f64>), IdentifyError> {
     let mut problem = Problem::new(model, training)?;
     let fitted = fit.coordinates(problem.vector());
     if let Some(rmse_k) = fit.temperature_rmse_k.filter(|&rmse_k| rmse_k > 0.0) {
@@ -152,19 +152,12 @@ fn failed(source: Error) -> IdentifyError {
 }
 
 /// The sum of squares over the unit cube; outside, that of the nearest point of it and more.
-struct UnitCost<'a, M> {
-    problem: &'a Problem<'a, M>,
+#[derive(Clone, Copy)]
+struct UnitCost<'a> {
+    problem: &'a Problem<'a>,
 }
 
-impl<M> Clone for UnitCost<'_, M> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<M> Copy for UnitCost<'_, M> {}
-
-impl<M: ForwardModel> UnitCost<'_, M> {
+impl UnitCost<'_> {
     fn coordinates(&self, shares: &[f64]) -> Vec<f64> {
         shares
             .iter()
@@ -187,7 +180,7 @@ impl<M: ForwardModel> UnitCost<'_, M> {
     }
 }
 
-impl<M: ForwardModel> CostFunction for UnitCost<'_, M> {
+impl CostFunction for UnitCost<'_> {
     type Param = Vec<f64>;
     type Output = f64;
 

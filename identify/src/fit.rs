@@ -108,8 +108,8 @@ pub struct FitProgress {
 /// [`IdentifyError::NothingFree`], [`IdentifyError::TooManyParameters`],
 /// [`IdentifyError::NoRecordings`], [`IdentifyError::StartLength`], [`IdentifyError::Swarm`] for settings that the swarm refuses, and
 /// what the model refuses.
-pub fn fit<M: ForwardModel>(
-    model: &M,
+pub fn fit(
+    model: &dyn ForwardModel,
     training: &[Recording],
     config: &FitConfig,
     progress: &mut dyn FnMut(&FitProgress) -> ControlFlow<()>,
@@ -228,11 +228,7 @@ struct Ended {
 impl Start<'_> {
     /// Searches on a problem of its own: what one start has solved is nothing to the others, so that all of them
     /// count the same on any number of threads.
-    fn search<M: ForwardModel>(
-        &self,
-        problem: &Problem<'_, M>,
-        config: &FitConfig,
-    ) -> Result<Ended, IdentifyError> {
+    fn search(&self, problem: &Problem<'_>, config: &FitConfig) -> Result<Ended, IdentifyError> {
         let problem = problem.apart();
         let (point, rejected_costs) = match *self {
             Start::Point(point) if point.len() != problem.vector().len() => {
@@ -279,8 +275,8 @@ impl Search {
 }
 
 /// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays.
-fn reweighed<M: ForwardModel>(
-    problem: &mut Problem<'_, M>,
+fn reweighed(
+    problem: &mut Problem<'_>,
     mut minimum: Minimum,
     config: &FitConfig,
 ) -> Result<Minimum, IdentifyError> {
@@ -336,7 +332,7 @@ pub(crate) fn huber_weights(residuals: &[Residuals]) -> Vec<Vec<f64>> {
 }
 
 /// Weight of temperatures before it is known how well they can be met: that of equal spreads.
-fn equal_spreads<M: ForwardModel>(problem: &Problem<'_, M>, training: &[Recording]) -> f64 {
+fn equal_spreads(problem: &Problem<'_>, training: &[Recording]) -> f64 {
     let n = problem.n_temperatures();
     if n == 0 {
         return 0.0;
@@ -373,8 +369,8 @@ pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// The best point of a short swarm, and how many costs were no numbers.
-fn swarm_start<M: ForwardModel>(
-    problem: &Problem<'_, M>,
+fn swarm_start(
+    problem: &Problem<'_>,
     config: &FitConfig,
     stream: u64,
 ) -> Result<(Vec<f64>, u64), IdentifyError> {

@@ -7,8 +7,8 @@ use crate::moments::Solved;
 use crate::problem::Problem;
 use crate::uncertainty::Covariance;
 use crate::{
-    Bounds, Enters, ForwardModel, Loss, ParameterInfo, ParameterVector, ResidualNoise, Scale,
-    Scope, Termination, UnfixedDirection,
+    Bounds, Enters, Loss, ParameterInfo, ParameterVector, ResidualNoise, Scale, Scope, Termination,
+    UnfixedDirection,
 };
 
 /// A parameter and what became of it.
@@ -162,8 +162,8 @@ pub(crate) fn point(parameters: &[FittedParameter], recording: usize) -> Vec<f64
     parameters.iter().map(value).collect()
 }
 
-pub(crate) fn fitted_parameters<M: ForwardModel>(
-    problem: &Problem<'_, M>,
+pub(crate) fn fitted_parameters(
+    problem: &Problem<'_>,
     point: &[f64],
     solved: &Solved,
     covariance: &Covariance,
@@ -209,8 +209,8 @@ pub(crate) fn fitted_parameters<M: ForwardModel>(
         .collect()
 }
 
-pub(crate) fn parameter_covariance<M: ForwardModel>(
-    problem: &Problem<'_, M>,
+pub(crate) fn parameter_covariance(
+    problem: &Problem<'_>,
     covariance: &Covariance,
 ) -> ParameterCovariance {
     let infos = problem.vector().infos();

@@ -1,10 +1,14 @@
+use std::fmt;
+
 use recording::Recording;
 use wiener::Block;
 
 use crate::{IdentifyError, ParameterInfo};
 
 /// Any model as a fit sees it: named parameters in, outputs out, a batch of points at a time.
-pub trait ForwardModel: Sync {
+///
+/// Fits take a `&dyn ForwardModel`: a call a batch costs nothing, and they are compiled once.
+pub trait ForwardModel: fmt::Debug + Sync {
     /// The parameters, in the order of the values that [`ForwardModel::simulate`] takes.
     fn parameters(&self) -> &[ParameterInfo];
 

@@ -4,10 +4,9 @@ use std::fmt;
 
 use faer::Mat;
 
-use crate::least_squares::SumOfSquares;
 use crate::problem::Problem;
 use crate::residual_noise::ResidualNoise;
-use crate::{ForwardModel, IdentifyError, Scale};
+use crate::{IdentifyError, Scale};
 
 /// Relative standard deviation along a direction from which it counts as not fixed: the parameters
 /// could as well be half as large again.
@@ -68,12 +67,12 @@ impl fmt::Display for UnfixedDirection {
 ///
 /// The coordinates are relative: the logarithm of a parameter, or its distance from its lower bound
 /// (for the loop's center that is ambient).
-pub(crate) fn unfixed_directions<M: ForwardModel>(
-    problem: &Problem<'_, M>,
+pub(crate) fn unfixed_directions(
+    problem: &Problem<'_>,
     point: &[f64],
     noise: &ResidualNoise,
 ) -> Result<Vec<UnfixedDirection>, IdentifyError> {
-    let local = problem.linearize(point)?;
+    let local = problem.linearize_centrally(point)?;
     let vector = problem.vector();
     let n = point.len();
     let size = |j: usize| {

@@ -81,8 +81,16 @@ pub(crate) struct Linearized {
 pub(crate) trait SumOfSquares {
     /// Sum of squares that is rounding and nothing else.
     fn rounding(&self) -> f64;
-    fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError>;
     fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError>;
+    /// The same, and the residual to first order around the point number `around`: in one run of the lanes.
+    fn linearized(
+        &self,
+        points: &[Vec<f64>],
+        around: usize,
+    ) -> Result<(Vec<f64>, Linearized), IdentifyError>;
+    fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
+        Ok(self.linearized(&[point.to_vec()], 0)?.1)
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -94,6 +102,13 @@ pub(crate) struct Minimum {
 
 /// Damping factors tried at once around the last good one: they share one run of the lanes.
 const DAMPING_TRIALS: [f64; 8] = [1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 30.0, 1e3];
+
+/// The trial around which the problem is made linear before it is known how low it lies. In seven of ten
+/// iterations it will do, and they take one run of the lanes instead of two.
+const LIKELIEST: usize = 2;
+
+/// Share of the lowest trial's gain with which the likeliest will do.
+const NEARLY: f64 = 0.9;
 
 /// Minimizes from `start` within `bounds`.
 ///
@@ -139,15 +154,22 @@ pub(crate) fn minimize(
                 moved(&point, &free, &step, bounds)
             })
             .collect();
-        let sums = problem.sums(&trials)?;
+        let (sums, ahead) = problem.linearized(&trials, LIKELIEST)?;
+        let gain = |k: usize| local.sum_of_squares - sums[k];
         let best = (0..sums.len())
-            .filter(|&k| local.sum_of_squares - sums[k] > 1e-13 * local.sum_of_squares)
+            .filter(|&k| gain(k) > 1e-13 * local.sum_of_squares)
             .min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
         match best {
-            Some(k) => {
+            Some(best) => {
+                let will_do = gain(LIKELIEST) >= NEARLY * gain(best);
+                let k = if will_do { LIKELIEST } else { best };
                 point.clone_from(&trials[k]);
                 damping = (damping * DAMPING_TRIALS[k]).clamp(1e-12, 1e12);
-                local = problem.linearize(&point)?;
+                local = if will_do {
+                    ahead
+                } else {
+                    problem.linearize(&point)?
+                };
             }
             // All eight fail: shorter steps once more, unless they are as short as they can be.
             None if damping < 1e9 => damping *= 1e6,
@@ -241,7 +263,12 @@ mod tests {
     const UNEXPLAINED: f64 = 0.25;
 
     impl SumOfSquares for Valley {
-        fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
+        fn linearized(
+            &self,
+            points: &[Vec<f64>],
+            around: usize,
+        ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
+            let point = &points[around];
             let rows = [
                 [
                     -20.0 * point[0],
@@ -256,11 +283,13 @@ mod tests {
                 triangle.push(|column| row[column]);
             }
             let r = triangle.r();
-            Ok(Linearized {
+            let sums = self.sums(points)?;
+            let linearized = Linearized {
                 jacobian: r.get(..2, ..2).to_owned(),
                 residual: vec![r[(0, 2)], r[(1, 2)]],
-                sum_of_squares: rows.iter().map(|row| row[2] * row[2]).sum(),
-            })
+                sum_of_squares: sums[around],
+            };
+            Ok((sums, linearized))
         }
 
         fn rounding(&self) -> f64 {
@@ -268,10 +297,11 @@ mod tests {
         }
 
         fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
-            points
-                .iter()
-                .map(|point| Ok(self.linearize(point)?.sum_of_squares))
-                .collect()
+            let sum = |point: &Vec<f64>| {
+                let rise = 10.0 * (point[1] - point[0] * point[0]);
+                rise * rise + (1.0 - point[0]).powi(2) + UNEXPLAINED * UNEXPLAINED
+            };
+            Ok(points.iter().map(sum).collect())
         }
     }
 

@@ -73,6 +73,11 @@ impl<'a> Weighed<'a> {
         self.spread
     }
 
+    /// Σ w y / Σ w.
+    pub(crate) fn mean(&self) -> f64 {
+        self.mean
+    }
+
     /// Weight of a sample.
     #[inline(always)]
     pub(crate) fn weight(&self, sample: usize) -> f64 {

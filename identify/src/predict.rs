@@ -17,8 +17,8 @@ pub struct Prediction {
 /// # Errors
 ///
 /// What the model refuses.
-pub fn predict<M: ForwardModel>(
-    model: &M,
+pub fn predict(
+    model: &dyn ForwardModel,
     point: &[f64],
     recording: &Recording,
 ) -> Result<Prediction, IdentifyError> {

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use faer::Mat;
 use pso::Bound;
 use rayon::prelude::*;
 use recording::{Quantity, Recording};
@@ -13,15 +14,16 @@ use crate::least_squares::{Linearized, SumOfSquares};
 use crate::moments::{BATCH, Moments, Solved, Weighed, solve_linear};
 use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
 
-/// Step of a central difference as a share of the coordinate's range: near the cube root of rounding.
+/// Step of a difference as a share of the coordinate's range: near the cube root of rounding, which is best for a
+/// central one. One-sided ones are then off by the size of the step, and a search ends nowhere else for that.
 const DIFFERENCE: f64 = 1e-6;
 
 /// ```text
 /// S(θ) = Σ w (y - gain f - offset)² + w_T Σ (T - T_recorded)²,   gain and offsets the best for θ
 /// ```
 #[derive(Debug)]
-pub(crate) struct Problem<'a, M> {
-    model: &'a M,
+pub(crate) struct Problem<'a> {
+    model: &'a dyn ForwardModel,
     recordings: Vec<Weighed<'a>>,
     vector: ParameterVector,
     bounds: Vec<Bound>,
@@ -70,8 +72,11 @@ impl Row<'_> {
     }
 }
 
-impl<'a, M: ForwardModel> Problem<'a, M> {
-    pub(crate) fn new(model: &'a M, recordings: &'a [Recording]) -> Result<Self, IdentifyError> {
+impl<'a> Problem<'a> {
+    pub(crate) fn new(
+        model: &'a dyn ForwardModel,
+        recordings: &'a [Recording],
+    ) -> Result<Self, IdentifyError> {
         let vector = ParameterVector::new(model.parameters(), recordings.len());
         // A central difference takes two lanes a coordinate beside the point itself.
         let most = (BATCH - 1) / 2;
@@ -124,7 +129,7 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
         }
     }
 
-    /// Counts points that were simulated apart.
+    /// Counts points that were simulated.
     pub(crate) fn count(&self, simulations: u64) {
         self.simulations.fetch_add(simulations, Ordering::Relaxed);
     }
@@ -314,8 +319,7 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
     /// Solves for gain and offsets at each point. Results stand in the order of the points, whatever
     /// the number of threads.
     fn solve(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
-        self.simulations
-            .fetch_add(points.len() as u64, Ordering::Relaxed);
+        self.count(points.len() as u64);
         let tasks: Vec<(usize, &[Vec<f64>])> = points
             .chunks(BATCH)
             .flat_map(|batch| (0..self.recordings.len()).map(move |r| (r, batch)))
@@ -325,17 +329,31 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
             .map(|&(r, batch)| self.moments(r, batch))
             .collect::<Result<Vec<_>, _>>()?;
         let n_recordings = self.recordings.len();
-        let solved: Vec<Solved> = (0..points.len())
+        let solved = self.solved(points, |p, r| {
+            moments[p / BATCH * n_recordings + r][p % BATCH]
+        });
+        self.remember(points, solved.clone());
+        Ok(solved)
+    }
+
+    /// Gain and offsets at each point, from the moments of each point and recording.
+    fn solved(
+        &self,
+        points: &[Vec<f64>],
+        moments: impl Fn(usize, usize) -> Moments,
+    ) -> Vec<Solved> {
+        (0..points.len())
             .map(|p| {
-                let of_point: Vec<Moments> = (0..n_recordings)
-                    .map(|r| moments[p / BATCH * n_recordings + r][p % BATCH])
-                    .collect();
+                let of_point: Vec<Moments> =
+                    (0..self.recordings.len()).map(|r| moments(p, r)).collect();
                 solve_linear(&self.recordings, &of_point, self.gain, self.offset)
             })
-            .collect();
+            .collect()
+    }
+
+    fn remember(&self, points: &[Vec<f64>], solved: Vec<Solved>) {
         *self.latest.lock().unwrap_or_else(PoisonError::into_inner) =
-            points.iter().cloned().zip(solved.iter().cloned()).collect();
-        Ok(solved)
+            points.iter().cloned().zip(solved).collect();
     }
 
     fn moments(&self, r: usize, batch: &[Vec<f64>]) -> Result<[Moments; BATCH], IdentifyError> {
@@ -362,10 +380,23 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
         solved: &Solved,
         visit: &mut dyn FnMut(&Row<'_>),
     ) -> Result<(), IdentifyError> {
+        let batch = self.batch(r, &[point.to_vec()], 0, Sides::Both);
+        self.simulate_around(r, &batch, solved, &mut |_| (), visit)
+    }
+
+    /// Simulates a recording at points, and shows its residuals and their derivatives at one of them.
+    fn simulate_around(
+        &self,
+        r: usize,
+        batch: &Batch,
+        solved: &Solved,
+        visit: &mut dyn FnMut(&Block<'_>),
+        visit_row: &mut dyn FnMut(&Row<'_>),
+    ) -> Result<(), IdentifyError> {
         let recording = self.recordings[r].recording;
-        let acting: Vec<usize> = self.vector.acting_on(r).collect();
-        let (batch, per_distance) = self.differences(point, &acting);
+        let around = batch.around;
         let values: Vec<Vec<f64>> = batch
+            .points
             .iter()
             .map(|point| self.vector.values(point, r))
             .collect();
@@ -375,20 +406,21 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
             .filter(|_| self.temperature_weight > 0.0);
         let mut derivatives = vec![0.0; linear + self.vector.len()];
         self.simulate(r, &values, &mut |block| {
+            visit(&block);
             let shapes = block.displacement.chunks_exact(block.stride);
             let shown = block.temperature_degc.chunks_exact(block.stride);
             for (row, (shapes, shown)) in shapes.zip(shown).enumerate() {
                 let sample = block.first_sample + row;
-                derivatives[..gains].fill(shapes[0]);
+                derivatives[..gains].fill(shapes[around]);
                 if linear > gains {
                     derivatives[gains + r] = 1.0;
                 }
-                for (k, &j) in acting.iter().enumerate() {
-                    let difference = shapes[2 + 2 * k] - shapes[1 + 2 * k];
-                    derivatives[linear + j] = solved.gain * difference * per_distance[k];
+                for difference in &batch.differences {
+                    derivatives[linear + difference.coordinate] =
+                        solved.gain * difference.quotient(shapes);
                 }
-                let fitted = solved.gain * shapes[0] + solved.offsets[r];
-                visit(&Row {
+                let fitted = solved.gain * shapes[around] + solved.offsets[r];
+                visit_row(&Row {
                     channel: Channel::Output,
                     sample,
                     derivatives: &derivatives,
@@ -398,84 +430,206 @@ impl<'a, M: ForwardModel> Problem<'a, M> {
                     continue;
                 };
                 derivatives[..linear].fill(0.0);
-                for (k, &j) in acting.iter().enumerate() {
-                    derivatives[linear + j] =
-                        (shown[2 + 2 * k] - shown[1 + 2 * k]) * per_distance[k];
+                for difference in &batch.differences {
+                    derivatives[linear + difference.coordinate] = difference.quotient(shown);
                 }
-                visit(&Row {
+                visit_row(&Row {
                     channel: Channel::Temperature,
                     sample,
                     derivatives: &derivatives,
-                    residual: shown[0] - temperatures[sample],
+                    residual: shown[around] - temperatures[sample],
                 });
             }
         })
     }
 
-    /// The point itself, then for each acting coordinate a point below and one above, and 1 over the
-    /// distance of these two: at a bound the difference is one-sided, between equal bounds there is none.
-    fn differences(&self, point: &[f64], acting: &[usize]) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let mut batch = vec![point.to_vec()];
-        let mut per_distance = Vec::with_capacity(acting.len());
-        for &j in acting {
+    /// Some points and what differences by the acting coordinates take around one of them. At a bound they are
+    /// one-sided, between equal bounds there is none.
+    fn batch(&self, r: usize, points: &[Vec<f64>], around: usize, sides: Sides) -> Batch {
+        let center = &points[around];
+        let mut points = points.to_vec();
+        let mut differences = Vec::new();
+        for j in self.vector.acting_on(r) {
             let bound = &self.bounds[j];
-            let step = DIFFERENCE * (bound.upper - bound.lower);
-            let ends = [-step, step].map(|step| (point[j] + step).clamp(bound.lower, bound.upper));
+            let range = bound.upper - bound.lower;
+            let steps = match sides {
+                Sides::Both => [-DIFFERENCE, DIFFERENCE],
+                Sides::One if center[j] + DIFFERENCE * range <= bound.upper => [0.0, DIFFERENCE],
+                Sides::One => [-DIFFERENCE, 0.0],
+            };
+            let mut ends = [center[j]; 2];
+            let mut lanes = [around; 2];
+            for side in 0..2 {
+                if steps[side] != 0.0 {
+                    ends[side] = (center[j] + steps[side] * range).clamp(bound.lower, bound.upper);
+                    lanes[side] = points.len();
+                    let mut moved = center.clone();
+                    moved[j] = ends[side];
+                    points.push(moved);
+                }
+            }
             let distance = ends[1] - ends[0];
-            per_distance.push(if distance > 0.0 { 1.0 / distance } else { 0.0 });
-            batch.extend(ends.map(|end| {
-                let mut moved = point.to_vec();
-                moved[j] = end;
-                moved
-            }));
+            differences.push(Difference {
+                coordinate: j,
+                lanes,
+                per_distance: if distance > 0.0 { 1.0 / distance } else { 0.0 },
+            });
         }
-        (batch, per_distance)
+        Batch {
+            points,
+            around,
+            differences,
+        }
     }
-}
 
-impl<M: ForwardModel> SumOfSquares for Problem<'_, M> {
+    /// The residual to first order around a point, by central differences: for those who ask what is left open.
+    pub(crate) fn linearize_centrally(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
+        Ok(self.linearized_by(&[point.to_vec()], 0, Sides::Both)?.1)
+    }
+
     /// With the linear parameters' columns first, what stands below them in the triangular factor is
     /// the Jacobian of the problem *without* them: variable projection (Golub1973 in REFERENCES.md, in
     /// Kaufman's form) without projecting anything.
-    fn linearize(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
-        let solved = self.solve_one(point)?;
-        let differenced = 1 + 2 * self.vector.acting_on(0).count();
-        self.simulations
-            .fetch_add(differenced as u64, Ordering::Relaxed);
+    fn linearized_by(
+        &self,
+        points: &[Vec<f64>],
+        around: usize,
+        sides: Sides,
+    ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
+        let batches: Vec<Batch> = (0..self.recordings.len())
+            .map(|r| self.batch(r, points, around, sides))
+            .collect();
+        self.count(batches[0].points.len() as u64);
+        let seen = batches
+            .par_iter()
+            .enumerate()
+            .map(|(r, batch)| self.seen(r, batch))
+            .collect::<Result<Vec<_>, _>>()?;
+        let solved = self.solved(points, |p, r| seen[r].moments[p]);
+        let sums: Vec<f64> = solved.iter().map(|one| self.sum_of_squares(one)).collect();
         let (linear, coordinates) = (self.n_linear(), self.vector.len());
-        let columns = linear + coordinates + 1;
-        let triangles = (0..self.recordings.len())
-            .into_par_iter()
-            .map(|r| {
-                let mut triangle = Triangle::new(columns);
-                self.rows(r, point, &solved, &mut |row| {
-                    let root = self.weight(r, row).sqrt();
-                    triangle.push(|column| {
-                        let last = column + 1 == columns;
-                        root * if last {
-                            row.residual
-                        } else {
-                            row.derivative(column)
-                        }
-                    });
-                })?;
-                Ok(triangle.r())
-            })
-            .collect::<Result<Vec<_>, IdentifyError>>()?;
-        let mut whole = Triangle::new(columns);
-        for part in &triangles {
-            for row in 0..part.nrows() {
-                whole.push(|column| part[(row, column)]);
+        let last = linear + coordinates;
+        let gain = match self.gain {
+            ParameterState::Free => solved[around].gain,
+            ParameterState::Fixed(_) => 1.0,
+        };
+        let mut whole = Triangle::new(last + 1);
+        for [output, temperature] in seen.iter().map(|seen| &seen.triangles) {
+            for row in 0..=last {
+                whole.push(|column| {
+                    let is_derivative = (linear..last).contains(&column);
+                    output[(row, column)] * if is_derivative { gain } else { 1.0 }
+                });
+                whole.push(|column| temperature[(row, column)]);
             }
         }
         let r = whole.r();
-        Ok(Linearized {
-            jacobian: r.get(linear..columns - 1, linear..columns - 1).to_owned(),
-            residual: (linear..columns - 1)
-                .map(|row| r[(row, columns - 1)])
-                .collect(),
-            sum_of_squares: self.sum_of_squares(&solved),
-        })
+        let linearized = Linearized {
+            jacobian: r.get(linear..last, linear..last).to_owned(),
+            residual: (linear..last).map(|row| r[(row, last)]).collect(),
+            sum_of_squares: sums[around],
+        };
+        self.remember(points, solved);
+        Ok((sums, linearized))
+    }
+
+    /// What one recording says of points, and of the surroundings of one of them.
+    fn seen(&self, r: usize, batch: &Batch) -> Result<Seen, IdentifyError> {
+        let weighed = &self.recordings[r];
+        let mut moments = [Moments::default(); BATCH];
+        let columns = self.n_linear() + self.vector.len() + 1;
+        let mut triangles = [Triangle::new(columns), Triangle::new(columns)];
+        // Gain and offsets are known after the run only. A residual with others differs by what the columns of the
+        // free ones take away, and derivatives of the output by the gain.
+        let solved = Solved {
+            gain: match self.gain {
+                ParameterState::Free => 1.0,
+                ParameterState::Fixed(gain) => gain,
+            },
+            offsets: vec![
+                match self.offset {
+                    ParameterState::Free => weighed.mean(),
+                    ParameterState::Fixed(offset) => offset,
+                };
+                self.recordings.len()
+            ],
+            output: 0.0,
+            temperature: 0.0,
+        };
+        self.simulate_around(
+            r,
+            batch,
+            &solved,
+            &mut |block| weighed.add(&mut moments, block),
+            &mut |row| {
+                let root = self.weight(r, row).sqrt();
+                triangles[row.channel as usize].push(|column| {
+                    let last = column + 1 == columns;
+                    root * if last {
+                        row.residual
+                    } else {
+                        row.derivative(column)
+                    }
+                });
+            },
+        )?;
+        let triangles = triangles.map(Triangle::r);
+        Ok(Seen { moments, triangles })
+    }
+}
+
+/// Sides on which a difference looks.
+#[derive(Debug, Clone, Copy)]
+enum Sides {
+    Both,
+    /// Half of the points, good enough to search by.
+    One,
+}
+
+/// Points that are simulated together, and differences around one of them.
+#[derive(Debug)]
+struct Batch {
+    points: Vec<Vec<f64>>,
+    around: usize,
+    differences: Vec<Difference>,
+}
+
+/// A difference by one coordinate.
+#[derive(Debug)]
+struct Difference {
+    coordinate: usize,
+    /// Points at its lower and its upper end.
+    lanes: [usize; 2],
+    /// 1 over the distance of these.
+    per_distance: f64,
+}
+
+impl Difference {
+    #[inline(always)]
+    fn quotient(&self, row: &[f64]) -> f64 {
+        (row[self.lanes[1]] - row[self.lanes[0]]) * self.per_distance
+    }
+}
+
+/// What one recording says of points, and of the surroundings of one of them.
+#[derive(Debug)]
+struct Seen {
+    moments: [Moments; BATCH],
+    /// Triangular factors of the weighted rows of output and temperature: linear parameters, coordinates, residual.
+    triangles: [Mat<f64>; 2],
+}
+
+impl SumOfSquares for Problem<'_> {
+    fn linearized(
+        &self,
+        points: &[Vec<f64>],
+        around: usize,
+    ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
+        if points.len() + self.vector.acting_on(0).count() > BATCH {
+            let sums = self.sums(points)?;
+            return Ok((sums, self.linearize(&points[around])?));
+        }
+        self.linearized_by(points, around, Sides::One)
     }
 
     /// The moments' products cancel to some 1e-16 of the spread; a hundred times that is safe.
@@ -493,8 +647,8 @@ impl<M: ForwardModel> SumOfSquares for Problem<'_, M> {
 }
 
 /// How the one parameter that enters as `enters` is known; absent, it is fixed.
-fn linear_state<M: ForwardModel>(
-    model: &M,
+fn linear_state(
+    model: &dyn ForwardModel,
     enters: Enters,
     scope: Scope,
     absent: f64,

@@ -44,8 +44,8 @@ pub struct RefineConfig {
 ///
 /// [`IdentifyError::NoRecordings`], [`IdentifyError::StartLength`], [`IdentifyError::NothingFinite`], and what
 /// the model refuses.
-pub fn refine<M: ForwardModel>(
-    model: &M,
+pub fn refine(
+    model: &dyn ForwardModel,
     training: &[Recording],
     starts: &[Vec<f64>],
     config: &RefineConfig,

@@ -275,9 +275,9 @@ impl SavedModel {
     /// # Errors
     ///
     /// As [`SavedModel::validate`].
-    pub fn validate_by<M: ForwardModel>(
+    pub fn validate_by(
         &self,
-        model: &M,
+        model: &dyn ForwardModel,
         point: &[f64],
         recording: &Recording,
     ) -> Result<Validated, IdentifyError> {

@@ -3,11 +3,11 @@
 
 use faer::Mat;
 
+use crate::IdentifyError;
 use crate::factor::Triangle;
 use crate::moments::Solved;
 use crate::problem::{Channel, Problem, Residuals};
 use crate::residual_noise::ResidualNoise;
-use crate::{ForwardModel, IdentifyError};
 
 /// Singular value of the scaled Jacobian, relative to the largest, below which a direction is not
 /// fixed at all.
@@ -44,8 +44,8 @@ impl Covariance {
 /// Γ, the covariance of the residuals, is that of their autoregressive model: it is never formed, the
 /// columns of W J pass through that model instead. The fit itself has taken tr(B JᵀWΓWJ) off the sum
 /// of squares, which is given back.
-pub(crate) fn covariance<M: ForwardModel>(
-    problem: &Problem<'_, M>,
+pub(crate) fn covariance(
+    problem: &Problem<'_>,
     point: &[f64],
     solved: &Solved,
     residuals: &[Residuals],
@@ -93,7 +93,7 @@ pub(crate) fn covariance<M: ForwardModel>(
 }
 
 /// Linear columns, and the coordinates that no bound holds.
-fn covered_columns<M: ForwardModel>(problem: &Problem<'_, M>, point: &[f64]) -> Vec<usize> {
+fn covered_columns(problem: &Problem<'_>, point: &[f64]) -> Vec<usize> {
     let linear = problem.n_linear();
     let free = (0..point.len()).filter(|&j| {
         let bound = &problem.bounds()[j];

@@ -62,12 +62,12 @@ impl Validated {
 
 /// A model whose shared parameters are those of a fit; what is left is the recording's own.
 #[derive(Debug)]
-struct Frozen<'a, M> {
-    model: &'a M,
+struct Frozen<'a> {
+    model: &'a dyn ForwardModel,
     parameters: Vec<ParameterInfo>,
 }
 
-impl<M: ForwardModel> ForwardModel for Frozen<'_, M> {
+impl ForwardModel for Frozen<'_> {
     fn parameters(&self) -> &[ParameterInfo] {
         &self.parameters
     }
@@ -91,8 +91,8 @@ impl<M: ForwardModel> ForwardModel for Frozen<'_, M> {
 /// # Errors
 ///
 /// What the model refuses.
-pub fn validate<M: ForwardModel>(
-    model: &M,
+pub fn validate(
+    model: &dyn ForwardModel,
     fit: &Fit,
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
@@ -111,8 +111,8 @@ pub fn validate<M: ForwardModel>(
 /// # Errors
 ///
 /// What the model refuses.
-pub fn validate_at<M: ForwardModel>(
-    model: &M,
+pub fn validate_at(
+    model: &dyn ForwardModel,
     point: &[f64],
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {

@@ -371,7 +371,8 @@ impl Node {
             let [lower, upper] = parameter.bounds;
             let margin = NEAR * (upper - lower);
             let is_size = parameter.role == Role::Size;
-            let at_lower = value <= lower + margin && !(is_size && lower == 0.0);
+            // Nothing is nowhere less: without a size there is no effect, and a play has no softness.
+            let at_lower = value <= lower + margin && lower != 0.0;
             let at_upper = value >= upper - margin && !(is_size && ends_there);
             at_lower || at_upper
         })

@@ -74,8 +74,8 @@ pub(crate) fn explained(
 }
 
 /// Number of samples and sum of squared errors, block by block.
-fn blocks<M: ForwardModel>(
-    model: &M,
+fn blocks(
+    model: &dyn ForwardModel,
     validated: &Validated,
     recording: &Recording,
 ) -> Result<Vec<(f64, f64)>, IdentifyError> {

@@ -109,12 +109,15 @@ impl Measured {
         }
     }
 
+    /// Whether the converter's steps are coarse beside an error of this mean square.
+    pub(crate) fn is_coarse(&self, mean_square: f64) -> bool {
+        let step = 12_f64.sqrt() * self.rounding.unwrap_or(0.0);
+        step > COARSE * mean_square.sqrt()
+    }
+
     fn class(&self, case: &Case<'_>, best: &Node) -> NoiseClass {
         let residual = best.mean_square().sqrt();
-        if self
-            .rounding
-            .is_some_and(|rounding| 12_f64.sqrt() * rounding > COARSE * residual)
-        {
+        if self.is_coarse(best.mean_square()) {
             return NoiseClass::Quantized;
         }
         let noise = self.upper.unwrap_or(self.lower).max(self.lower);

@@ -9,6 +9,8 @@ use crate::lack::lack;
 use crate::projection::dot;
 use crate::scores::Score;
 use crate::search::{Search, is_universal};
+use crate::series::Channel;
+use crate::tone::has_tone;
 use crate::trial::Trial;
 use crate::{Candidate, CandidateSet};
 
@@ -35,6 +37,13 @@ const ALIKE: f64 = 0.5;
 
 /// Residual of the plain model over noise, squared, that cannot be noise.
 const LARGE: f64 = 1.5;
+
+/// Noise in motion over noise at rest, squared, from which it is not the sensor's.
+const UNSTEADY: f64 = 9.0;
+
+/// Probability of a flexible effect where nothing of the catalogue does as well: a spline takes the place of whatever
+/// drifts, known or not.
+const OF_FLEXIBLE: f64 = 0.6;
 
 /// Neighbors of a model that are tried.
 const NEIGHBORS: usize = 4;
@@ -156,7 +165,16 @@ pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, p_value: f6
     }
     // Slow errors look like noise with a long memory: where the noise was measured, their size tells.
     let is_large = noise.upper.is_some() && plain.mean_square() > LARGE * search.noise();
-    if Trial::far_off(plain, noise) && (is_left || is_large) {
+    let is_far = Trial::far_off(plain, noise) && (is_left || is_large);
+    // What neither rests nor repeats, far beyond the noise at rest, is no noise of the sensor.
+    let is_unsteady = noise.highest() > UNSTEADY * noise.gate;
+    let is_unsteady = is_unsteady && plain.mean_square() > UNSTEADY * noise.gate;
+    let mut segments = search.case.layout.segments.iter();
+    let has_tone = !noise.is_coarse(plain.mean_square())
+        && segments.any(|segment| {
+            segment.channel == Channel::Output && has_tone(&plain.residual[segment.range.clone()])
+        });
+    if is_far || is_unsteady || has_tone {
         Verdict::Unexplained
     } else {
         Verdict::Adequate
@@ -365,5 +383,10 @@ fn alternatives(
     let total = 1.0 + weights.iter().map(|(_, weight)| weight).sum::<f64>();
     weights.iter_mut().for_each(|(_, weight)| *weight /= total);
     weights.sort_by(|a, b| b.1.total_cmp(&a.1));
-    Ok((1.0 / total, weights))
+    let certain = if effect.info().flexible {
+        OF_FLEXIBLE
+    } else {
+        1.0
+    };
+    Ok((certain / total, weights))
 }

@@ -38,6 +38,7 @@ mod spans;
 #[cfg(test)]
 mod synthetic;
 mod tangent;
+mod tone;
 mod trial;
 mod whiten;
 

@@ -84,9 +84,9 @@ impl Layout {
     }
 
     /// Series of a model, one a point; `points(r)` are those of recording r.
-    pub(crate) fn shown<M: ForwardModel>(
+    pub(crate) fn shown(
         &self,
-        model: &M,
+        model: &dyn ForwardModel,
         training: &[Recording],
         points: impl Fn(usize) -> Vec<Vec<f64>>,
     ) -> Result<Vec<Vec<f64>>, IdentifyError> {

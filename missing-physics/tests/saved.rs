@@ -56,7 +56,7 @@ fn recorded(name: &str, heights_a: [f64; 3]) -> Recording {
 }
 
 /// A model fitted from the truth, where it has such a parameter.
-fn fitted<M: ForwardModel>(model: &M, training: &[Recording], iterations: usize) -> Fit {
+fn fitted(model: &dyn ForwardModel, training: &[Recording], iterations: usize) -> Fit {
     let infos = model.parameters();
     let vector = ParameterVector::new(infos, training.len());
     let from = vector.coordinates(|parameter, _| match infos[parameter].name {

@@ -24,8 +24,8 @@ use crate::{
 /// T_1 = B + S q̄(T_0, T_1, ξ_0, ξ_1),   S = (1 - e^(-dt/τ))/(hA)
 /// ```
 ///
-/// with the baseline's temperature B. A fixed number of Newton iterations solves it together with the
-/// hysteresis. With all sizes 0 the outputs are the bits of [`Wiener`], whatever is active, because each
+/// with the baseline's temperature B. A few Newton iterations solve it together with the hysteresis, in each
+/// lane until it is met. With all sizes 0 the outputs are the bits of [`Wiener`], whatever is active, because each
 /// effect adds an exact zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtendedPlant<const L: usize = 1> {

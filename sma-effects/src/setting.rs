@@ -12,7 +12,7 @@ const MOST_ITERATIONS: usize = 50;
 /// What all plants of one kind have in common. What is unknown is left out, and effects that need it
 /// are refused.
 ///
-/// Sub-steps and iterations are fixed, and belong to the baseline as to every candidate: then a
+/// Sub-steps and most iterations are fixed, and belong to the baseline as to every candidate: then a
 /// difference between two outputs is physics, not integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
@@ -41,7 +41,7 @@ pub struct Setting {
     pub reference_degc: f64,
     /// Parts into which every sample is divided; 1 to 64.
     pub sub_steps: usize,
-    /// Newton iterations of each sub-step; 1 to 50.
+    /// Newton iterations of each sub-step, at most; 1 to 50. Fewer are made where they leave nothing.
     pub newton_iterations: usize,
 }
 

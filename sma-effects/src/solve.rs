@@ -9,6 +9,9 @@ use crate::state::Zone;
 /// Smallest derivative of the residual that is believed: keeps a step of Newton's finite and uphill.
 const SMALLEST_SLOPE: f64 = 0.1;
 
+/// Expected error of a trial at which a lane stays, K: far below what a difference of two simulations shows.
+const NEAR_K: f64 = 1e-10;
+
 /// A part of a sample of `Z` zones: what it starts from, and what acts.
 #[derive(Debug)]
 pub(crate) struct Problem<'a, const L: usize, const Z: usize> {
@@ -52,6 +55,9 @@ impl<const L: usize> ExtendedPlant<L> {
     ///
     /// so that g = 0 gives B to the last bit from any trial. The first trial is the start of the sample,
     /// whose slope is known.
+    ///
+    /// A step m_k after one of m_(k-1) leaves m_k²/m_(k-1), or less where steps shrink ever faster. A lane whose
+    /// error is small stays where it is, whatever the others still need.
     #[inline(always)]
     pub(crate) fn solve<const Z: usize>(
         &self,
@@ -69,13 +75,31 @@ impl<const L: usize> ExtendedPlant<L> {
         let mut bracket = Bracket::open();
         let mut at = Evaluated::ZERO;
         self.evaluate(problem, zones, [driving, &share, slope], &mut at);
-        self.newton_step(problem, &at, &mut bracket, driving);
+        let mut moved_k = self.newton_step(problem, &at, &mut bracket, driving);
+        // m_k² - error m_(k-1): not above 0 where a lane stays; NaN never does.
+        let mut open = [f64::INFINITY; L];
         for _ in 0..self.newton_iterations {
+            let (tried, known) = (*driving, *slope);
             for z in 0..Z {
                 self.look(zones[z], &driving[z], &mut share[z], &mut slope[z]);
             }
             self.evaluate(problem, zones, [driving, &share, slope], &mut at);
-            self.newton_step(problem, &at, &mut bracket, driving);
+            let before_k = moved_k;
+            moved_k = self.newton_step(problem, &at, &mut bracket, driving);
+            let mut all_stay = true;
+            for l in 0..L {
+                let stays = open[l] <= 0.0;
+                for z in 0..Z {
+                    driving[z][l] = if stays { tried[z][l] } else { driving[z][l] };
+                    slope[z][l] = if stays { known[z][l] } else { slope[z][l] };
+                }
+                let next = moved_k[l] * moved_k[l] - NEAR_K * before_k[l];
+                open[l] = if stays { open[l] } else { next };
+                all_stay &= open[l] <= 0.0;
+            }
+            if all_stay {
+                break;
+            }
         }
     }
 
@@ -170,6 +194,7 @@ impl<const L: usize> ExtendedPlant<L> {
         }
     }
 
+    /// Goes to the next trial; returns how far, K.
     #[inline(always)]
     fn newton_step<const Z: usize>(
         &self,
@@ -177,7 +202,8 @@ impl<const L: usize> ExtendedPlant<L> {
         at: &Evaluated<L, Z>,
         bracket: &mut Bracket<L>,
         driving: &mut [[f64; L]; Z],
-    ) {
+    ) -> [f64; L] {
+        let mut moved_k = [0.0; L];
         for l in 0..L {
             let derivative = self.derivative(problem, at, l);
             let mut wanted = [0.0; Z];
@@ -202,8 +228,15 @@ impl<const L: usize> ExtendedPlant<L> {
                 } else {
                     newton
                 };
+                let here_k = (driving[z][l] - tried).abs();
+                moved_k[l] = if moved_k[l] > here_k {
+                    moved_k[l]
+                } else {
+                    here_k
+                };
             }
         }
+        moved_k
     }
 
     /// ∂g_z/∂θ_j.

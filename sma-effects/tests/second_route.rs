@@ -615,6 +615,28 @@ fn backlash_waits_after_each_reversal() {
 }
 
 #[test]
+fn soft_friction_comes_after_by_an_exponential() {
+    let (share, softness) = (0.1, 2.5);
+    let mut values = EffectValues::default();
+    values.backlash.backlash_share = share;
+    values.backlash.backlash_softness = softness;
+    let shown = with_effect(EffectId::Backlash, &values, DT_S).displacement;
+    let half = 0.5 * share * params().gain;
+    let plain = baseline().displacement;
+    let mut lag = -half;
+    for k in 0..plain.len() {
+        // Many small steps of dδ = (1 - δ sign/w)/q dy.
+        let way = if k > 0 { plain[k] - plain[k - 1] } else { 0.0 };
+        for _ in 0..2000 {
+            let end = half * way.signum();
+            let middle = lag + 0.5 * (1.0 - lag / end) / softness * (way / 2000.0);
+            lag += (1.0 - middle / end) / softness * (way / 2000.0);
+        }
+        assert_abs_diff_eq!(shown[k], plain[k] - lag, epsilon = 1e-6 * half);
+    }
+}
+
+#[test]
 fn a_hard_stop_is_a_minimum() {
     let mut values = EffectValues::default();
     values.end_stop.end_stop_share = 1.0;

@@ -4,8 +4,8 @@ use crate::{Input, Plant, Profile};
 
 /// Lanes of a full chunk: four vectors of eight, enough to hide the latency of one another.
 const WIDE: usize = 32;
-/// Lanes of a chunk between: what 50 models leave over beside a full chunk.
-const MEDIUM: usize = 24;
+/// Lanes of a chunk between: the eight trials of a least-squares search and differences by eight parameters.
+const MEDIUM: usize = 16;
 /// Lanes of a small chunk: one vector of eight.
 const NARROW: usize = 8;
 /// Samples simulated before the visitor sees them: its rows stay in the first-level cache.

@@ -10,7 +10,7 @@ use sma_hysteresis::Rule;
 use wiener::{Block, Drive, Ensemble, Member, Profile, Start, Wiener, WienerError};
 
 /// Below, at and above the widths of a chunk, and several chunks with a rest.
-const SIZES: [usize; 10] = [1, 2, 8, 9, 24, 25, 32, 33, 50, 70];
+const SIZES: [usize; 10] = [1, 2, 8, 9, 16, 17, 32, 33, 50, 70];
 
 fn any_members() -> impl Strategy<Value = Vec<Member>> {
     let start = (prop_oneof![Just(AMBIENT_DEGC), 10.0..120.0], 0.0..=1.0);

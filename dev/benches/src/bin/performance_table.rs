@@ -171,8 +171,8 @@ fn configs() -> Vec<(&'static str, SwarmConfig)> {
     ]
 }
 
-fn fitted<M: ForwardModel>(
-    model: &M,
+fn fitted(
+    model: &dyn ForwardModel,
     training: &[Recording],
     config: FitConfig,
     seed: u64,
