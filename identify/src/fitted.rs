@@ -125,7 +125,7 @@ impl Fit {
     }
 
     /// Values of all parameters in a training recording, in the model's order: what
-    /// [`ForwardModel::simulate`] takes to show the output itself.
+    /// [`ForwardModel::simulate`](crate::ForwardModel::simulate) takes to show the output itself.
     ///
     /// # Panics
     ///
