@@ -16,6 +16,9 @@ use crate::{Candidate, CandidateSet, EffectId, ExtendedModel, Need, Role, Settin
 /// Iterations of a refinement that is only to be compared with others.
 const ITERATIONS: usize = 8;
 
+/// The same of models with one effect: all the rest grows from them.
+const FIRST_ITERATIONS: usize = 24;
+
 /// Iterations until a refinement has its end.
 const TO_THE_END: usize = 60;
 
@@ -97,7 +100,12 @@ impl<'a> Case<'a> {
         starts: &[Vec<f64>],
     ) -> Result<Node, IdentifyError> {
         let model = self.model(effects);
-        let refined = self.searched(near, &model, starts, ITERATIONS)?;
+        let iterations = if near.effects.is_empty() {
+            FIRST_ITERATIONS
+        } else {
+            ITERATIONS
+        };
+        let refined = self.searched(near, &model, starts, iterations)?;
         self.node(
             model,
             refined.coordinates,

@@ -18,12 +18,12 @@ use crate::diagnosis::{
 use crate::elsewhere::without_drifts;
 use crate::explained::explained;
 use crate::floor::{Measured, measured};
-use crate::judge::{Judged, Named, judge, without_effects};
+use crate::judge::{Judged, LARGE, Named, judge, without_effects};
 use crate::locate::{Located, locate, remainder_shape};
 use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
 use crate::whiten::Whitener;
-use crate::{CandidateSet, EffectBlock, EffectSet, Setting};
+use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, Setting};
 
 /// Most explanations that a run is sought for.
 const RIVALS: usize = 3;
@@ -188,6 +188,17 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let best = search.get(judged.effects).unwrap_or(plain);
     let floor = noise.floor(search.case, best);
     let gained = plain.mean_square() - best.mean_square();
+    // The zero of a sensor moves slowly and smoothly: what leaves noise that grows toward low frequencies is not that.
+    let is_drift = |named: &Named| named.effect == EffectId::SensorDrift;
+    if floor.class == NoiseClass::OneOverF && judged.named.iter().any(is_drift) {
+        let is_large = plain.mean_square() > LARGE * best.mean_square();
+        let verdict = if is_large {
+            Verdict::Unexplained
+        } else {
+            without_effects(search, noise, 1.0)
+        };
+        return (judged.demoted(verdict), floor);
+    }
     if !noise.forbids(floor.class, gained) {
         return (judged, floor);
     }

@@ -12,7 +12,7 @@ use crate::search::{Search, is_universal};
 use crate::series::Channel;
 use crate::tone::has_tone;
 use crate::trial::Trial;
-use crate::{Candidate, CandidateSet};
+use crate::{Candidate, CandidateSet, EffectId};
 
 /// Share of the explainable error that an effect must bring to have a name.
 const OWN_SHARE: f64 = 0.05;
@@ -36,7 +36,7 @@ const SMALL_REMAINDER: f64 = 0.02;
 const ALIKE: f64 = 0.5;
 
 /// Residual of the plain model over noise, squared, that cannot be noise.
-const LARGE: f64 = 1.5;
+pub(crate) const LARGE: f64 = 1.5;
 
 /// Noise in motion over noise at rest, squared, from which it is not the sensor's.
 const UNSTEADY: f64 = 9.0;
@@ -44,6 +44,9 @@ const UNSTEADY: f64 = 9.0;
 /// Probability of a flexible effect where nothing of the catalogue does as well: a spline takes the place of whatever
 /// drifts, known or not.
 const OF_FLEXIBLE: f64 = 0.6;
+
+/// Losses that grow faster than the temperature.
+const ACT_ALIKE: [[EffectId; 2]; 1] = [[EffectId::Radiation, EffectId::NaturalConvection]];
 
 /// Neighbors of a model that are tried.
 const NEIGHBORS: usize = 4;
@@ -101,7 +104,12 @@ pub(crate) fn judge(
 ) -> Result<Judged, IdentifyError> {
     let mut effects = settled(search)?;
     let trial = Trial::of(search, noise, tau_s)?;
-    let contributions = pruned(search, &trial, &mut effects)?;
+    let mut contributions = pruned(search, &trial, &mut effects)?;
+    if !search.get(effects).is_some_and(Node::is_admitted) {
+        // What is left of a larger model stands on a bound: another of its size may do.
+        effects = chosen(search, effects.len());
+        contributions = pruned(search, &trial, &mut effects)?;
+    }
     let mut named = Vec::new();
     for (effect, contribution) in contributions {
         let (probability, others) = alternatives(search, effects, effect)?;
@@ -117,7 +125,9 @@ pub(crate) fn judge(
     let (mut licensed, mut suspects): (Vec<Named>, Vec<Named>) =
         named.into_iter().partition(|named| {
             let is_shared = shared.contains(named.effect) || !named.others.is_empty();
-            is_shared && upheld.contains(named.effect)
+            let is_pressed = |node: &Node| node.is_pressed(named.effect);
+            let is_held = search.get(effects).is_none_or(is_pressed);
+            is_shared && upheld.contains(named.effect) && !is_held
         });
     let Some(best) = search.get(effects) else {
         unreachable!("a chosen model was visited");
@@ -181,27 +191,31 @@ pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, p_value: f6
     }
 }
 
-/// The most credible model.
-fn chosen(search: &Search<'_>) -> CandidateSet {
-    let admitted = search.nodes().filter(|node| node.is_admitted());
-    let best = admitted
+/// The most credible model of so many effects at most.
+fn chosen(search: &Search<'_>, most: usize) -> CandidateSet {
+    let credible = search
+        .nodes()
+        .filter(|node| node.effects.len() <= most)
+        .filter(|node| node.is_admitted() && !search.is_outdone(node));
+    let best = credible
         .map(|node| (search.credit(node.effects), node.effects))
         .max_by(|a, b| a.0.total_cmp(&b.0));
     best.map_or(CandidateSet::EMPTY, |(_, effects)| effects)
 }
 
-/// The most credible model, fitted from many places; where much is left, or was until then, with effects
-/// exchanged, added or left out for as long as that makes it more credible: roads that lead to one place differ in
+/// The most credible model, fitted from many places; where much is left, or was until then, or the fit ends on a
+/// bound, with effects exchanged, added or left out for as long as that makes it more credible: roads that lead to one place differ in
 /// their order.
 fn settled(search: &mut Search<'_>) -> Result<CandidateSet, IdentifyError> {
-    let mut effects = chosen(search);
+    let mut effects = chosen(search, usize::MAX);
     for _ in 0..ROUNDS {
         let is_elsewhere = !effects.is_empty() && search.settle(effects)?.is_elsewhere;
-        if !is_elsewhere && !search.is_misfit() {
+        let is_admitted = search.get(effects).is_some_and(Node::is_admitted);
+        if !is_elsewhere && is_admitted && !search.is_misfit() {
             break;
         }
         look_around(search, effects)?;
-        let best = chosen(search);
+        let best = chosen(search, usize::MAX);
         if best == effects {
             break;
         }
@@ -361,6 +375,20 @@ fn passes(
     Ok(share.is_some_and(|share| share.lower >= GATE))
 }
 
+/// What acts like an effect in every rig, and could not be tried for want of what it needs: as likely.
+fn untried(search: &Search<'_>, effect: Candidate) -> impl Iterator<Item = Candidate> {
+    let others = ACT_ALIKE.into_iter().filter_map(move |[one, other]| {
+        if effect == one {
+            Some(other.into())
+        } else if effect == other {
+            Some(one.into())
+        } else {
+            None
+        }
+    });
+    others.filter(|&other| search.may_be(other) && search.case.missing(other).is_some())
+}
+
 /// Probability of an effect against those that would do as well in its place, and these.
 fn alternatives(
     search: &mut Search<'_>,
@@ -375,11 +403,13 @@ fn alternatives(
         if let Some(set) = search.exchanged(effects, effect, Some(&rival)) {
             search.finish(&[set])?;
             let behind = search.behind(set, effects);
-            if behind < AS_WELL && search.get(set).is_some_and(Node::is_admitted) {
+            let is_credible = |node: &Node| node.is_admitted() && !search.is_outdone(node);
+            if behind < AS_WELL && search.get(set).is_some_and(is_credible) {
                 weights.push((rival.effect, (-behind).exp()));
             }
         }
     }
+    weights.extend(untried(search, effect).map(|other| (other, 1.0)));
     let total = 1.0 + weights.iter().map(|(_, weight)| weight).sum::<f64>();
     weights.iter_mut().for_each(|(_, weight)| *weight /= total);
     weights.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -23,6 +23,9 @@ const BRANCHES: usize = 2;
 const BY_PLAIN: usize = 9;
 const BY_WHITENED: usize = 5;
 
+/// Mean square over that with an effect less from which, far from the noise, further effects lead nowhere either.
+const STALLED: f64 = 0.9;
+
 /// Residual over noise, squared, of the best model from which all are misfits.
 const MISFIT: f64 = 2.0;
 
@@ -44,8 +47,14 @@ const COULD_MATTER: f64 = 0.7;
 /// another: odds of e⁶.
 const BEYOND_DOUBT: f64 = 6.0;
 
+/// Mean square over that of another model from which no memory of noise accounts for the difference.
+const OUTDONE: f64 = 2.0;
+
 /// Sizes, as shares of the typical one, between which a refit starts.
 const START: [f64; 2] = [0.05, 2.0];
+
+/// How far toward a bound a refit of one effect may start.
+const FAR: f64 = 0.9;
 
 /// A model and what could be added to it.
 #[derive(Debug, Clone)]
@@ -121,6 +130,11 @@ impl<'a> Search<'a> {
         &self.visited[0].node
     }
 
+    /// Whether the catalogue has a candidate.
+    pub(crate) fn may_be(&self, candidate: Candidate) -> bool {
+        self.catalogue.contains(candidate)
+    }
+
     fn index(&self, effects: CandidateSet) -> Option<usize> {
         self.visited
             .iter()
@@ -170,8 +184,12 @@ impl<'a> Search<'a> {
             if grown.is_empty() {
                 break;
             }
+            let before = self.least_error(&frontier);
             frontier = self.best_of(grown);
             self.finish(&frontier)?;
+            if self.is_misfit() && self.least_error(&frontier) > STALLED * before {
+                break;
+            }
         }
         Ok(())
     }
@@ -246,6 +264,11 @@ impl<'a> Search<'a> {
         self.get(effects).map_or(f64::INFINITY, Node::mean_square)
     }
 
+    fn least_error(&self, sets: &[CandidateSet]) -> f64 {
+        let errors = sets.iter().map(|&set| self.error(set));
+        errors.fold(f64::INFINITY, f64::min)
+    }
+
     /// Mean square of what the best model leaves, over that of the noise; at least 1.
     fn dispersion(&self) -> f64 {
         let errors = self.nodes().map(Node::mean_square);
@@ -287,6 +310,16 @@ impl<'a> Search<'a> {
     /// The model with these effects, if it was visited.
     pub(crate) fn get(&self, effects: CandidateSet) -> Option<&Node> {
         self.index(effects).map(|index| &self.visited[index].node)
+    }
+
+    /// Whether an admitted model without flexible effects, of no more effects, leaves less than half of what a model
+    /// leaves: that would be noise with a long memory, if it were noise, and costs little likelihood.
+    pub(crate) fn is_outdone(&self, node: &Node) -> bool {
+        let is_rigid = |other: &&Node| other.effects.iter().all(|one| !one.info().flexible);
+        self.nodes()
+            .filter(|other| other.effects.len() <= node.effects.len() && other.is_admitted())
+            .filter(is_rigid)
+            .any(|other| OUTDONE * other.mean_square() < node.mean_square())
     }
 
     /// Log-likelihood of a model with Schwarz's price of its parameters.
@@ -368,26 +401,37 @@ impl<'a> Search<'a> {
         let parameters = effect.info().parameters;
         let model = self.case.model(node.effects.with(effect));
         // Where the linear view points, and from a typical size: it is blind to what bends.
-        let first: Vec<f64> = sizes_of(effect)
-            .zip(&score.sizes)
-            .map(|(k, &size)| {
-                let typical = parameters[k].typical;
-                let magnitude = size.abs().clamp(START[0] * typical, START[1] * typical);
-                magnitude.copysign(size)
-            })
-            .collect();
-        let start = |scale: f64| {
+        let within = |most: [f64; 2]| -> Vec<f64> {
+            sizes_of(effect)
+                .zip(&score.sizes)
+                .map(|(k, &size)| {
+                    let typical = parameters[k].typical;
+                    let magnitude = size.abs().clamp(most[0] * typical, most[1] * typical);
+                    let [lower, upper] = parameters[k].bounds;
+                    magnitude.copysign(size).clamp(FAR * lower, FAR * upper)
+                })
+                .collect()
+        };
+        let first = within(START);
+        let screened = effect.info().screened_partner();
+        let start = |sizes: &[f64], scale: f64| {
             self.case.moved(node, &model, |other, k| {
                 let own = (other == effect).then_some(k)?;
                 match parameters[own].role {
-                    Role::Size => first.get(own).map(|size| scale * size),
-                    Role::Partner { .. } => score.partner,
+                    Role::Size => sizes.get(own).map(|size| scale * size),
+                    Role::Partner { .. } => score
+                        .partner
+                        .filter(|_| screened.is_some_and(|(number, _)| number == own)),
                 }
             })
         };
-        let mut starts = vec![start(1.0)];
+        let mut starts = vec![start(&first, 1.0)];
         if score.partner.is_some() {
-            starts.push(start(0.3));
+            starts.push(start(&first, 0.3));
+        }
+        let far = within([START[0], f64::INFINITY]);
+        if node.effects.is_empty() && far != first {
+            starts.push(start(&far, 1.0));
         }
         let effects = node.effects.with(effect);
         self.case.refined(node, effects, &starts).ok()

@@ -112,8 +112,9 @@ pub(crate) fn traces(
     partner: Option<f64>,
 ) -> Result<Vec<Trace>, IdentifyError> {
     let parameters = effect.info().parameters;
-    let partners: Vec<Option<f64>> = match effect.info().partner_grid() {
-        Some(grid) if partner.is_none() => grid.iter().copied().map(Some).collect(),
+    let screened = effect.info().screened_partner();
+    let partners: Vec<Option<f64>> = match screened {
+        Some((_, grid)) if partner.is_none() => grid.iter().copied().map(Some).collect(),
         _ => vec![partner],
     };
     let sizes = (0..parameters.len()).filter(|&k| parameters[k].role == Role::Size);
@@ -126,11 +127,12 @@ pub(crate) fn traces(
     let mut starts = vec![case.moved(node, &model, |_, _| None)];
     starts.extend(wanted.iter().map(|&(size, partner)| {
         case.moved(node, &model, |other, k| {
-            let own = other == effect;
-            match (parameters.get(k)?.role, partner) {
-                (Role::Size, _) if own && k == size => Some(share * parameters[k].typical),
-                (Role::Partner { .. }, Some(partner)) if own => Some(partner),
-                _ => None,
+            if other != effect {
+                None
+            } else if k == size {
+                Some(share * parameters[k].typical)
+            } else {
+                partner.filter(|_| screened.is_some_and(|(number, _)| number == k))
             }
         })
     }));

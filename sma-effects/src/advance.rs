@@ -18,6 +18,8 @@ struct Leg<'a, const L: usize> {
     ambient_degc: f64,
     /// What own hypotheses add.
     own: Option<&'a OwnMemory<L>>,
+    /// What warm clamps save the ends, W/m.
+    saved_w_per_m: [f64; L],
 }
 
 impl<const L: usize> ExtendedPlant<L> {
@@ -66,17 +68,27 @@ impl<const L: usize> ExtendedPlant<L> {
         dt_s: f64,
         ambient_degc: f64,
     ) {
-        let leg = Leg {
+        let mut leg = Leg {
             stage,
             dt_s,
             ambient_degc,
             own: state.own.as_deref(),
+            saved_w_per_m: [0.0; L],
         };
         let residual_k = match &mut state.ends {
             None => self.advance_zones([&self.middle], [&mut state.middle], &leg),
             Some(ends) => {
                 let heat = [&self.middle, &self.ends];
-                self.advance_zones(heat, [&mut state.middle, &mut **ends], &leg)
+                let (conduction, clamps) =
+                    (&self.effects.end_conduction, &mut state.rod.end_conduction);
+                let length_s = stage.share.map(|share| share * dt_s);
+                let before_k = stage.above_ambient_k(&ends.temperature_degc);
+                leg.saved_w_per_m = conduction.saved_w_per_m(clamps, &before_k, &length_s);
+                let residual_k = self.advance_zones(heat, [&mut state.middle, &mut **ends], &leg);
+                let after_k = stage.above_ambient_k(&ends.temperature_degc);
+                let mean_k = core::array::from_fn(|l| 0.5 * (before_k[l] + after_k[l]));
+                conduction.follow(clamps, &mean_k, &length_s);
+                residual_k
             }
         };
         for l in 0..L {
@@ -105,6 +117,12 @@ impl<const L: usize> ExtendedPlant<L> {
                     let sensitivity = reference[z].sensitivity_k_m_per_w[l];
                     reference[z].end_degc[l] += sensitivity * own.flow_w_per_m[z][l];
                 }
+            }
+        }
+        if Z > 1 {
+            for l in 0..L {
+                let sensitivity = reference[Z - 1].sensitivity_k_m_per_w[l];
+                reference[Z - 1].end_degc[l] += sensitivity * leg.saved_w_per_m[l];
             }
         }
         let mean = self.mean(&share);

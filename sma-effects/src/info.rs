@@ -23,15 +23,15 @@ pub struct EffectInfo {
 }
 
 impl EffectInfo {
-    /// Values of its partner to try; `None` if it has none.
+    /// The partner that screening varies, the first: its number among the parameters and the values to try; `None` if
+    /// there is none. Others stay at their typical values until a fit moves them.
     #[must_use]
-    pub fn partner_grid(&self) -> Option<&'static [f64]> {
-        self.parameters
-            .iter()
-            .find_map(|parameter| match parameter.role {
-                Role::Partner { grid } => Some(grid),
-                Role::Size => None,
-            })
+    pub fn screened_partner(&self) -> Option<(usize, &'static [f64])> {
+        let mut numbered = self.parameters.iter().enumerate();
+        numbered.find_map(|(number, parameter)| match parameter.role {
+            Role::Partner { grid } => Some((number, grid)),
+            Role::Size => None,
+        })
     }
 }
 
@@ -119,7 +119,7 @@ pub enum Role {
     Size,
     /// Without influence where the size is zero, and so without a value there: screening tries these.
     Partner {
-        /// Values to try.
+        /// Values to try; none but for the first partner.
         grid: &'static [f64],
     },
 }

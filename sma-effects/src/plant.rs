@@ -106,12 +106,15 @@ impl<const L: usize> ExtendedPlant<L> {
             Hypothesis::checked(setting.hypotheses, &lane.own)?;
         }
         let baseline = Wiener::new(setting.drive, setting.rule, params)?;
+        let asymmetry = values.map(|lane| lane.loop_asymmetry.loop_asymmetry);
+        let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
+        let proximity = SineProximity::new(params.map(|lane| lane.zeta))?;
         let base = Base {
             setting,
             params,
             other_memory: Hysteresis::new(
-                *baseline.hysteresis().limits(),
-                SineProximity::new(params.map(|lane| lane.zeta))?,
+                limits,
+                proximity,
                 match setting.rule {
                     Rule::LastReversal => Rule::Nested,
                     Rule::Nested => Rule::LastReversal,
@@ -125,7 +128,7 @@ impl<const L: usize> ExtendedPlant<L> {
             drive: setting.drive,
             middle: ZoneHeat::new(heat, [0.0; L])?,
             ends: ZoneHeat::new(heat, loss_ratio)?,
-            hysteresis: *baseline.hysteresis(),
+            hysteresis: Hysteresis::new(limits, proximity, setting.rule),
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),
             offset: params.map(|lane| lane.offset),

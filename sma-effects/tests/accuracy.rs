@@ -67,14 +67,8 @@ fn three_iterations_of_newton_leave_nothing() {
     for effect in EffectId::ALL {
         for dt_s in [0.1, 0.3] {
             let shown = with_effect(effect, &EffectValues::typical(effect, 1.0), dt_s);
-            // A corner of the play costs an iteration.
-            let limit_k = if effect == EffectId::LoopAsymmetry {
-                1e-4
-            } else {
-                1e-10
-            };
             let residual_k = shown.largest_residual_k;
-            assert!(residual_k <= limit_k, "{effect} {dt_s} {residual_k:e}");
+            assert!(residual_k <= 1e-10, "{effect} {dt_s} {residual_k:e}");
         }
     }
 }

@@ -168,9 +168,9 @@ fn bent_scales_and_drifts_move_what_they_bend() {
 }
 
 #[test]
-fn a_wider_cooling_curve_starts_earlier_and_ends_later() {
+fn a_narrower_heating_curve_gets_further_and_a_wider_cooling_curve_ends_later() {
     let runs = rising(EffectId::LoopAsymmetry, 0, &[-0.5, 0.0, 0.5]);
-    // Above the middle of the first cooling, and at its end.
-    assert!(falls(runs.iter().map(|run| run.displacement[125])));
+    // At the end of the first heating, and at that of the cooling.
+    assert!(falls(runs.iter().map(|run| -run.displacement[100])));
     assert!(falls(runs.iter().map(|run| -run.displacement[170])));
 }

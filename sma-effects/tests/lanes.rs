@@ -107,37 +107,6 @@ fn stays_finite(bits: u32, places: &[f64], dt_s: f64) {
     }
 }
 
-/// A loop bent so far that asymmetry makes it fold: Newton leaves the bracket while one side is open.
-#[test]
-fn a_loop_that_folds_stays_finite() {
-    let active = [
-        EffectId::SupplyLag,
-        EffectId::NaturalConvection,
-        EffectId::PhaseDependentResistance,
-        EffectId::AmbientDrift,
-        EffectId::LoopShape,
-        EffectId::LoopAsymmetry,
-        EffectId::FunctionalFatigue,
-    ];
-    let bits = active.iter().map(|&effect| 1 << effect as u32).sum();
-    let mut places = [0.0; 40];
-    places[..12].copy_from_slice(&[
-        0.7402279234700074,
-        0.39513420073737765,
-        0.0,
-        0.6730041322708036,
-        0.2909728738788443,
-        0.5806041120653692,
-        0.0648993127766243,
-        0.9175570781751491,
-        0.15537770992527286,
-        0.0,
-        0.0,
-        0.996870548772215,
-    ]);
-    stays_finite(bits, &places, 0.6957768228208174);
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
@@ -145,7 +114,7 @@ proptest! {
     #[test]
     fn whatever_is_accepted_stays_finite(
         bits in 0u32..1 << 21,
-        places in proptest::collection::vec(prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0f64], 40),
+        places in proptest::collection::vec(prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0f64], 64),
         dt_s in 0.02..1.0f64,
     ) {
         stays_finite(bits, &places, dt_s);

@@ -36,6 +36,12 @@ pub enum HysteresisError {
         /// Rejected value.
         value: f64,
     },
+    /// A relative difference of spreads leaves one branch without any.
+    #[error("asymmetry = {value}: must be > -1 and < 1, or a branch would have no spread")]
+    Asymmetry {
+        /// Rejected value.
+        value: f64,
+    },
     /// A start temperature is infinite or NaN.
     #[error("start temperature = {value} °C: must be finite")]
     StartTemperature {

@@ -105,9 +105,9 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
                     value: temperature_degc[l],
                 });
             }
-            let half_width_k = self.limits.half_width_k(l);
-            let ends = [-1.0, 1.0]
-                .map(|side| self.limits.fraction_at(l, relative_k + side * half_width_k));
+            let levels_k =
+                [1.0, -1.0].map(|sign| self.limits.limiting_level_k(l, sign, relative_k));
+            let ends = levels_k.map(|level_k| self.limits.fraction_at(l, level_k));
             let outside = HysteresisError::OutsideLoop {
                 value: fraction[l],
                 temperature_degc: temperature_degc[l],
@@ -120,7 +120,8 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
             };
             // A fraction read off a limiting curve may be out by rounding.
             let margin = 1e-9;
-            share[l] = 0.5 + 0.5 * (level_k - relative_k) / half_width_k;
+            let [heating_k, cooling_k] = levels_k;
+            share[l] = (level_k - heating_k) / (cooling_k - heating_k);
             if !(share[l] >= -margin && share[l] <= 1.0 + margin) {
                 return Err(outside);
             }

@@ -73,7 +73,8 @@ impl Default for LoopParams {
 ///
 /// Both curves are one function of the *anhysteretic temperature* `T - T_mid - δ T_c`: the
 /// temperature at which a loop of zero width would have this fraction. The operator remembers that
-/// temperature, and no `tan` is needed at a reversal.
+/// temperature, and no `tan` is needed at a reversal. With [`LimitingLoop::with_asymmetry`] it is
+/// (T - T_mid - δ T_c)/k_δ.
 ///
 /// # Differs from the source
 ///
@@ -87,6 +88,8 @@ pub struct LimitingLoop<const L: usize> {
     fraction_center: [f64; L],
     /// 2 ξ_s/π.
     fraction_per_radian: [f64; L],
+    /// k_δ on heating and on cooling.
+    widening: [[f64; L]; 2],
 }
 
 impl<const L: usize> LimitingLoop<L> {
@@ -114,15 +117,37 @@ impl<const L: usize> LimitingLoop<L> {
             spread_k: lanes.map(|lane| lane.loop_spread_k),
             fraction_center: lanes.map(|lane| lane.fraction_center),
             fraction_per_radian: lanes.map(|lane| FRAC_2_PI * lane.fraction_swing),
+            widening: [[1.0; L]; 2],
         })
+    }
+
+    /// The loop with branches of different spreads, not in the paper: relative differences a of each lane.
+    ///
+    /// ```text
+    /// ξ = F(T, δ) with h_0 k_δ in place of h_0,   k_δ = 1 - δ a
+    /// ```
+    ///
+    /// Where the two curves cross, far from the middle, a branch that starts beyond its own curve comes back to it as
+    /// one from within does.
+    ///
+    /// # Errors
+    ///
+    /// [`HysteresisError::Asymmetry`] unless |a| < 1.
+    pub fn with_asymmetry(mut self, asymmetry: [f64; L]) -> Result<Self, HysteresisError> {
+        if let Some(value) = asymmetry.into_iter().find(|value| !(value.abs() < 1.0)) {
+            return Err(HysteresisError::Asymmetry { value });
+        }
+        self.widening = [asymmetry.map(|a| 1.0 - a), asymmetry.map(|a| 1.0 + a)];
+        Ok(self)
     }
 
     /// Fraction on a limiting curve, eq. 4.
     #[must_use]
     pub fn fraction(&self, branch: Branch, temperature_degc: [f64; L]) -> [f64; L] {
         core::array::from_fn(|l| {
-            let shift_k = branch.sign() * self.half_width_k[l];
-            self.fraction_at(l, self.relative_k(l, temperature_degc[l]) - shift_k)
+            let sign = branch.sign();
+            let level_k = self.limiting_level_k(l, sign, self.relative_k(l, temperature_degc[l]));
+            self.fraction_at(l, level_k)
         })
     }
 
@@ -140,8 +165,9 @@ impl<const L: usize> LimitingLoop<L> {
         let mut temperature_degc = [0.0; L];
         for l in 0..L {
             let level_k = self.level_of(l, branch, fraction[l])?;
+            let own_k = level_k * self.widening(l, branch.sign());
             temperature_degc[l] =
-                self.center_degc[l] + level_k + branch.sign() * self.half_width_k[l];
+                self.center_degc[l] + own_k + branch.sign() * self.half_width_k[l];
         }
         Ok(temperature_degc)
     }
@@ -160,6 +186,22 @@ impl<const L: usize> LimitingLoop<L> {
     #[inline(always)]
     pub(crate) fn half_width_k(&self, lane: usize) -> f64 {
         self.half_width_k[lane]
+    }
+
+    /// k_δ.
+    #[inline(always)]
+    pub(crate) fn widening(&self, lane: usize, sign: f64) -> f64 {
+        let [heating, cooling] = &self.widening;
+        if sign > 0.0 {
+            heating[lane]
+        } else {
+            cooling[lane]
+        }
+    }
+
+    /// Anhysteretic temperature on a limiting curve.
+    pub(crate) fn limiting_level_k(&self, lane: usize, sign: f64, relative_k: f64) -> f64 {
+        (relative_k - sign * self.half_width_k[lane]) / self.widening(lane, sign)
     }
 
     /// Fraction at an anhysteretic temperature.

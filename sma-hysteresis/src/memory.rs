@@ -82,10 +82,18 @@ impl<const L: usize> Memory<L> {
     ) -> Self {
         let base: [Turn; L] = core::array::from_fn(|lane| {
             let temperature_k = temperature_k[lane].clamp(-FARTHEST_K, FARTHEST_K);
+            let share = share[lane];
+            let half_width_k = rules.limits.half_width_k(lane);
+            // Straight between the curves; what asymmetry adds to either is exactly 0 without one.
+            let added_k = |sign: f64| {
+                let limiting_k = rules.limits.limiting_level_k(lane, sign, temperature_k);
+                limiting_k - (temperature_k - sign * half_width_k)
+            };
             Turn {
                 temperature_k,
                 level_k: temperature_k
-                    + (2.0 * share[lane] - 1.0) * rules.limits.half_width_k(lane),
+                    + (2.0 * share - 1.0) * half_width_k
+                    + ((1.0 - share) * added_k(1.0) + share * added_k(-1.0)),
             }
         });
         let mut memory = Self {

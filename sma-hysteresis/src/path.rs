@@ -47,6 +47,9 @@ pub(crate) struct Turn {
 /// - it would fall short: the distance to the limiting curve fades more slowly, g = 1 and
 ///   s = (d_p - T_pr)/(d(T̂_p) - T_pr) with d = u - T̂ + δ T_c.
 ///
+/// Where branches spread differently u is that of the branch, h_0 k_δ tan(…): with u_r times k_δ the same equations
+/// hold, and g and T_pr over k_δ give the common one.
+///
 /// Both factors lie in \[0, 1\], also where rounding leaves nothing of their quotients, so the slope
 /// stays within 0 and that of the limiting curve: the branch is monotone and never leaves the loop,
 /// whatever ζ.
@@ -78,22 +81,25 @@ impl Path {
         end: Option<Turn>,
     ) -> Self {
         let shift_k = sign * limits.half_width_k(lane);
-        let distance_k = start.level_k + shift_k - start.temperature_k;
+        let widening = limits.widening(lane, sign);
+        let distance_k = start.level_k * widening + shift_k - start.temperature_k;
         // T_pr has the sign of the direction; what does not reach the threshold, or has the wrong
-        // sign by rounding, lies on the limiting curve already.
-        if sign * distance_k <= SMALLEST_PROXIMITY_K {
+        // sign by rounding, lies on the limiting curve already. Where curves cross it may lie beyond.
+        let within_k = sign * distance_k;
+        let is_beyond = widening != 1.0 && within_k < -SMALLEST_PROXIMITY_K;
+        if within_k <= SMALLEST_PROXIMITY_K && !is_beyond {
             return Self {
                 start,
-                rise: 1.0,
+                rise: 1.0 / widening,
                 proximity_k: 0.0,
                 inverse_proximity_per_k: sign,
             };
         }
         let natural = Self {
             start,
-            rise: 1.0,
-            proximity_k: distance_k,
-            inverse_proximity_per_k: 1.0 / distance_k,
+            rise: 1.0 / widening,
+            proximity_k: distance_k / widening,
+            inverse_proximity_per_k: sign / distance_k.abs(),
         };
         let Some(end) = end else { return natural };
         let reached_k = natural.level_k(proximity, lane, end.temperature_k);
@@ -101,16 +107,16 @@ impl Path {
         if excess_k > 0.0 {
             let scale = factor((end.level_k - start.level_k) / (reached_k - start.level_k));
             Self {
-                rise: scale,
-                proximity_k: scale * distance_k,
+                rise: scale * natural.rise,
+                proximity_k: scale * natural.proximity_k,
                 ..natural
             }
         } else if excess_k < 0.0 {
             let limit_k = end.temperature_k - shift_k;
-            let scale =
-                factor((end.level_k - limit_k - distance_k) / (reached_k - limit_k - distance_k));
+            let left_k = |level_k: f64| level_k * widening - limit_k - distance_k;
+            let scale = factor(left_k(end.level_k) / left_k(reached_k));
             Self {
-                proximity_k: scale * distance_k,
+                proximity_k: scale * natural.proximity_k,
                 ..natural
             }
         } else {

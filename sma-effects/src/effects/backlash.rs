@@ -13,8 +13,9 @@ parameters! {
     ///
     /// With q = 0 it waits and then follows at once: a play, and just as well a slider with the friction F_c on a spring
     /// k, w = F_c/k. With q it comes after ever more, as friction does whose contacts give way before they slide
-    /// (Dahl's, from q = 2 in all of the way). At the start the output stands as after a long way along the branch that
-    /// the rod came on. The width is a share of the stroke, so that gain and offset of the model stay linear.
+    /// (Dahl's, from q = 2 in all of the way). At the start u = 1 - s: s = 0 as after a long way along the branch that the
+    /// rod came on, 1 without a force. The width is a share of the stroke, so that gain and offset of the model stay
+    /// linear.
     Backlash {
         /// Width of the play over the stroke ψ; 0 to 0.3.
         backlash_share: EffectParameter::size("of the stroke", 0.015, [0.0, 0.3])
@@ -22,6 +23,8 @@ parameters! {
         /// Over how many half widths the output catches up q; 0 (a play) to 5. A partner: without a width it does
         /// nothing.
         backlash_softness: EffectParameter::partner("half widths", 0.0, [0.0, 5.0], &[0.0, 0.5, 1.0, 2.0, 4.0]),
+        /// How far it had come back at the start s; 0 to 2. A partner: without a width it does nothing.
+        backlash_relaxed: EffectParameter::partner("half widths", 0.0, [0.0, 2.0], &[]),
     }
 }
 
@@ -48,6 +51,7 @@ pub(crate) struct Lanes<const L: usize> {
     /// 1/w; 0 without a width.
     per_half_width: [f64; L],
     softness: [f64; L],
+    relaxed: [f64; L],
     falls_on_heating: [bool; L],
 }
 
@@ -72,6 +76,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             per_half_width: half_width.map(|width| if width > 0.0 { 1.0 / width } else { 0.0 }),
             half_width,
             softness: values.map(|lane| lane.backlash.backlash_softness),
+            relaxed: values.map(|lane| lane.backlash.backlash_relaxed),
             falls_on_heating: base.params.map(|lane| lane.gain < 0.0),
         }
     }
@@ -132,7 +137,8 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             } else {
                 share[l]
             };
-            rod.driven[l] = play_at(displacement[l], self.half_width[l], fallen);
+            let relaxed = fallen + self.relaxed[l] * (0.5 - fallen);
+            rod.driven[l] = play_at(displacement[l], self.half_width[l], relaxed);
         }
         *displacement = rod.driven;
     }

@@ -1,7 +1,7 @@
 use crate::EffectValues;
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
 use crate::elementary::{expm1, ln};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
 use crate::part::progress;
 
 /// Rise above the surroundings at which the conductance is that of the baseline, K.
@@ -22,8 +22,8 @@ parameters! {
     /// hA (T - T_a) (e^(n ln(|T - T_a|/50 K)) - 1), at two
     /// temperatures of the sample (Gauss).
     NaturalConvection {
-        /// Exponent n; 0 (forced) to 1/3 (turbulent).
-        convection_exponent: EffectParameter::size("1", 0.2, [0.0, 1.0 / 3.0])
+        /// Exponent n; 0 (forced) to 1/3 (turbulent), and to 0.45 for what noise adds.
+        convection_exponent: EffectParameter::size("1", 0.2, [0.0, 0.45])
             .unchecked([0.058, 0.25], "Morgan's correlations for horizontal cylinders"),
     }
 }
@@ -34,7 +34,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     block: EffectBlock::HeatBalance,
     flexible: false,
     smoothness: Smoothness::Smooth,
-    needs: &[Need::AbsoluteTemperature],
+    needs: &[],
     parameters: PARAMETERS,
     sentence: "heat loss grows faster than the temperature, with an extra exponent of {value}",
 };

@@ -17,8 +17,8 @@ parameters! {
     /// Beside the convection of the baseline, at a temperature between those at the ends of the sample.
     /// Surroundings of one temperature, much larger than the rod.
     Radiation {
-        /// Emissivity ε; 0 to 1.
-        emissivity: EffectParameter::size("1", 0.5, [0.0, 1.0])
+        /// Emissivity ε; 0 to 1, and to 1.25 for what surface and specific heat are known to.
+        emissivity: EffectParameter::size("1", 0.5, [0.0, 1.25])
             .unchecked([0.2, 0.7], "oxidized NiTi"),
     }
 }
