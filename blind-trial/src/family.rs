@@ -97,8 +97,8 @@ impl Family {
             Self::Single => 4 * 3 * N_NAMED,
             Self::HardNoise => 3 * N_NAMED,
             Self::Pair => 80,
-            Self::OtherLoop => 3 * N_NAMED,
-            Self::OtherLoopClean => 60,
+            Self::OtherLoop => 2 * N_NAMED,
+            Self::OtherLoopClean => 30,
             Self::Outside => 10 * OUTSIDE.len() as u64,
             Self::Deleted => 4 * N_NAMED,
         }

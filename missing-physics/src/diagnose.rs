@@ -31,6 +31,9 @@ const RIVALS: usize = 3;
 /// Factor by which a run must part models that are all far off more than the recordings at hand do.
 const FURTHER: f64 = 2.0;
 
+/// Factor by which a drift must lower the mean square to be told from noise with a memory.
+const LOWERED: f64 = 2.0;
+
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
@@ -189,8 +192,14 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let floor = noise.floor(search.case, best);
     let gained = plain.mean_square() - best.mean_square();
     // The zero of a sensor moves slowly and smoothly: what leaves noise that grows toward low frequencies is not that.
-    let is_drift = |named: &Named| named.effect == EffectId::SensorDrift;
-    if floor.class == NoiseClass::OneOverF && judged.named.iter().any(is_drift) {
+    // And whatever is flexible follows noise with a memory for a part of the way.
+    let is_far = plain.mean_square() > LOWERED * best.mean_square();
+    let may_be_noise = |named: &Named| match floor.class {
+        NoiseClass::OneOverF => named.effect == EffectId::SensorDrift,
+        NoiseClass::Colored => named.effect.info().flexible && !is_far,
+        NoiseClass::White | NoiseClass::Quantized => false,
+    };
+    if judged.named.iter().any(may_be_noise) {
         let is_large = plain.mean_square() > LARGE * best.mean_square();
         let verdict = if is_large {
             Verdict::Unexplained

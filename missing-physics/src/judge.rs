@@ -8,7 +8,7 @@ use crate::floor::Measured;
 use crate::lack::lack;
 use crate::projection::dot;
 use crate::scores::Score;
-use crate::search::{Search, is_universal};
+use crate::search::{MOST_EFFECTS, Search, is_universal};
 use crate::series::Channel;
 use crate::tone::has_tone;
 use crate::trial::Trial;
@@ -226,7 +226,11 @@ fn settled(search: &mut Search<'_>) -> Result<CandidateSet, IdentifyError> {
 
 /// Visits models with one effect more, less or exchanged.
 fn look_around(search: &mut Search<'_>, effects: CandidateSet) -> Result<(), IdentifyError> {
-    let mut neighbors: Vec<CandidateSet> = search.children(effects)?;
+    let mut neighbors: Vec<CandidateSet> = if effects.len() < MOST_EFFECTS {
+        search.children(effects)?
+    } else {
+        Vec::new()
+    };
     for effect in effects.iter() {
         neighbors.extend(search.exchanged(effects, effect, None));
         for (rival, cosine) in rivals(search, effects, effect)? {
@@ -272,9 +276,6 @@ fn pruned(
     effects: &mut CandidateSet,
 ) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
     loop {
-        if !effects.is_empty() {
-            search.settle(*effects)?;
-        }
         let contributions = contributions(search, trial, *effects)?;
         let weakest = contributions.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         match weakest {
@@ -282,6 +283,7 @@ fn pruned(
                 let less = search.exchanged(*effects, effect, None);
                 *effects = less.unwrap_or(CandidateSet::EMPTY);
             }
+            Some(_) if search.settle(*effects)?.is_elsewhere => {}
             _ => return Ok(contributions),
         }
     }

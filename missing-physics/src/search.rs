@@ -13,7 +13,7 @@ use crate::tangent::{Sensitivity, sensitivities};
 use crate::{Candidate, CandidateSet, EffectId, Role};
 
 /// Most effects of a model.
-const MOST_EFFECTS: usize = 4;
+pub(crate) const MOST_EFFECTS: usize = 4;
 
 /// Models of each number of effects that are followed further: so many by likelihood, and by error.
 const BRANCHES: usize = 2;

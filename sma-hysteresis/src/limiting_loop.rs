@@ -134,7 +134,10 @@ impl<const L: usize> LimitingLoop<L> {
     ///
     /// [`HysteresisError::Asymmetry`] unless |a| < 1.
     pub fn with_asymmetry(mut self, asymmetry: [f64; L]) -> Result<Self, HysteresisError> {
-        if let Some(value) = asymmetry.into_iter().find(|value| !(value.abs() < 1.0)) {
+        if let Some(value) = asymmetry
+            .into_iter()
+            .find(|value| value.is_nan() || value.abs() >= 1.0)
+        {
             return Err(HysteresisError::Asymmetry { value });
         }
         self.widening = [asymmetry.map(|a| 1.0 - a), asymmetry.map(|a| 1.0 + a)];

@@ -86,7 +86,7 @@ impl Path {
         // T_pr has the sign of the direction; what does not reach the threshold, or has the wrong
         // sign by rounding, lies on the limiting curve already. Where curves cross it may lie beyond.
         let within_k = sign * distance_k;
-        let is_beyond = widening != 1.0 && within_k < -SMALLEST_PROXIMITY_K;
+        let is_beyond = widening.to_bits() != 1.0_f64.to_bits() && within_k < -SMALLEST_PROXIMITY_K;
         if within_k <= SMALLEST_PROXIMITY_K && !is_beyond {
             return Self {
                 start,

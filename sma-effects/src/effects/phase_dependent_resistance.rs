@@ -18,8 +18,8 @@ parameters! {
     /// one temperature r = r̄, and a duty heats with 1/r. Shares are between those at the
     /// ends of the sample. The sign is not agreed: resistivity, its temperature coefficient and the geometry compete.
     PhaseDependentResistance {
-        /// Relative change of the resistance over the transformation ρ; -0.6 to 0.6.
-        resistance_change: EffectParameter::size("1", 0.1, [-0.6, 0.6])
+        /// Relative change of the resistance over the transformation ρ; -0.9 to 0.9.
+        resistance_change: EffectParameter::size("1", 0.1, [-0.9, 0.9])
             .unchecked([0.08, 0.15], "76 (M), 82 (A) µΩ cm, but also 102 (M), 89 (A)"),
     }
 }
