@@ -426,7 +426,7 @@ fn up_and_down(highest_degc: f64) -> Vec<f64> {
 fn asymmetry_moves_the_limiting_curves_by_the_formula() {
     let shape = params().limiting_loop;
     let mut values = EffectValues::default();
-    values.loop_asymmetry.loop_asymmetry = 0.4;
+    values.loop_asymmetry.loop_asymmetry = 0.15;
     let active = setting(EffectSet::of(EffectId::LoopAsymmetry));
     let mut drive = sweep(&up_and_down(110.0));
     drive.push(0.0);
@@ -444,7 +444,7 @@ fn asymmetry_moves_the_limiting_curves_by_the_formula() {
             402.. if degc < 60.0 => -1.0,
             _ => continue,
         };
-        let spread_k = shape.loop_spread_k * (1.0 - side * 0.4);
+        let spread_k = shape.loop_spread_k * (1.0 - side * 0.15);
         let from_branch_k = spread_k * (PI * (p - 0.5)).tan();
         let expected_degc = shape.loop_center_degc + side * shape.loop_half_width_k + from_branch_k;
         assert_abs_diff_eq!(degc, expected_degc, epsilon = 1e-6);
