@@ -129,6 +129,21 @@ mod tests {
     }
 
     #[test]
+    fn a_seal_holds_after_the_answer_was_written_and_read() {
+        for k in 0..2000 {
+            let mut written = answer(1.0);
+            let value = 13.6 + f64::from(k) / 3.0_f64.sqrt();
+            written.concealed[0].parameter = Some(True {
+                name: "latent_heat_j_per_kg".to_owned(),
+                value,
+            });
+            let text = serde_json::to_string(&written).unwrap();
+            let read: Answer = serde_json::from_str(&text).unwrap();
+            assert_eq!(seal("salt", &read), seal("salt", &written), "{value}");
+        }
+    }
+
+    #[test]
     fn additions_have_readable_names() {
         assert_eq!(answer(1.0).concealed[0].addition, "latent-heat");
         assert_eq!(kebab("ConvectionDip"), "convection-dip");

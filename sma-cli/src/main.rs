@@ -2,6 +2,7 @@
 
 mod commands;
 mod earlier;
+mod figure;
 mod kept;
 mod memory;
 mod next_run;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -101,6 +102,8 @@ struct Diagnosed {
     /// What was said on stderr.
     notes: String,
     model: String,
+    /// Files of the figures, by name.
+    figures: BTreeMap<String, String>,
 }
 
 /// That of the rod with latent heat, with an unseen recording.
@@ -110,11 +113,18 @@ fn diagnosed() -> &'static Diagnosed {
         let folder = with_latent_heat();
         let args = ["--validate", "validate.csv", "--json", "-"];
         let assert = diagnose(folder.path(), &args)
-            .args(["--save-model", "model.toml"])
+            .args(["--save-model", "model.toml", "--plots", "figures"])
             .assert()
             .success();
         let output = assert.get_output();
+        let figures = std::fs::read_dir(folder.path().join("figures")).unwrap();
+        let figures = figures.map(|entry| {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            (name, std::fs::read_to_string(path).unwrap())
+        });
         Diagnosed {
+            figures: figures.collect(),
             document: serde_json::from_slice(&output.stdout).unwrap(),
             notes: String::from_utf8(output.stderr.clone()).unwrap(),
             model: std::fs::read_to_string(folder.path().join("model.toml")).unwrap(),
@@ -262,6 +272,48 @@ fn the_verdict_comes_first_and_can_be_read_aloud() {
         "{text}"
     );
     assert!(!text.contains("recorded - "), "{text}");
+}
+
+#[test]
+fn figures_are_drawn_and_their_numbers_stand_beside_them() {
+    let figures = &diagnosed().figures;
+    let names: Vec<&str> = figures.keys().map(String::as_str).collect();
+    assert_eq!(
+        names,
+        [
+            "ladder.csv",
+            "ladder.svg",
+            "loop-after.csv",
+            "loop-after.svg",
+            "loop-before.csv",
+            "loop-before.svg",
+            "recording.csv",
+            "recording.svg",
+            "what-is-left.csv",
+            "what-is-left.svg",
+        ]
+    );
+    let lines = |name: &str| figures[name].lines().count();
+    let n_samples = lines("loop-before.csv") / 2;
+    assert_eq!(lines("recording.csv"), 1 + 3 * n_samples);
+    assert_eq!(lines("what-is-left.csv"), 1 + 2 * n_samples);
+    assert!(
+        figures["recording.csv"].starts_with("curve,\"time, s\",\"output, mm\"\n\"recorded\",0,")
+    );
+    // Error of the plain model and with what was found, on both recordings, and the noise.
+    assert_eq!(lines("ladder.csv"), 1 + 2 + 2 + 2);
+    assert!(figures["ladder.svg"].contains("Error of the plain model, and with latent heat"));
+    let drawn = |name: &str, color: &str| {
+        let lines = figures[name].lines();
+        let of_color = |line: &&str| line.starts_with("<polyline") && line.contains(color);
+        lines.filter(of_color).count()
+    };
+    for color in ["#D55E00", "#0072B2"] {
+        assert_eq!(drawn("what-is-left.svg", color), 1, "{color}");
+        assert_eq!(drawn("recording.svg", color), 1, "{color}");
+    }
+    assert_eq!(drawn("recording.svg", "#AAAAAA"), 1);
+    assert!(figures["recording.svg"].len() < 100_000);
 }
 
 #[test]
@@ -612,6 +664,12 @@ fn errors_leave_nothing_behind() {
             "sma: train.csv: is an input of this command; give another file for the result\n"
         );
     }
+    let (code, error) = refusal(folder.path(), &["--plots", "train.csv"]);
+    assert_eq!(code, 1);
+    assert_eq!(
+        error,
+        "sma: train.csv: is a file; give a folder for the figures\n"
+    );
     let (code, error) = refusal(
         folder.path(),
         &["--from-model", "none.toml", "--save-next", "next.csv"],

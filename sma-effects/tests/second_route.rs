@@ -220,12 +220,17 @@ fn ambient_drift_is_straight_between_its_knots() {
     compare(EffectId::AmbientDrift, &values, &fine, 5e-5);
 }
 
-/// Between knots at quarters of the run, from 0.
+/// Through 0 and knots at quarters of the run, by Neville's scheme.
 fn drift(run_share: f64, knots: [f64; 4]) -> f64 {
-    let knots = [0.0, knots[0], knots[1], knots[2], knots[3]];
-    let place = (4.0 * run_share).clamp(0.0, 4.0);
-    let k = (place.floor() as usize).min(3);
-    knots[k] + (knots[k + 1] - knots[k]) * (place - k as f64)
+    let place = 4.0 * run_share.clamp(0.0, 1.0);
+    let mut at = [0.0, knots[0], knots[1], knots[2], knots[3]];
+    for order in 1..5 {
+        for k in 0..5 - order {
+            let (left, right) = (k as f64, (k + order) as f64);
+            at[k] = ((right - place) * at[k] + (place - left) * at[k + 1]) / (right - left);
+        }
+    }
+    at[0]
 }
 
 #[test]

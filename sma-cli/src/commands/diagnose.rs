@@ -14,6 +14,7 @@ use recording::Recording;
 
 use crate::commands::on_threads;
 use crate::earlier::Earlier;
+use crate::figure::{Drawn, Gallery, figures};
 use crate::kept::{self, Kept};
 use crate::memory::Memory;
 use crate::next_run;
@@ -80,7 +81,10 @@ pub(crate) struct DiagnoseArgs {
     /// Write the run that would tell more, time and drive in the columns of rod.toml.
     #[arg(long, value_name = "FILE")]
     save_next: Option<PathBuf>,
-    /// No pictures of the recording that is met worst.
+    /// Draw the recording that is met worst, its loop and the errors: SVG files, each with its numbers as CSV.
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// No pictures of the recording that is met worst in the terminal.
     #[arg(long)]
     no_plot: bool,
     /// Seed: same seed and inputs, same result.
@@ -103,6 +107,7 @@ struct Places {
     json: Option<Sink>,
     model: Option<Sink>,
     next: Option<Sink>,
+    plots: Option<Gallery>,
 }
 
 /// Runs the command.
@@ -117,6 +122,7 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         json: Sink::open_if(args.json.as_deref(), &inputs)?,
         model: Sink::open_if(args.save_model.as_deref(), &inputs)?,
         next: Sink::open_if(args.save_next.as_deref(), &inputs)?,
+        plots: args.plots.as_deref().map(Gallery::at).transpose()?,
     };
     let rod = Rod::read(&args.rod)?;
     let training = read_all(&rod, &args.train)?;
@@ -212,8 +218,20 @@ fn with_time(
     say(args.quiet, &diagnosed.notes())?;
     let mut text = diagnosed.text();
     let has_converged = diagnosis.verdict != Verdict::NotConverged;
-    if !args.no_plot && has_converged {
-        text += &before_and_after(plain, &diagnosis, &diagnosed, &rig)?;
+    if has_converged {
+        let (recording, models) = before_and_after(plain, &diagnosis, &rig)?;
+        let name = diagnosed.label(recording.name());
+        if !args.no_plot {
+            text += &plot::what_is_left(name, recording, &models);
+        }
+        if let Some(gallery) = &places.plots {
+            gallery.hang(&figures(&Drawn {
+                diagnosis: &diagnosis,
+                recording,
+                name,
+                models: &models,
+            }))?;
+        }
     }
     if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
         sink.write(&model.to_toml()?)?;
@@ -254,6 +272,7 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         ("--from-model", args.from_model.is_some()),
         ("--save-model", args.save_model.is_some()),
         ("--save-next", args.save_next.is_some()),
+        ("--plots", args.plots.is_some()),
     ]
     .into_iter()
     .filter_map(|(flag, is_given)| is_given.then_some(flag))
@@ -338,13 +357,12 @@ fn fitting(bar: &ProgressBar, progress: FitProgress) {
     bar.set_message(format!("plain model, RMSE {:.4}", progress.lowest_rmse));
 }
 
-/// What is left in the recording that the plain model meets worst, before and after.
-fn before_and_after(
+/// The recording that the plain model meets worst, with what it and the model with effects say of it.
+fn before_and_after<'a>(
     plain: &WienerModel,
     diagnosis: &Diagnosis,
-    diagnosed: &Diagnosed<'_>,
-    rig: &Rig,
-) -> anyhow::Result<String> {
+    rig: &'a Rig,
+) -> anyhow::Result<(&'a Recording, Vec<Left>)> {
     let (fit, validated) = (&diagnosis.baseline.fit, &diagnosis.baseline.validated);
     let errors = fit.recordings.iter().map(|one| one.rmse);
     let errors: Vec<f64> = errors.chain(validated.iter().map(|one| one.rmse)).collect();
@@ -371,9 +389,5 @@ fn before_and_after(
             prediction: predict(&extended.model, &point, recording)?,
         });
     }
-    Ok(plot::what_is_left(
-        diagnosed.label(recording.name()),
-        recording,
-        &models,
-    ))
+    Ok((recording, models))
 }

@@ -79,7 +79,7 @@ pub(crate) fn what_is_left(name: &str, recording: &Recording, models: &[Left]) -
 }
 
 /// What a model leaves of a recording.
-fn left(recording: &Recording, prediction: &Prediction) -> Vec<f64> {
+pub(crate) fn left(recording: &Recording, prediction: &Prediction) -> Vec<f64> {
     recording
         .output()
         .iter()
@@ -89,7 +89,7 @@ fn left(recording: &Recording, prediction: &Prediction) -> Vec<f64> {
 }
 
 /// Time and its unit, or the number of the sample.
-fn time(recording: &Recording) -> (Vec<f64>, &'static str) {
+pub(crate) fn time(recording: &Recording) -> (Vec<f64>, &'static str) {
     match recording.time_s() {
         [] => ((0..recording.len()).map(|k| k as f64).collect(), "samples"),
         time_s => (time_s.to_vec(), "s"),

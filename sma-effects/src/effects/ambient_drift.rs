@@ -11,7 +11,7 @@ parameters! {
     /// The surroundings become warmer or colder during the run.
     ///
     /// ```text
-    /// T_a(t) = T_a + v(s),   v straight between knots at s = ¼, ½, ¾, 1,   v(0) = 0
+    /// T_a(t) = T_a + v(s),   v of degree 4 through knots at s = ¼, ½, ¾, 1,   v(0) = 0
     /// s = (start + t)/run length
     /// ```
     ///

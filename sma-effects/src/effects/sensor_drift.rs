@@ -14,7 +14,7 @@ parameters! {
     /// The zero of the sensor moves during the run.
     ///
     /// ```text
-    /// y' = y + |gain| v(s),   v straight between knots at s = ¼, ½, ¾, 1,   v(0) = 0
+    /// y' = y + |gain| v(s),   v of degree 4 through knots at s = ¼, ½, ¾, 1,   v(0) = 0
     /// s = (start + t)/run length
     /// ```
     ///

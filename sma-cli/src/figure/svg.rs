@@ -1,0 +1,133 @@
+//! A figure as SVG text.
+
+use anyhow::anyhow;
+use plotters::prelude::*;
+
+use super::{Figure, Series, Style};
+
+/// Width and height, px.
+const SIZE: (u32, u32) = (960, 440);
+
+/// Points of a curve that are drawn: two a pixel.
+const MOST_POINTS: usize = 2000;
+
+/// Room that the bars at a word take, of 1.
+const BARS: f64 = 0.5;
+
+/// Room above and below the curves, as a share of their range.
+const MARGIN: f64 = 0.05;
+
+const SHADE: RGBColor = RGBColor(245, 224, 203);
+
+pub(super) fn svg(figure: &Figure) -> anyhow::Result<String> {
+    let mut text = String::new();
+    draw(figure, &mut text)
+        .map_err(|error| anyhow!("{}: cannot be drawn: {error}", figure.name))?;
+    Ok(text)
+}
+
+fn draw(figure: &Figure, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
+    let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
+    area.fill(&WHITE)?;
+    let [across, up] = [range(figure, 0), range(figure, 1)];
+    let margin = MARGIN * (up[1] - up[0]);
+    let up = [up[0] - margin, up[1] + margin];
+    let mut chart = ChartBuilder::on(&area)
+        .caption(&figure.caption, ("sans-serif", 15))
+        .margin(12)
+        .x_label_area_size(44)
+        .y_label_area_size(64)
+        .build_cartesian_2d(across[0]..across[1], up[0]..up[1])?;
+    let words = |at: &f64| word(&figure.words, *at);
+    let mut mesh = chart.configure_mesh();
+    mesh.x_desc(&figure.across)
+        .y_desc(&figure.up)
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(RGBColor(230, 230, 230));
+    if !figure.words.is_empty() {
+        mesh.x_label_formatter(&words)
+            .x_labels(2 * figure.words.len() + 1);
+    }
+    mesh.draw()?;
+    let shaded = figure.shaded.iter().map(|[from, to]| {
+        let ends = [(from.max(across[0]), up[0]), (to.min(across[1]), up[1])];
+        Rectangle::new(ends, SHADE.filled())
+    });
+    chart.draw_series(shaded)?;
+    let is_bar = |series: &&Series| !figure.words.is_empty() && series.style != Style::Noise;
+    let n_bars = figure.series.iter().filter(is_bar).count();
+    for (number, series) in figure.series.iter().enumerate() {
+        let color = color(series.style);
+        let points = thinned(series);
+        let drawn = if is_bar(&series) {
+            let (width, first) = (BARS / n_bars as f64, number as f64 - 0.5 * n_bars as f64);
+            let bars = points.into_iter().map(|(x, y)| {
+                let left = x + width * first;
+                Rectangle::new([(left, 0.0), (left + 0.9 * width, y)], color.filled())
+            });
+            chart.draw_series(bars)?
+        } else {
+            let stroke = color.stroke_width(width(series.style));
+            chart.draw_series(LineSeries::new(points, stroke))?
+        };
+        drawn
+            .label(&series.label)
+            .legend(move |(x, y)| Rectangle::new([(x, y - 4), (x + 16, y + 4)], color.filled()));
+    }
+    chart
+        .configure_series_labels()
+        .background_style(WHITE.mix(0.8))
+        .border_style(RGBColor(210, 210, 210))
+        .draw()?;
+    area.present()?;
+    Ok(())
+}
+
+fn color(style: Style) -> RGBColor {
+    // Okabe and Ito's, which color-blind people tell apart.
+    match style {
+        Style::Recorded => RGBColor(170, 170, 170),
+        Style::Plain => RGBColor(213, 94, 0),
+        Style::Extended => RGBColor(0, 114, 178),
+        Style::Noise => BLACK,
+    }
+}
+
+fn width(style: Style) -> u32 {
+    match style {
+        Style::Recorded => 5,
+        Style::Noise => 1,
+        Style::Plain | Style::Extended => 2,
+    }
+}
+
+/// The lowest and the highest of one coordinate, some room where there is no range; bars stand on 0.
+fn range(figure: &Figure, coordinate: usize) -> [f64; 2] {
+    let points = figure.series.iter().flat_map(|series| &series.points);
+    let values = points.map(|point| point[coordinate]);
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    });
+    match (figure.words.is_empty(), coordinate) {
+        (false, 0) => [-0.5, figure.words.len() as f64 - 0.5],
+        (false, _) => [0.0, high],
+        (true, _) if low < high => [low, high],
+        (true, _) if low.is_finite() => [low - 0.5, low + 0.5],
+        (true, _) => [0.0, 1.0],
+    }
+}
+
+/// The word at a whole number; none beside it.
+fn word(words: &[String], at: f64) -> String {
+    let nearest = at.round();
+    let is_whole = (at - nearest).abs() < 1e-6 && nearest >= 0.0;
+    let word = is_whole.then(|| words.get(nearest as usize)).flatten();
+    word.cloned().unwrap_or_default()
+}
+
+/// Not all of a long curve.
+fn thinned(series: &Series) -> Vec<(f64, f64)> {
+    let step = series.points.len().div_ceil(MOST_POINTS).max(1);
+    let kept = series.points.iter().step_by(step);
+    kept.map(|[x, y]| (*x, *y)).collect()
+}
