@@ -63,7 +63,7 @@ pub struct Estimate {
     pub ci95: Option<[f64; 2]>,
 }
 
-/// Root mean squares, mm.
+/// Root mean squares of the errors, in the unit that their place says.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Errors {

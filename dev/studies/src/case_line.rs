@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use blind_trial::Line;
+use blind_trial::{Errors, Line};
 use identify::Validated;
 use missing_physics::{Candidate, Diagnosis, EffectId, Finding, Role, Stage};
 use serde::{Deserialize, Serialize};
@@ -67,9 +67,9 @@ pub struct Outcome {
     pub findings: Vec<Named>,
     /// Ids of what helps without a licensed name.
     pub suspects: Vec<String>,
-    /// Errors of the plain model.
+    /// Errors of the plain model, over the standard deviation of the noise.
     pub baseline: Errors,
-    /// Errors of the extended one.
+    /// Those of the extended one.
     pub extended: Option<Errors>,
     /// Shares of the explainable error that it explains.
     pub explained: Option<Shares>,
@@ -89,16 +89,6 @@ pub struct Named {
     pub could_also_be: Vec<String>,
     /// Probability of the name.
     pub probability: f64,
-}
-
-/// Root mean squares of the errors, over the standard deviation of the noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Errors {
-    /// On the training recordings.
-    pub train: f64,
-    /// On the unseen ones.
-    pub unseen: Option<f64>,
 }
 
 /// Shares of the explainable error.

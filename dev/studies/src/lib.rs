@@ -11,7 +11,8 @@ mod run_case;
 mod study;
 mod summary;
 
-pub use case_line::{CaseId, CaseLine, Errors, Interval, Named, Outcome, Shares, Step, Truth};
+pub use blind_trial::Errors;
+pub use case_line::{CaseId, CaseLine, Interval, Named, Outcome, Shares, Step, Truth};
 pub use error::StudyError;
 pub use made::{Made, MadeUp, NoiseKind, made_up, made_up_of_length};
 pub use run_case::run_case;
