@@ -406,6 +406,7 @@ fn a_saved_model_has_what_was_found() {
         document,
         notes,
         model,
+        ..
     } = diagnosed();
     assert!(
         notes.contains("note: the model with latent-heat is saved\n"),

@@ -179,8 +179,6 @@ pub(crate) struct Standing<const L: usize> {
 pub(crate) struct Seen<const L: usize> {
     /// Mean temperature of the rod, °C.
     pub(crate) temperature_degc: [f64; L],
-    /// Its mean transformed share, as it moves the output.
-    pub(crate) transformed: [f64; L],
     /// When.
     pub(crate) instant: Instant,
 }

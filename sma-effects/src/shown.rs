@@ -67,7 +67,6 @@ impl<const L: usize> ExtendedPlant<L> {
         let displacement = self.read_out(&fraction);
         let seen = Seen {
             temperature_degc,
-            transformed: core::array::from_fn(|l| self.scale.transformed(l, fraction[l])),
             instant,
         };
         (displacement, seen)

@@ -722,8 +722,7 @@ fn expansion_acts_against_the_stroke_whatever_its_sign() {
         let run = |values| trace(&active, &params, values, &current_a(DT_S), DT_S);
         let (shown, plain) = (run(&values), run(&EffectValues::default()));
         for k in 0..shown.displacement.len() {
-            let coefficient_per_k = 1e-5 * (0.6 + 0.4 * plain.fraction[k]);
-            let expanded = coefficient_per_k * 125.0 * (plain.temperature_degc[k] - 20.0);
+            let expanded = 1e-5 * 125.0 * (plain.temperature_degc[k] - 20.0);
             let expected = plain.displacement[k] - sign * expanded;
             assert_abs_diff_eq!(shown.displacement[k], expected, epsilon = 1e-12);
         }

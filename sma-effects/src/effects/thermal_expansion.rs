@@ -6,13 +6,13 @@ parameters! {
     /// The rod expands with temperature, against the stroke.
     ///
     /// ```text
-    /// y = … - sign(gain) α (m + (1 - m) p) L (T - T_ref),   m = 0.6
+    /// y = … - sign(gain) α L (T - T_ref)
     /// ```
     ///
-    /// L is the setting's `length_output`: length times lever, in the output's unit. T and p are the means over
-    /// the rod; T_ref moves only offset and gain. Martensite expands by m of what austenite does (6.6 and 11·10⁻⁶/K).
+    /// L is the setting's `length_output`: length times lever, in the output's unit. T is the mean over
+    /// the rod; T_ref moves only the offset. Left out: that both phases expand differently.
     ThermalExpansion {
-        /// Coefficient of expansion of austenite α, 1/K; 0 to 3e-5.
+        /// Coefficient of expansion α, 1/K; 0 to 3e-5.
         expansion_per_k: EffectParameter::size("1/K", 1e-5, [0.0, 3e-5])
             .literature([6.6e-6, 11e-6], "NiTi: martensite, austenite"),
     }
@@ -28,9 +28,6 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     sentence: "the rod expands by {value} of its length, against the stroke",
 };
-
-/// m.
-const OF_MARTENSITE: f64 = 0.6;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
@@ -60,8 +57,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn displacement(&self, _: &mut (), _: &Moment, seen: &Seen<L>, displacement: &mut [f64; L]) {
         for l in 0..L {
             let warmed_k = seen.temperature_degc[l] - self.reference_degc;
-            let expands = OF_MARTENSITE + (1.0 - OF_MARTENSITE) * seen.transformed[l];
-            displacement[l] -= self.output_per_k[l] * (expands * warmed_k);
+            displacement[l] -= self.output_per_k[l] * warmed_k;
         }
     }
 }
