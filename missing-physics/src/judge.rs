@@ -204,8 +204,8 @@ fn chosen(search: &Search<'_>, most: usize) -> CandidateSet {
 }
 
 /// The most credible model, fitted from many places; where much is left, or was until then, or the fit ends on a
-/// bound, with effects exchanged, added or left out for as long as that makes it more credible: roads that lead to one place differ in
-/// their order.
+/// bound, with effects exchanged, added or left out for as long as that makes it more credible: roads that lead to
+/// one place differ in their order.
 fn settled(search: &mut Search<'_>) -> Result<CandidateSet, IdentifyError> {
     let mut effects = chosen(search, usize::MAX);
     for _ in 0..ROUNDS {
