@@ -3,8 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 mod common;
+#[path = "common/drawn.rs"]
+mod drawn;
 
 use common::{material, walk};
+use drawn::{any_path, any_rule, any_shape};
 use proptest::prelude::*;
 use sma_hysteresis::{
     Branch, Hysteresis, HysteresisError, LimitingLoop, LoopParams, Rule, SineProximity,
@@ -15,19 +18,6 @@ fn asymmetric(shape: (f64, f64, f64), asymmetry: f64, rule: Rule) -> Hysteresis<
     let limits = *material(width, spread, zeta, rule).limits();
     let proximity = SineProximity::new([zeta]).unwrap();
     Hysteresis::new(limits.with_asymmetry([asymmetry]).unwrap(), proximity, rule)
-}
-
-fn any_rule() -> impl Strategy<Value = Rule> {
-    prop_oneof![Just(Rule::LastReversal), Just(Rule::Nested)]
-}
-
-/// Half width, spread, ζ.
-fn any_shape() -> impl Strategy<Value = (f64, f64, f64)> {
-    (0.5..20.0, 0.5..20.0, prop_oneof![0.05..1.0, Just(1.0)])
-}
-
-fn any_path() -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec(-50.0..50.0, 2..40)
 }
 
 proptest! {

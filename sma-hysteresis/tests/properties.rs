@@ -3,8 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 mod common;
+#[path = "common/drawn.rs"]
+mod drawn;
 
 use common::{material, walk};
+use drawn::{any_path, any_rule, any_shape};
 use proptest::prelude::*;
 use sma_hysteresis::{
     Branch, ExponentialProximity, Hysteresis, LimitingLoop, LoopParams, Memory, NESTING_CAPACITY,
@@ -13,19 +16,6 @@ use sma_hysteresis::{
 
 /// Rounding of a few operations on temperatures of some ten degrees, carried to the fraction.
 const ROUNDING: f64 = 1e-12;
-
-fn any_rule() -> impl Strategy<Value = Rule> {
-    prop_oneof![Just(Rule::LastReversal), Just(Rule::Nested)]
-}
-
-/// Half width, spread, ζ.
-fn any_shape() -> impl Strategy<Value = (f64, f64, f64)> {
-    (0.5..20.0, 0.5..20.0, prop_oneof![0.05..1.0, Just(1.0)])
-}
-
-fn any_path() -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec(-50.0..50.0, 2..40)
-}
 
 proptest! {
     #[test]
