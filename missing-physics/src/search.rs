@@ -9,7 +9,7 @@ use crate::case::{Case, Node};
 use crate::scores::{Score, as_one, sizes_of};
 use crate::screening::{Sifted, sift};
 use crate::settle::settled;
-use crate::tangent::{Sensitivity, sensitivities};
+use crate::tangent::{Sensitivity, of_partner, sensitivities};
 use crate::{Candidate, CandidateSet, EffectId, Role};
 
 /// Most effects of a model.
@@ -413,15 +413,12 @@ impl<'a> Search<'a> {
                 .collect()
         };
         let first = within(START);
-        let screened = effect.info().screened_partner();
         let start = |sizes: &[f64], scale: f64| {
             self.case.moved(node, &model, |other, k| {
                 let own = (other == effect).then_some(k)?;
                 match parameters[own].role {
                     Role::Size => sizes.get(own).map(|size| scale * size),
-                    Role::Partner { .. } => score
-                        .partner
-                        .filter(|_| screened.is_some_and(|(number, _)| number == own)),
+                    Role::Partner { .. } => of_partner(effect, own, score.partner),
                 }
             })
         };

@@ -112,8 +112,7 @@ pub(crate) fn traces(
     partner: Option<f64>,
 ) -> Result<Vec<Trace>, IdentifyError> {
     let parameters = effect.info().parameters;
-    let screened = effect.info().screened_partner();
-    let partners: Vec<Option<f64>> = match screened {
+    let partners: Vec<Option<f64>> = match effect.info().screened_partner() {
         Some((_, grid)) if partner.is_none() => grid.iter().copied().map(Some).collect(),
         _ => vec![partner],
     };
@@ -132,7 +131,7 @@ pub(crate) fn traces(
             } else if k == size {
                 Some(share * parameters[k].typical)
             } else {
-                partner.filter(|_| screened.is_some_and(|(number, _)| number == k))
+                of_partner(effect, k, partner)
             }
         })
     }));
@@ -157,6 +156,12 @@ pub(crate) fn traces(
             }
         })
         .collect())
+}
+
+/// The value of an effect's parameter, if it is the partner that screening varies.
+pub(crate) fn of_partner(effect: Candidate, parameter: usize, value: Option<f64>) -> Option<f64> {
+    let (screened, _) = effect.info().screened_partner()?;
+    value.filter(|_| screened == parameter)
 }
 
 /// (a - b)/distance; nothing where there is no distance.
