@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use identify::{
-    Fit, FitConfig, FitProgress, IdentifyError, Limits, Validated, WienerModel, fit, validate,
-    validate_at,
+    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, Limits, ParameterVector, Validated,
+    WienerModel, fit, validate, validate_at,
 };
 use recording::Recording;
 
@@ -64,6 +64,9 @@ impl Default for DiagnoseConfig {
     }
 }
 
+/// Starts of a second fit of the baseline over those of the first, where no two of these agreed.
+const HARDER: u64 = 4;
+
 /// How far a diagnosis is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DiagnoseProgress {
@@ -95,10 +98,22 @@ pub fn diagnose(
         seed: config.seed,
         ..config.baseline.clone()
     };
-    let plain = fit(base, training, &baseline_config, &mut |so_far| {
-        progress(DiagnoseProgress::Baseline(*so_far));
-        ControlFlow::Continue(())
-    })?;
+    let mut fitted = |config: &FitConfig| {
+        fit(base, training, config, &mut |so_far| {
+            progress(DiagnoseProgress::Baseline(*so_far));
+            ControlFlow::Continue(())
+        })
+    };
+    let mut plain = fitted(&baseline_config)?;
+    if !plain.converged() {
+        let vector = ParameterVector::new(base.parameters(), training.len());
+        plain = fitted(&FitConfig {
+            starts: HARDER * baseline_config.starts,
+            seed: config.seed.wrapping_add(1),
+            from: vec![plain.coordinates(&vector)],
+            ..baseline_config
+        })?;
+    }
     diagnose_from(base, plain, [training, unseen], config, progress)
 }
 

@@ -43,7 +43,7 @@ const UNSTEADY: f64 = 9.0;
 
 /// Probability of a flexible effect where nothing of the catalogue does as well: a spline takes the place of whatever
 /// drifts, known or not.
-const OF_FLEXIBLE: f64 = 0.6;
+const OF_FLEXIBLE: f64 = 0.85;
 
 /// Losses that grow faster than the temperature.
 const ACT_ALIKE: [[EffectId; 2]; 1] = [[EffectId::Radiation, EffectId::NaturalConvection]];
@@ -306,8 +306,8 @@ fn contributions(
             unreachable!("both were visited");
         };
         let share = if trial.is_resolved() {
-            let lost = trial.held_out(search, without)? - trial.held_out(search, with)?;
-            lost / (trial.baseline - trial.noise)
+            let lost = trial.left(search, without)? - trial.left(search, with)?;
+            lost / (trial.left(search, search.baseline())? - trial.noise)
         } else {
             let all = with.noise.nats() - search.baseline().noise.nats();
             (with.noise.nats() - without.noise.nats()) / all

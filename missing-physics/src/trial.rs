@@ -84,6 +84,22 @@ impl Trial {
         Ok(mean_square(&self.parts(search, node)?))
     }
 
+    /// What a model leaves, to weigh its effects by: on what it has not seen. Where that is whole recordings, other
+    /// drives than those it was fitted to, it is far out, which is for the whole model to stand, and each effect is weighed by
+    /// what it brings to all.
+    pub(crate) fn left(&self, search: &Search<'_>, node: &Node) -> Result<f64, IdentifyError> {
+        if self.leaves_recordings(search) {
+            Ok(node.mean_square())
+        } else {
+            self.held_out(search, node)
+        }
+    }
+
+    /// Whether whole recordings are left out in turn: another rate or amplitude is the harder test.
+    fn leaves_recordings(&self, search: &Search<'_>) -> bool {
+        self.refits && search.case.training.len() >= FEWEST_RECORDINGS
+    }
+
     /// Errors of a model on each part of the training that it has not seen.
     fn parts(&self, search: &Search<'_>, node: &Node) -> Result<Rc<[HeldOut]>, IdentifyError> {
         let known = self.known.borrow();
@@ -93,9 +109,7 @@ impl Trial {
             return Ok(Rc::clone(&known.parts));
         }
         drop(known);
-        let parts: Rc<[HeldOut]> = if self.refits && search.case.training.len() >= FEWEST_RECORDINGS
-        {
-            // Another rate or amplitude is the harder test.
+        let parts: Rc<[HeldOut]> = if self.leaves_recordings(search) {
             search.case.without_recordings(node)?.into()
         } else if self.refits {
             let parts: Vec<Vec<Range<usize>>> = (0..PARTS)

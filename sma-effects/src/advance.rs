@@ -1,9 +1,12 @@
 //! One sample where heat and transformation may depend on each other, in one part or two.
 
+use wiener::thermal::Sample;
+
+use crate::conduction::{NODES, Transfer};
 use crate::effect::{Acting, Before, Instant, Mapped, Moment, Trial, counted};
-use crate::heat::{Reference, ZoneHeat};
+use crate::heat::Reference;
 use crate::hypothesis::OwnMemory;
-use crate::part::{Part, Stage, progress};
+use crate::part::{Part, Stage, progress, unit};
 use crate::plant::ExtendedPlant;
 use crate::solve::{Evaluated, Problem};
 use crate::state::{ExtendedState, Zone};
@@ -16,10 +19,29 @@ struct Leg<'a, const L: usize> {
     dt_s: f64,
     /// Temperature of the surroundings in the baseline, °C.
     ambient_degc: f64,
+    /// Coefficients of the whole sample.
+    sample: &'a Sample<L>,
     /// What own hypotheses add.
     own: Option<&'a OwnMemory<L>>,
-    /// What warm clamps save the ends, W/m.
-    saved_w_per_m: [f64; L],
+    /// Heat along the rod.
+    along: Option<Along<'a, L>>,
+}
+
+/// What moves heat along the rod in a part of a sample.
+#[derive(Debug)]
+struct Along<'a, const L: usize> {
+    transfer: &'a Transfer<L>,
+    /// Nodes above the surroundings at the start, K.
+    above_k: [[f64; L]; NODES],
+}
+
+/// What became of a part of a sample in `Z` zones.
+#[derive(Debug)]
+struct Advanced<const L: usize, const Z: usize> {
+    /// What the search left, K.
+    residual_k: [f64; L],
+    /// Heat beyond the baseline's into each zone, W/m.
+    extra_w_per_m: [[f64; L]; Z],
 }
 
 impl<const L: usize> ExtendedPlant<L> {
@@ -72,23 +94,39 @@ impl<const L: usize> ExtendedPlant<L> {
             stage,
             dt_s,
             ambient_degc,
+            sample: &state.sample,
             own: state.own.as_deref(),
-            saved_w_per_m: [0.0; L],
+            along: None,
         };
         let residual_k = match &mut state.ends {
-            None => self.advance_zones([&self.middle], [&mut state.middle], &leg),
+            None => self.advance_zones([&mut state.middle], &leg).residual_k,
             Some(ends) => {
-                let heat = [&self.middle, &self.ends];
-                let (conduction, clamps) =
-                    (&self.effects.end_conduction, &mut state.rod.end_conduction);
+                let conduction = &self.effects.end_conduction;
                 let length_s = stage.share.map(|share| share * dt_s);
-                let before_k = stage.above_ambient_k(&ends.temperature_degc);
-                leg.saved_w_per_m = conduction.saved_w_per_m(clamps, &before_k, &length_s);
-                let residual_k = self.advance_zones(heat, [&mut state.middle, &mut **ends], &leg);
-                let after_k = stage.above_ambient_k(&ends.temperature_degc);
-                let mean_k = core::array::from_fn(|l| 0.5 * (before_k[l] + after_k[l]));
-                conduction.follow(clamps, &mean_k, &length_s);
-                residual_k
+                let beyond_per_s = &conduction.beyond_per_s;
+                let transfer = ends
+                    .transfers
+                    .over(&length_s, &self.heat.per_tau_s, beyond_per_s);
+                let mut above_k = [ends.clamp_k; NODES];
+                let zones = std::iter::once(&state.middle).chain(&ends.cells);
+                for (above_k, zone) in above_k.iter_mut().zip(zones) {
+                    for l in 0..L {
+                        above_k[l] = zone.temperature_degc[l] - stage.acting.ambient_degc[l];
+                    }
+                }
+                leg.along = Some(Along { transfer, above_k });
+                let [first, second, third, last] = &mut ends.cells;
+                let zones = [&mut state.middle, first, second, third, last];
+                let advanced = self.advance_zones(zones, &leg);
+                let mut rate_k_per_s = advanced.extra_w_per_m;
+                for rate_k_per_s in &mut rate_k_per_s {
+                    for l in 0..L {
+                        let power_w_per_m = rate_k_per_s[l] + stage.acting.power_w_per_m[l];
+                        rate_k_per_s[l] = power_w_per_m * self.heat.per_capacity_k_m_per_j[l];
+                    }
+                }
+                ends.clamp_k = transfer.clamp_k(&above_k, &rate_k_per_s);
+                advanced.residual_k
             }
         };
         for l in 0..L {
@@ -96,58 +134,78 @@ impl<const L: usize> ExtendedPlant<L> {
         }
     }
 
-    /// Moves all zones to the end of a part; returns the residual, K.
+    /// Moves all zones to the end of a part.
     #[inline(always)]
     fn advance_zones<const Z: usize>(
         &self,
-        heat: [&ZoneHeat<L>; Z],
         zones: [&mut Zone<L>; Z],
         leg: &Leg<'_, L>,
-    ) -> [f64; L] {
-        let mut reference = [Reference::ZERO; Z];
+    ) -> Advanced<L, Z> {
+        let mut reference_degc = [[0.0; L]; Z];
+        let mut sensitivity_k_m_per_w = [[[0.0; L]; Z]; Z];
         let mut before = [Before::ZERO; Z];
         let mut share = [[0.0; L]; Z];
         let mut own_shift_k = [[0.0; L]; Z];
+        let mut extra_w_per_m = [[0.0; L]; Z];
         for z in 0..Z {
-            reference[z] = heat[z].reference(zones[z], leg.stage, leg.dt_s, leg.ambient_degc);
+            let start_degc = &zones[z].temperature_degc;
+            let Reference {
+                end_degc,
+                sensitivity_k_m_per_w: by_itself,
+            } = self.heat.reference(
+                start_degc,
+                leg.sample,
+                leg.stage,
+                leg.dt_s,
+                leg.ambient_degc,
+            );
+            reference_degc[z] = end_degc;
+            sensitivity_k_m_per_w[z][z] = by_itself;
             share[z] = zones[z].transformed;
-            if let Some(own) = leg.own {
-                own_shift_k[z] = own.shift_k[z];
-                for l in 0..L {
-                    let sensitivity = reference[z].sensitivity_k_m_per_w[l];
-                    reference[z].end_degc[l] += sensitivity * own.flow_w_per_m[z][l];
-                }
-            }
         }
-        if Z > 1 {
-            for l in 0..L {
-                let sensitivity = reference[Z - 1].sensitivity_k_m_per_w[l];
-                reference[Z - 1].end_degc[l] += sensitivity * leg.saved_w_per_m[l];
+        if let Some(along) = &leg.along {
+            self.conduct(
+                along,
+                leg.stage,
+                &mut reference_degc,
+                &mut sensitivity_k_m_per_w,
+            );
+        }
+        if let Some(own) = leg.own {
+            for z in 0..Z {
+                own_shift_k[z] = own.shift_k[z];
+                extra_w_per_m[z] = own.flow_w_per_m[z];
+                for k in 0..Z {
+                    for l in 0..L {
+                        reference_degc[z][l] +=
+                            sensitivity_k_m_per_w[z][k][l] * own.flow_w_per_m[k][l];
+                    }
+                }
             }
         }
         let mean = self.mean(&share);
         for z in 0..Z {
-            before[z] = start_of(heat[z], zones[z], mean, leg);
+            before[z] = self.start_of(z, zones[z], mean, leg);
         }
         let mut driving = [[0.0; L]; Z];
         let mut slope = [[0.0; L]; Z];
-        let mut end_degc = [[0.0; L]; Z];
+        let mut end_degc = reference_degc;
         for z in 0..Z {
-            driving[z] = reference[z].end_degc;
-            end_degc[z] = reference[z].end_degc;
+            driving[z] = reference_degc[z];
         }
         if self.path.implicit {
             let problem = Problem {
                 acting: &leg.stage.acting,
                 before: &before,
-                reference: &reference,
+                reference_degc: &reference_degc,
+                sensitivity_k_m_per_w: &sensitivity_k_m_per_w,
                 own_shift_k: &own_shift_k,
             };
             self.solve(&problem, &zones, &mut driving, &mut slope);
         }
         for z in 0..Z {
             if self.path.wants_middle {
-                self.pass_middle(heat[z], zones[z], &driving[z], leg);
+                self.pass_middle(z, zones[z], &driving[z], leg);
             }
             self.commit(zones[z], &driving[z], &mut share[z]);
             zones[z].slope_per_k = slope[z];
@@ -157,16 +215,19 @@ impl<const L: usize> ExtendedPlant<L> {
             let problem = Problem {
                 acting: &leg.stage.acting,
                 before: &before,
-                reference: &reference,
+                reference_degc: &reference_degc,
+                sensitivity_k_m_per_w: &sensitivity_k_m_per_w,
                 own_shift_k: &own_shift_k,
             };
             let mut at = Evaluated::ZERO;
             self.evaluate(&problem, &zones, [&driving, &share, &slope], &mut at);
             for z in 0..Z {
+                let warmed_k = problem.warmed_k(z, &at.flow);
                 for l in 0..L {
                     // The heat that is counted is that of the path taken: energy telescopes over
                     // samples, whatever Newton left.
-                    end_degc[z][l] += reference[z].sensitivity_k_m_per_w[l] * at.flow[z].w_per_m[l];
+                    end_degc[z][l] += warmed_k[l];
+                    extra_w_per_m[z][l] += at.flow[z].w_per_m[l];
                     let left_k = end_degc[z][l] - at.trial[z].temperature_degc[l];
                     residual_k[l] = larger(residual_k[l], left_k);
                 }
@@ -189,11 +250,50 @@ impl<const L: usize> ExtendedPlant<L> {
         }
         for z in 0..Z {
             if self.path.wants_middle {
-                note_middle(heat[z], zones[z], &end_degc[z], leg);
+                self.note_middle(z, zones[z], &end_degc[z], leg);
             }
             zones[z].temperature_degc = end_degc[z];
         }
-        residual_k
+        Advanced {
+            residual_k,
+            extra_w_per_m,
+        }
+    }
+
+    /// Adds what heat along the rod does to temperatures at the end, and to what flows do to them.
+    #[inline(always)]
+    fn conduct<const Z: usize>(
+        &self,
+        along: &Along<'_, L>,
+        stage: &Stage<L>,
+        end_degc: &mut [[f64; L]; Z],
+        sensitivity_k_m_per_w: &mut [[[f64; L]; Z]; Z],
+    ) {
+        for z in 0..Z {
+            let moved_k = along.transfer.moved_k(z, &along.above_k);
+            for l in 0..L {
+                end_degc[z][l] += moved_k[l];
+                for k in 0..Z {
+                    let warmed_s = along.transfer.warmed_s[z][k][l];
+                    let added = warmed_s * self.heat.per_capacity_k_m_per_j[l];
+                    sensitivity_k_m_per_w[z][k][l] += added;
+                    end_degc[z][l] += added * stage.acting.power_w_per_m[l];
+                }
+            }
+        }
+    }
+
+    /// Rate at which a zone follows, times the length of the part, at most 1.
+    #[inline(always)]
+    fn rate(&self, z: usize, leg: &Leg<'_, L>, l: usize) -> f64 {
+        let per_s = self.heat.per_tau_s[l] + self.effects.end_conduction.beyond_per_s[z][z][l];
+        unit(leg.dt_s * per_s) * leg.stage.share[l]
+    }
+
+    /// Share of a change over the part that is done in the middle of the sample.
+    #[inline(always)]
+    fn done_by_middle(&self, z: usize, leg: &Leg<'_, L>, l: usize) -> f64 {
+        progress(leg.stage.middle[l], self.rate(z, leg, l))
     }
 
     /// Takes the hysteresis of a zone to a driving temperature.
@@ -215,16 +315,10 @@ impl<const L: usize> ExtendedPlant<L> {
 
     /// Notes the fraction in the middle of the sample, on the way to a driving temperature.
     #[inline(always)]
-    fn pass_middle(
-        &self,
-        heat: &ZoneHeat<L>,
-        zone: &mut Zone<L>,
-        driving_degc: &[f64; L],
-        leg: &Leg<'_, L>,
-    ) {
+    fn pass_middle(&self, z: usize, zone: &mut Zone<L>, driving_degc: &[f64; L], leg: &Leg<'_, L>) {
         let mut passed_degc = [0.0; L];
         for l in 0..L {
-            let done = leg.middle(heat, l);
+            let done = self.done_by_middle(z, leg, l);
             let change_k = driving_degc[l] - zone.driving_degc[l];
             passed_degc[l] = zone.driving_degc[l] + change_k * done;
         }
@@ -240,59 +334,37 @@ impl<const L: usize> ExtendedPlant<L> {
             zone.middle_fraction[l] = if here { mapped.fraction[l] } else { before };
         }
     }
-}
 
-impl<const L: usize> Leg<'_, L> {
-    /// dt/τ of the part.
+    /// A zone at the start of a part.
     #[inline(always)]
-    fn rate(&self, heat: &ZoneHeat<L>, l: usize) -> f64 {
-        heat.rate(l, self.dt_s) * self.stage.share[l]
+    fn start_of(&self, z: usize, zone: &Zone<L>, mean: [f64; L], leg: &Leg<'_, L>) -> Before<L> {
+        let mut before = Before {
+            temperature_degc: zone.temperature_degc,
+            transformed: zone.transformed,
+            mean,
+            slope_per_k: zone.slope_per_k,
+            driving_degc: zone.driving_degc,
+            ..Before::ZERO
+        };
+        for l in 0..L {
+            let rate = self.rate(z, leg, l);
+            before.rate[l] = rate;
+            before.counted[l] = counted(rate);
+        }
+        before
     }
 
-    /// Share of a change over the part that is done in the middle of the sample.
+    /// Notes the temperature in the middle of the sample, before a zone moves on.
     #[inline(always)]
-    fn middle(&self, heat: &ZoneHeat<L>, l: usize) -> f64 {
-        progress(self.stage.middle[l], self.rate(heat, l))
-    }
-}
-
-#[inline(always)]
-fn start_of<const L: usize>(
-    heat: &ZoneHeat<L>,
-    zone: &Zone<L>,
-    mean: [f64; L],
-    leg: &Leg<'_, L>,
-) -> Before<L> {
-    let mut before = Before {
-        temperature_degc: zone.temperature_degc,
-        transformed: zone.transformed,
-        mean,
-        slope_per_k: zone.slope_per_k,
-        driving_degc: zone.driving_degc,
-        ..Before::ZERO
-    };
-    for l in 0..L {
-        let rate = leg.rate(heat, l);
-        before.rate[l] = rate;
-        before.counted[l] = counted(rate * heat.path_share[l], rate);
-    }
-    before
-}
-
-/// Notes the temperature in the middle of the sample, before a zone moves on.
-#[inline(always)]
-fn note_middle<const L: usize>(
-    heat: &ZoneHeat<L>,
-    zone: &mut Zone<L>,
-    end_degc: &[f64; L],
-    leg: &Leg<'_, L>,
-) {
-    for l in 0..L {
-        let change_k = end_degc[l] - zone.temperature_degc[l];
-        let passed_degc = zone.temperature_degc[l] + change_k * leg.middle(heat, l);
-        let before_degc = zone.middle_degc[l];
-        let here = leg.stage.has_middle[l];
-        zone.middle_degc[l] = if here { passed_degc } else { before_degc };
+    fn note_middle(&self, z: usize, zone: &mut Zone<L>, end_degc: &[f64; L], leg: &Leg<'_, L>) {
+        for l in 0..L {
+            let change_k = end_degc[l] - zone.temperature_degc[l];
+            let done = self.done_by_middle(z, leg, l);
+            let passed_degc = zone.temperature_degc[l] + change_k * done;
+            let before_degc = zone.middle_degc[l];
+            let here = leg.stage.has_middle[l];
+            zone.middle_degc[l] = if here { passed_degc } else { before_degc };
+        }
     }
 }
 

@@ -83,14 +83,14 @@ pub(crate) struct Before<const L: usize> {
 /// What counts of a change over a sample for a flow that is taken as constant.
 ///
 /// ```text
-/// ½ + a_path/12 + a/12
+/// ½ + a/12 + a/12
 /// ```
 ///
-/// A change that fades with the rate `path` = a_path = dt/τ_path is for the greater part over early; and later
-/// heat is less cooled away by the end of the sample, with the rate a = dt/τ of the zone that it flows into.
+/// A change that fades with the rate a = dt/τ of a zone is for the greater part over early; and later
+/// heat is less cooled away by the end of the sample.
 #[inline(always)]
-pub(crate) fn counted(path: f64, into: f64) -> f64 {
-    0.5 + (path + into) * (1.0 / 12.0)
+pub(crate) fn counted(rate: f64) -> f64 {
+    0.5 + (rate + rate) * (1.0 / 12.0)
 }
 
 impl<const L: usize> Before<L> {
@@ -177,8 +177,8 @@ pub(crate) struct Standing<const L: usize> {
 /// What the displacement is made from, beside the fraction.
 #[derive(Debug)]
 pub(crate) struct Seen<const L: usize> {
-    /// Mean temperature of the rod, °C.
-    pub(crate) temperature_degc: [f64; L],
+    /// Mean over the rod of the warming by which it expands, K.
+    pub(crate) expanded_k: [f64; L],
     /// When.
     pub(crate) instant: Instant,
 }
@@ -315,12 +315,14 @@ pub(crate) trait Effect<const L: usize>: Sized {
         self.displacement(rod, moment, seen, displacement);
     }
 
-    /// Changes the recorded temperature at the end of the sample; that in the middle is the rod's.
+    /// Changes the recorded temperature at the end of the sample; that in the middle is the rod's. The surroundings
+    /// have their temperature of the sample.
     #[inline(always)]
     fn temperature(
         &self,
         _rod: &mut Self::Rod,
         _middle_degc: &[f64; L],
+        _ambient_degc: &[f64; L],
         _temperature_degc: &mut [f64; L],
     ) {
     }

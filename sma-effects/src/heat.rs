@@ -5,22 +5,19 @@ use wiener::thermal::{HeatBalance, HeatBalanceParams, Heating, Sample};
 
 use crate::PhysicsError;
 use crate::part::{Part, Stage, progress, unit};
-use crate::state::Zone;
 
-/// The linear heat balance of a zone: that of the baseline, and of the end zones with what they lose to
-/// clamps and middle besides.
+/// The linear heat balance of a zone: that of the baseline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ZoneHeat<const L: usize> {
     pub(crate) balance: HeatBalance<L>,
     conductance_w_per_m_k: [f64; L],
-    per_tau_s: [f64; L],
-    /// Rate at which a change of temperature fades, over 1/τ: 1 by itself, less for an end zone that
-    /// the middle takes along.
-    pub(crate) path_share: [f64; L],
+    pub(crate) per_tau_s: [f64; L],
+    /// 1/C, K m/J.
+    pub(crate) per_capacity_k_m_per_j: [f64; L],
 }
 
 /// What a part of a sample does to a zone without heat beyond the baseline's.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(crate) struct Reference<const L: usize> {
     /// Temperature at its end, °C.
     pub(crate) end_degc: [f64; L],
@@ -28,27 +25,13 @@ pub(crate) struct Reference<const L: usize> {
     pub(crate) sensitivity_k_m_per_w: [f64; L],
 }
 
-impl<const L: usize> Reference<L> {
-    pub(crate) const ZERO: Self = Self {
-        end_degc: [0.0; L],
-        sensitivity_k_m_per_w: [0.0; L],
-    };
-}
-
 impl<const L: usize> ZoneHeat<L> {
-    /// `loss_ratio` is κ of an end zone, 0 for the middle.
-    pub(crate) fn new(
-        mut lanes: [HeatBalanceParams; L],
-        loss_ratio: [f64; L],
-    ) -> Result<Self, PhysicsError> {
-        for l in 0..L {
-            lanes[l].conductance_w_per_m_k *= 1.0 + 2.0 * loss_ratio[l];
-        }
+    pub(crate) fn new(lanes: [HeatBalanceParams; L]) -> Result<Self, PhysicsError> {
         Ok(Self {
             balance: HeatBalance::new(lanes).map_err(WienerError::from)?,
             conductance_w_per_m_k: lanes.map(|lane| lane.conductance_w_per_m_k),
             per_tau_s: lanes.map(|lane| lane.conductance_w_per_m_k / lane.heat_capacity_j_per_m_k),
-            path_share: loss_ratio.map(|ratio| (1.0 + ratio) / (1.0 + 2.0 * ratio)),
+            per_capacity_k_m_per_j: lanes.map(|lane| 1.0 / lane.heat_capacity_j_per_m_k),
         })
     }
 
@@ -57,7 +40,8 @@ impl<const L: usize> ZoneHeat<L> {
     #[inline(always)]
     pub(crate) fn reference(
         &self,
-        zone: &Zone<L>,
+        start_degc: &[f64; L],
+        sample: &Sample<L>,
         stage: &Stage<L>,
         dt_s: f64,
         ambient_degc: f64,
@@ -66,12 +50,12 @@ impl<const L: usize> ZoneHeat<L> {
             power_w_per_m: stage.acting.power_w_per_m,
             ambient_degc,
         };
-        let start_degc = &zone.temperature_degc;
-        let mut end_degc = self.balance.step(*start_degc, &heating, &zone.sample);
-        let mut sensitivity_k_m_per_w = self.balance.sensitivity_k_m_per_w(&zone.sample);
+        let mut end_degc = self.balance.step(*start_degc, &heating, sample);
+        let mut sensitivity_k_m_per_w = self.balance.sensitivity_k_m_per_w(sample);
         if stage.part != Part::Whole {
             for l in 0..L {
-                let done = progress(stage.share[l], self.rate(l, dt_s));
+                let rate = unit(dt_s * self.per_tau_s[l]);
+                let done = progress(stage.share[l], rate);
                 sensitivity_k_m_per_w[l] *= done;
                 let change_k = end_degc[l] - start_degc[l];
                 end_degc[l] = if stage.part == Part::Earlier {
@@ -89,12 +73,6 @@ impl<const L: usize> ZoneHeat<L> {
             end_degc,
             sensitivity_k_m_per_w,
         }
-    }
-
-    /// dt/τ, at most 1.
-    #[inline(always)]
-    pub(crate) fn rate(&self, l: usize, dt_s: f64) -> f64 {
-        unit(dt_s * self.per_tau_s[l])
     }
 
     /// Adds to the temperature at the end of a sample what a heat flow does, W/m.

@@ -2,6 +2,7 @@
 
 mod advance;
 mod bracket;
+mod conduction;
 mod effect;
 mod effects;
 mod elementary;

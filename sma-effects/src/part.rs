@@ -58,12 +58,6 @@ impl<const L: usize> Stage<L> {
         }
     }
 
-    /// How far temperatures are above the surroundings, K.
-    #[inline(always)]
-    pub(crate) fn above_ambient_k(&self, temperature_degc: &[f64; L]) -> [f64; L] {
-        core::array::from_fn(|l| temperature_degc[l] - self.acting.ambient_degc[l])
-    }
-
     /// The part before or after the change of power.
     #[inline(always)]
     pub(crate) fn divide(&mut self, part: Part, earlier_share: &[f64; L], dt_s: f64) {

@@ -24,14 +24,13 @@ use crate::{
 /// T_1 = B + S q̄(T_0, T_1, ξ_0, ξ_1),   S = (1 - e^(-dt/τ))/(hA)
 /// ```
 ///
-/// with the baseline's temperature B. A few Newton iterations solve it together with the hysteresis, in each
+/// with the baseline's temperature B, heat along the rod included. A few Newton iterations solve it together with the hysteresis, in each
 /// lane until it is met. With all sizes 0 the outputs are the bits of [`Wiener`], whatever is active, because each
 /// effect adds an exact zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtendedPlant<const L: usize = 1> {
     drive: Drive,
-    pub(crate) middle: ZoneHeat<L>,
-    pub(crate) ends: ZoneHeat<L>,
+    pub(crate) heat: ZoneHeat<L>,
     pub(crate) hysteresis: Hysteresis<L>,
     pub(crate) scale: LoopScale<L>,
     pub(crate) gain: [f64; L],
@@ -56,6 +55,8 @@ pub(crate) struct Path {
     pub(crate) wants_middle: bool,
     pub(crate) changes_ambient: bool,
     pub(crate) stands_in_zone: bool,
+    /// The rod has ends.
+    has_ends: bool,
     /// The displacement is more than gain and offset.
     shows: bool,
     /// The recorded temperature is not the rod's.
@@ -71,6 +72,7 @@ impl Path {
             wants_middle: active.meets(Effects::<L>::WANT_MIDDLE),
             changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
             stands_in_zone: active.meets(Effects::<L>::STAND_IN_ZONE),
+            has_ends: active.contains(EffectId::EndConduction),
             shows: active.meets(Effects::<L>::SHOW.with(EffectId::EndConduction))
                 | own.has(Place::Displacement),
             records: active.meets(Effects::<L>::RECORD),
@@ -80,7 +82,7 @@ impl Path {
     /// Whether a sample is one step after another: heat, then fraction.
     #[inline(always)]
     fn is_plain(self) -> bool {
-        !(self.implicit | self.in_parts | self.wants_middle | self.stands_in_zone)
+        !(self.implicit | self.in_parts | self.wants_middle | self.stands_in_zone | self.has_ends)
     }
 }
 
@@ -123,11 +125,9 @@ impl<const L: usize> ExtendedPlant<L> {
         };
         let own = Own::new(setting.hypotheses, values);
         let heat = params.map(|lane| lane.heat);
-        let loss_ratio = values.map(|lane| lane.end_conduction.end_loss_ratio);
         Ok(Self {
             drive: setting.drive,
-            middle: ZoneHeat::new(heat, [0.0; L])?,
-            ends: ZoneHeat::new(heat, loss_ratio)?,
+            heat: ZoneHeat::new(heat)?,
             hysteresis: Hysteresis::new(limits, proximity, setting.rule),
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),
@@ -150,11 +150,11 @@ impl<const L: usize> ExtendedPlant<L> {
 
     #[inline(always)]
     fn sub_step(&self, state: &mut ExtendedState<L>, input: &Input<L>, dt_s: f64) {
-        if !state.middle.sample.is_of(&self.middle.balance, dt_s) {
+        if !state.sample.is_of(&self.heat.balance, dt_s) {
             self.prepare(state, dt_s);
         }
         let moment = self.moment(state.time_s, dt_s);
-        let resistance_ohm_per_m = self.middle.balance.resistance_ohm_per_m();
+        let resistance_ohm_per_m = self.heat.balance.resistance_ohm_per_m();
         let mut drive = input.drive;
         if state.own.is_some() {
             self.begin_own(state, &mut drive, input.ambient_degc);
@@ -175,10 +175,13 @@ impl<const L: usize> ExtendedPlant<L> {
             state.displacement = self.show(state, &moment, Instant::End);
         }
         if self.path.records {
+            let mut surroundings_degc = [input.ambient_degc; L];
+            self.effects.ambient(&moment, &mut surroundings_degc);
             state.recorded_degc = state.middle.temperature_degc;
             self.effects.temperature(
                 &mut state.rod,
                 &state.middle.middle_degc,
+                &surroundings_degc,
                 &mut state.recorded_degc,
             );
         }
@@ -193,11 +196,8 @@ impl<const L: usize> ExtendedPlant<L> {
         own.note(drive, ambient_degc, &state.middle.temperature_degc);
         let rod = self.seen_by_own(state, None);
         self.own.drive(&own, self.drive, &rod, drive);
-        for (z, zone) in [Some(&state.middle), state.ends.as_deref()]
-            .into_iter()
-            .flatten()
-            .enumerate()
-        {
+        let cells = state.ends.iter().flat_map(|ends| &ends.cells);
+        for (z, zone) in std::iter::once(&state.middle).chain(cells).enumerate() {
             let seen = self.seen_by_own(state, Some(zone));
             self.own.heat_and_shift(&mut own, z, &seen);
         }
@@ -207,10 +207,7 @@ impl<const L: usize> ExtendedPlant<L> {
     /// Coefficients for samples of another length.
     #[inline(never)]
     fn prepare(&self, state: &mut ExtendedState<L>, dt_s: f64) {
-        state.middle.sample = self.middle.balance.over(dt_s);
-        if let Some(ends) = &mut state.ends {
-            ends.sample = self.ends.balance.over(dt_s);
-        }
+        state.sample = self.heat.balance.over(dt_s);
         self.effects.over(&mut state.rod, dt_s);
     }
 
@@ -238,17 +235,17 @@ impl<const L: usize> ExtendedPlant<L> {
             power_w_per_m,
             ambient_degc,
         };
-        let heat = &self.middle;
+        let heat = &self.heat;
         let mut end_degc = heat
             .balance
-            .step(zone.temperature_degc, &heating, &zone.sample);
+            .step(zone.temperature_degc, &heating, &state.sample);
         if self.path.changes_ambient {
             let mut warmer_k = [0.0; L];
             self.effects.ambient(moment, &mut warmer_k);
-            heat.warm(&mut end_degc, &zone.sample, &warmer_k);
+            heat.warm(&mut end_degc, &state.sample, &warmer_k);
         }
         if let Some(own) = &state.own {
-            heat.heat(&mut end_degc, &zone.sample, &own.flow_w_per_m[0]);
+            heat.heat(&mut end_degc, &state.sample, &own.flow_w_per_m[0]);
         }
         let mut mapped = Mapped {
             fraction: self.hysteresis.commit(&mut zone.memory, end_degc),

@@ -1,5 +1,6 @@
 //! From the zones to the displacement.
 
+use crate::conduction::ZONES;
 use crate::effect::{Instant, Moment, Seen, Standing};
 use crate::hypothesis::{OwnMemory, Place, SeenState};
 use crate::plant::ExtendedPlant;
@@ -41,13 +42,9 @@ impl<const L: usize> ExtendedPlant<L> {
         state: &ExtendedState<L>,
         zone: Option<&Zone<L>>,
     ) -> SeenState<L> {
-        let first = zone.unwrap_or(&state.middle);
-        let mut temperature_degc = first.temperature_degc;
-        let mut fraction = first.fraction;
-        if let (None, Some(ends)) = (zone, &state.ends) {
-            temperature_degc = self.mean(&[temperature_degc, ends.temperature_degc]);
-            fraction = self.mean(&[fraction, ends.fraction]);
-        }
+        let of_zone = |zone: &Zone<L>| (zone.fraction, zone.temperature_degc);
+        let (fraction, temperature_degc) =
+            zone.map_or_else(|| self.mean_of(state, of_zone), of_zone);
         SeenState {
             time_s: state.time_s,
             temperature_degc,
@@ -58,15 +55,10 @@ impl<const L: usize> ExtendedPlant<L> {
     /// Displacement by the fraction alone.
     #[inline(always)]
     pub(crate) fn stroke(&self, state: &ExtendedState<L>, instant: Instant) -> ([f64; L], Seen<L>) {
-        let (mut fraction, mut temperature_degc) = self.moved_by(&state.middle, instant);
-        if let Some(ends) = &state.ends {
-            let (of_ends, ends_degc) = self.moved_by(ends, instant);
-            fraction = self.mean(&[fraction, of_ends]);
-            temperature_degc = self.mean(&[temperature_degc, ends_degc]);
-        }
+        let (fraction, expanded_k) = self.mean_of(state, |zone| self.moved_by(zone, instant));
         let displacement = self.read_out(&fraction);
         let seen = Seen {
-            temperature_degc,
+            expanded_k,
             instant,
         };
         (displacement, seen)
@@ -82,7 +74,7 @@ impl<const L: usize> ExtendedPlant<L> {
         displacement
     }
 
-    /// The fraction of a zone that counts for the displacement, and its temperature, °C.
+    /// The fraction of a zone that counts for the displacement, and the warming by which it expands, K.
     #[inline(always)]
     fn moved_by(&self, zone: &Zone<L>, instant: Instant) -> ([f64; L], [f64; L]) {
         let (mut fraction, temperature_degc) = if instant == Instant::Middle {
@@ -90,28 +82,46 @@ impl<const L: usize> ExtendedPlant<L> {
         } else {
             (zone.fraction, zone.temperature_degc)
         };
+        let mut transformed = [0.0; L];
+        for l in 0..L {
+            transformed[l] = self.scale.transformed(l, fraction[l]);
+        }
+        let at = Standing {
+            temperature_degc,
+            transformed,
+        };
         if self.path.stands_in_zone {
-            let mut transformed = [0.0; L];
-            for l in 0..L {
-                transformed[l] = self.scale.transformed(l, fraction[l]);
-            }
-            let at = Standing {
-                temperature_degc,
-                transformed,
-            };
             self.effects.stroke(&zone.effects, &at, &mut fraction);
         }
-        (fraction, temperature_degc)
+        (fraction, self.effects.thermal_expansion.expanded_k(&at))
+    }
+
+    /// Means over the length of the rod of two things that each zone has.
+    #[inline(always)]
+    fn mean_of(
+        &self,
+        state: &ExtendedState<L>,
+        of_zone: impl Fn(&Zone<L>) -> ([f64; L], [f64; L]),
+    ) -> ([f64; L], [f64; L]) {
+        let (one, other) = of_zone(&state.middle);
+        let Some(ends) = &state.ends else {
+            return (one, other);
+        };
+        let (mut ones, mut others) = ([one; ZONES], [other; ZONES]);
+        for (z, cell) in ends.cells.iter().enumerate() {
+            (ones[z + 1], others[z + 1]) = of_zone(cell);
+        }
+        (self.mean(&ones), self.mean(&others))
     }
 
     /// Mean over the length of the rod of what the zones have.
     #[inline(always)]
     pub(crate) fn mean<const Z: usize>(&self, of_zones: &[[f64; L]; Z]) -> [f64; L] {
         let mut mean = of_zones[0];
-        if Z > 1 {
+        for z in 1..Z {
             for l in 0..L {
-                let difference = of_zones[Z - 1][l] - mean[l];
-                mean[l] += self.effects.end_conduction.share[l] * difference;
+                let difference = of_zones[z][l] - of_zones[0][l];
+                mean[l] += self.effects.end_conduction.share[z][l] * difference;
             }
         }
         mean

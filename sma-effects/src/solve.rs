@@ -2,7 +2,6 @@
 
 use crate::bracket::Bracket;
 use crate::effect::{Acting, Before, Flow, Mapped, Shift, Trial};
-use crate::heat::Reference;
 use crate::plant::ExtendedPlant;
 use crate::state::Zone;
 
@@ -17,7 +16,10 @@ const NEAR_K: f64 = 1e-10;
 pub(crate) struct Problem<'a, const L: usize, const Z: usize> {
     pub(crate) acting: &'a Acting<L>,
     pub(crate) before: &'a [Before<L>; Z],
-    pub(crate) reference: &'a [Reference<L>; Z],
+    /// Temperatures at its end without heat beyond the baseline's, °C.
+    pub(crate) reference_degc: &'a [[f64; L]; Z],
+    /// Rise of the temperature of each zone per heat flow into each, K m/W.
+    pub(crate) sensitivity_k_m_per_w: &'a [[[f64; L]; Z]; Z],
     /// By how much own hypotheses shift the loop in each zone, K; their heat is in the reference already.
     pub(crate) own_shift_k: &'a [[f64; L]; Z],
 }
@@ -43,7 +45,7 @@ impl<const L: usize> ExtendedPlant<L> {
     /// transformed share there, 1/K.
     ///
     /// ```text
-    /// θ_z = B_z + g_z,   g_z = S_z q̄_z - ΔT_z
+    /// θ_z = B_z + g_z,   g_z = Σ_k S_zk q̄_k - ΔT_z
     /// ```
     ///
     /// with the baseline's temperature B, its sensitivity S, the extra heat flow q̄ and the shift of the
@@ -166,32 +168,6 @@ impl<const L: usize> ExtendedPlant<L> {
             self.effects
                 .flow(problem.acting, before, trial, &mut at.flow[z]);
         }
-        if Z > 1 {
-            self.exchange(problem, at);
-        }
-    }
-
-    /// Heat between the zones, and from the ends to the clamps: equations of
-    /// [`EndConduction`](crate::EndConduction). The end's loss at its own temperature stands in its own
-    /// heat balance.
-    #[inline(always)]
-    fn exchange<const Z: usize>(&self, problem: &Problem<'_, L, Z>, at: &mut Evaluated<L, Z>) {
-        let ends = &self.effects.end_conduction;
-        let (middle, end) = (0, Z - 1);
-        for l in 0..L {
-            let start_degc = problem.before[middle].temperature_degc[l];
-            let change_k = at.trial[middle].temperature_degc[l] - start_degc;
-            let end_start_degc = problem.before[end].temperature_degc[l];
-            let end_change_k = at.trial[end].temperature_degc[l] - end_start_degc;
-            let own = problem.before[middle].counted[l];
-            let across = problem.counted_across(middle, l);
-            let warmer_k = (start_degc + own * change_k) - (end_start_degc + across * end_change_k);
-            at.flow[middle].w_per_m[l] -= ends.to_ends_w_per_m_k[l] * warmer_k;
-            at.flow[middle].per_k[l] -= own * ends.to_ends_w_per_m_k[l];
-            let across = problem.counted_across(end, l);
-            let above_k = start_degc + across * change_k - problem.acting.ambient_degc[l];
-            at.flow[end].w_per_m[l] += ends.to_clamp_w_per_m_k[l] * above_k;
-        }
     }
 
     /// Goes to the next trial; returns how far, K.
@@ -203,28 +179,33 @@ impl<const L: usize> ExtendedPlant<L> {
         bracket: &mut Bracket<L>,
         driving: &mut [[f64; L]; Z],
     ) -> [f64; L] {
-        let mut moved_k = [0.0; L];
-        for l in 0..L {
-            let derivative = self.derivative(problem, at, l);
-            let mut wanted = [0.0; Z];
-            let mut right = [0.0; Z];
-            for z in 0..Z {
-                let sensitivity = problem.reference[z].sensitivity_k_m_per_w[l];
-                wanted[z] = sensitivity * at.flow[z].w_per_m[l] - at.shift[z].kelvin[l];
-                right[z] = wanted[z];
-                for j in 0..Z {
-                    let ahead_k = problem.reference[j].end_degc[l] - driving[j][l];
-                    right[z] += derivative[z][j] * ahead_k;
+        let derivative = self.derivative(problem, at);
+        let mut wanted = [[0.0; L]; Z];
+        for z in 0..Z {
+            wanted[z] = problem.warmed_k(z, &at.flow);
+            for l in 0..L {
+                wanted[z][l] -= at.shift[z].kelvin[l];
+            }
+        }
+        let mut step = wanted;
+        for z in 0..Z {
+            for j in 0..Z {
+                for l in 0..L {
+                    let ahead_k = problem.reference_degc[j][l] - driving[j][l];
+                    step[z][l] += derivative[z][j][l] * ahead_k;
                 }
             }
-            let step = eliminate(&derivative, &right);
-            for z in 0..Z {
-                let end_degc = problem.reference[z].end_degc[l];
-                let newton = end_degc + step[z];
+        }
+        eliminate(derivative, &mut step);
+        let mut moved_k = [0.0; L];
+        for z in 0..Z {
+            for l in 0..L {
+                let end_degc = problem.reference_degc[z][l];
+                let newton = end_degc + step[z][l];
                 let tried = driving[z][l];
-                // With two zones the residual of one need not rise in its own temperature alone.
+                // With more zones the residual of one need not rise in its own temperature alone.
                 driving[z][l] = if Z == 1 {
-                    bracket.next(l, tried, tried - end_degc - wanted[z], newton)
+                    bracket.next(l, tried, tried - end_degc - wanted[z][l], newton)
                 } else {
                     newton
                 };
@@ -239,56 +220,52 @@ impl<const L: usize> ExtendedPlant<L> {
         moved_k
     }
 
-    /// ∂g_z/∂θ_j.
+    /// ∂g_z/∂θ_j: each zone by itself, and through the mean of the rod.
+    ///
+    /// ```text
+    /// G_zj = S_zj ∂q̄_j/∂θ_j - ∂ΔT_z/∂θ_z [z = j] + (Σ_k S_zk ∂q̄_k/∂p̄ - ∂ΔT_z/∂p̄) ∂p̄/∂θ_j
+    /// ```
     #[inline(always)]
     fn derivative<const Z: usize>(
         &self,
         problem: &Problem<'_, L, Z>,
         at: &Evaluated<L, Z>,
-        l: usize,
-    ) -> [[f64; Z]; Z] {
-        let ends = &self.effects.end_conduction;
-        // ∂p̄/∂θ_j, and ∂ΔT_z/∂θ_j.
-        let mut mean_per_k = [0.0; Z];
-        let mut shift_per_k = [[0.0; Z]; Z];
-        for j in 0..Z {
-            mean_per_k[j] = at.trial[j].slope_per_k[l];
-            if Z > 1 {
-                mean_per_k[j] *= if j > 0 {
-                    ends.share[l]
+    ) -> [[[f64; L]; Z]; Z] {
+        let sensitivity = problem.sensitivity_k_m_per_w;
+        let mut own = [[0.0; L]; Z];
+        let mut by_mean = [[0.0; L]; Z];
+        let mut mean_per_k = [[0.0; L]; Z];
+        for k in 0..Z {
+            let (flow, shift) = (&at.flow[k], &at.shift[k]);
+            for l in 0..L {
+                let slope_per_k = at.trial[k].slope_per_k[l];
+                own[k][l] =
+                    flow.per_k[l] * (1.0 + shift.per_k[l]) + flow.per_transformed[l] * slope_per_k;
+                by_mean[k][l] = flow.per_k[l] * shift.per_mean[l] + flow.per_mean[l];
+                mean_per_k[k][l] = if Z > 1 {
+                    slope_per_k * self.effects.end_conduction.share[k][l]
                 } else {
-                    1.0 - ends.share[l]
+                    slope_per_k
                 };
             }
         }
+        let mut derivative = [[[0.0; L]; Z]; Z];
         for z in 0..Z {
-            for j in 0..Z {
-                shift_per_k[z][j] = at.shift[z].per_mean[l] * mean_per_k[j];
+            let mut through_mean = [0.0; L];
+            for l in 0..L {
+                for k in 0..Z {
+                    through_mean[l] += sensitivity[z][k][l] * by_mean[k][l];
+                }
+                through_mean[l] -= at.shift[z].per_mean[l];
             }
-            shift_per_k[z][z] += at.shift[z].per_k[l];
-        }
-        let mut derivative = [[0.0; Z]; Z];
-        for z in 0..Z {
-            let flow = &at.flow[z];
-            let other = Z - 1 - z;
-            let conductance = if z == 0 {
-                &ends.to_ends_w_per_m_k
-            } else {
-                &ends.to_clamp_w_per_m_k
-            };
             for j in 0..Z {
-                let mut per_k =
-                    flow.per_k[l] * shift_per_k[z][j] + flow.per_mean[l] * mean_per_k[j];
-                if j == z {
-                    per_k += flow.per_k[l] + flow.per_transformed[l] * at.trial[z].slope_per_k[l];
+                for l in 0..L {
+                    derivative[z][j][l] =
+                        sensitivity[z][j][l] * own[j][l] + through_mean[l] * mean_per_k[j][l];
+                    if z == j {
+                        derivative[z][j][l] -= at.shift[z].per_k[l];
+                    }
                 }
-                if Z > 1 {
-                    let also = if j == other { 1.0 } else { 0.0 };
-                    let across = problem.counted_across(z, l) * conductance[l];
-                    per_k += across * (also + shift_per_k[other][j]);
-                }
-                let sensitivity = problem.reference[z].sensitivity_k_m_per_w[l];
-                derivative[z][j] = sensitivity * per_k - shift_per_k[z][j];
             }
         }
         derivative
@@ -296,38 +273,70 @@ impl<const L: usize> ExtendedPlant<L> {
 }
 
 impl<const L: usize, const Z: usize> Problem<'_, L, Z> {
-    /// What counts of a change in the other zone for the flow into zone `z`: the other's path, into this
-    /// zone; see [`counted`](crate::effect::counted).
+    /// By how much the flows into all zones warm one, K.
     #[inline(always)]
-    fn counted_across(&self, z: usize, l: usize) -> f64 {
-        let (here, other) = (&self.before[z], &self.before[Z - 1 - z]);
-        other.counted[l] + (here.rate[l] - other.rate[l]) * (1.0 / 12.0)
+    pub(crate) fn warmed_k(&self, z: usize, flow: &[Flow<L>; Z]) -> [f64; L] {
+        let mut warmed_k = [0.0; L];
+        for l in 0..L {
+            warmed_k[l] = self.sensitivity_k_m_per_w[z][z][l] * flow[z].w_per_m[l];
+        }
+        for k in (0..Z).filter(|&k| k != z) {
+            for l in 0..L {
+                warmed_k[l] += self.sensitivity_k_m_per_w[z][k][l] * flow[k].w_per_m[l];
+            }
+        }
+        warmed_k
     }
 }
 
-/// (I - G)⁻¹ r for one zone or two.
+/// (I - G)⁻¹ r in place of r.
 #[inline(always)]
-fn eliminate<const Z: usize>(derivative: &[[f64; Z]; Z], right: &[f64; Z]) -> [f64; Z] {
-    let mut diagonal = [0.0; Z];
+fn eliminate<const L: usize, const Z: usize>(
+    mut derivative: [[[f64; L]; Z]; Z],
+    right: &mut [[f64; L]; Z],
+) {
     for z in 0..Z {
-        let slope = 1.0 - derivative[z][z];
-        diagonal[z] = if slope < SMALLEST_SLOPE {
-            SMALLEST_SLOPE
-        } else {
-            slope
-        };
+        for j in 0..Z {
+            for l in 0..L {
+                derivative[z][j][l] = if j == z {
+                    1.0 - derivative[z][j][l]
+                } else {
+                    -derivative[z][j][l]
+                };
+            }
+        }
     }
-    let mut step = [0.0; Z];
-    if Z == 1 {
-        step[0] = right[0] / diagonal[0];
-        return step;
-    }
-    let last = Z - 1;
-    let determinant = diagonal[0] * diagonal[last] - derivative[0][last] * derivative[last][0];
+    let left = &mut derivative;
     for z in 0..Z {
-        let other = last - z;
-        let sum = right[z] * diagonal[other] + derivative[z][other] * right[other];
-        step[z] = sum / determinant;
+        for l in 0..L {
+            let pivot = left[z][z][l];
+            left[z][z][l] = if pivot < SMALLEST_SLOPE {
+                SMALLEST_SLOPE
+            } else {
+                pivot
+            };
+        }
+        for below in z + 1..Z {
+            let mut share = [0.0; L];
+            for l in 0..L {
+                share[l] = left[below][z][l] / left[z][z][l];
+                right[below][l] -= share[l] * right[z][l];
+            }
+            for j in z + 1..Z {
+                for l in 0..L {
+                    left[below][j][l] -= share[l] * left[z][j][l];
+                }
+            }
+        }
     }
-    step
+    for z in (0..Z).rev() {
+        for j in z + 1..Z {
+            for l in 0..L {
+                right[z][l] -= left[z][j][l] * right[j][l];
+            }
+        }
+        for l in 0..L {
+            right[z][l] /= left[z][z][l];
+        }
+    }
 }

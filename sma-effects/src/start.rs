@@ -3,8 +3,8 @@
 use wiener::hysteresis::Branch;
 
 use crate::bracket::Bracket;
+use crate::conduction::{Ends, Transfers};
 use crate::effect::{Before, Instant, Mapped, Shift, Trial, ZoneStart};
-use crate::heat::ZoneHeat;
 use crate::hypothesis::{Place, SeenState};
 use crate::plant::ExtendedPlant;
 use crate::state::Zone;
@@ -40,10 +40,18 @@ impl<const L: usize> ExtendedPlant<L> {
         share: [f64; L],
     ) -> ExtendedState<L> {
         let with_ends = self.effects.active.contains(EffectId::EndConduction);
-        let ends = || Box::new(self.start_zone(&self.ends, temperature_degc, share));
+        let middle = self.start_zone(temperature_degc, share);
+        let ends = || {
+            Box::new(Ends {
+                cells: core::array::from_fn(|_| middle.clone()),
+                clamp_k: [0.0; L],
+                transfers: Transfers::NONE,
+            })
+        };
         let mut state = ExtendedState {
-            middle: self.start_zone(&self.middle, temperature_degc, share),
             ends: with_ends.then(ends),
+            middle,
+            sample: self.heat.balance.over(0.0),
             rod: self.effects.rod(),
             own: self.own.memory(temperature_degc, &share),
             time_s: 0.0,
@@ -66,12 +74,7 @@ impl<const L: usize> ExtendedPlant<L> {
     }
 
     /// A zone of a temperature: the one that drives the hysteresis is sought, θ + ΔT(θ) = T.
-    fn start_zone(
-        &self,
-        heat: &ZoneHeat<L>,
-        temperature_degc: [f64; L],
-        share: [f64; L],
-    ) -> Zone<L> {
+    fn start_zone(&self, temperature_degc: [f64; L], share: [f64; L]) -> Zone<L> {
         let mut driving_degc = temperature_degc;
         let mut bracket = Bracket::<L>::open();
         for _ in 0..START_ITERATIONS {
@@ -91,7 +94,7 @@ impl<const L: usize> ExtendedPlant<L> {
                 break;
             }
         }
-        let mut zone = self.zone_at(heat, driving_degc, share);
+        let mut zone = self.zone_at(driving_degc, share);
         zone.temperature_degc = temperature_degc;
         zone.middle_degc = temperature_degc;
         zone
@@ -104,7 +107,7 @@ impl<const L: usize> ExtendedPlant<L> {
         driving_degc: [f64; L],
         share: [f64; L],
     ) -> [f64; L] {
-        let zone = self.zone_at(&self.middle, driving_degc, share);
+        let zone = self.zone_at(driving_degc, share);
         let before = Before {
             temperature_degc: driving_degc,
             transformed: zone.transformed,
@@ -134,7 +137,7 @@ impl<const L: usize> ExtendedPlant<L> {
     }
 
     /// A zone whose temperature is the one that drives the hysteresis.
-    fn zone_at(&self, heat: &ZoneHeat<L>, driving_degc: [f64; L], share: [f64; L]) -> Zone<L> {
+    fn zone_at(&self, driving_degc: [f64; L], share: [f64; L]) -> Zone<L> {
         let memory = self.hysteresis.between_limiting_curves(driving_degc, share);
         let effects = self.effects.zone(&ZoneStart {
             driving_degc,
@@ -158,7 +161,6 @@ impl<const L: usize> ExtendedPlant<L> {
             middle_degc: driving_degc,
             memory,
             effects,
-            sample: heat.balance.over(0.0),
         }
     }
 }

@@ -1,6 +1,7 @@
 use wiener::hysteresis::Memory;
 use wiener::thermal::Sample;
 
+use crate::conduction::{CELLS, Ends};
 use crate::effects::{RodMemory, ZoneMemory};
 use crate::hypothesis::OwnMemory;
 
@@ -19,7 +20,6 @@ pub(crate) struct Zone<const L: usize> {
     pub(crate) middle_degc: [f64; L],
     pub(crate) memory: Memory<L>,
     pub(crate) effects: ZoneMemory<L>,
-    pub(crate) sample: Sample<L>,
 }
 
 /// State of an [`ExtendedPlant`](crate::ExtendedPlant), and of no other: coefficients of that plant
@@ -27,8 +27,10 @@ pub(crate) struct Zone<const L: usize> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtendedState<const L: usize = 1> {
     pub(crate) middle: Zone<L>,
-    /// Boxed: it is large, and most plants do without.
-    pub(crate) ends: Option<Box<Zone<L>>>,
+    /// Boxed: they are large, and most plants do without.
+    pub(crate) ends: Option<Box<Ends<L>>>,
+    /// Coefficients of a sample of the length of the last.
+    pub(crate) sample: Sample<L>,
     pub(crate) rod: RodMemory<L>,
     /// Only where there are own hypotheses.
     pub(crate) own: Option<Box<OwnMemory<L>>>,
@@ -45,10 +47,11 @@ impl<const L: usize> ExtendedState<L> {
         self.middle.temperature_degc
     }
 
-    /// Temperature of the end zones, °C; `None` while end conduction is not active.
+    /// Temperature next to the clamps, °C; `None` while end conduction is not active.
     #[must_use]
     pub fn end_temperature_degc(&self) -> Option<[f64; L]> {
-        self.ends.as_ref().map(|ends| ends.temperature_degc)
+        let ends = self.ends.as_ref()?;
+        Some(ends.cells[CELLS - 1].temperature_degc)
     }
 
     /// Fraction, of the middle if the ends differ.

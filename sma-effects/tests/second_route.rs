@@ -7,7 +7,7 @@ mod support;
 use std::f64::consts::PI;
 
 use approx::assert_abs_diff_eq;
-use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 use support::{
     AMBIENT_DEGC, DRIVES, Trace, current_a, drive_of, largest, params, rod, setting, trace,
     with_effect,
@@ -16,7 +16,7 @@ use wiener::hysteresis::{
     Branch, Hysteresis, LimitingLoop, LoopParams, Memory, Rule, SineProximity,
 };
 use wiener::thermal::HeatBalanceParams;
-use wiener::{Drive, Input, Plant, WienerParams};
+use wiener::{Drive, WienerParams};
 
 const DT_S: f64 = 0.2;
 
@@ -233,60 +233,122 @@ fn drift(run_share: f64, knots: [f64; 4]) -> f64 {
     at[0]
 }
 
-#[test]
-fn ends_exchange_heat_with_clamps_and_middle() {
-    let (share, ratio) = (0.3, 2.0);
-    let mut values = EffectValues::default();
-    values.end_conduction.end_share = share;
-    values.end_conduction.end_loss_ratio = ratio;
-    for (warming, clamp_s) in [(0.0, 200.0), (0.5, 30.0)] {
-        values.end_conduction.clamp_warming = warming;
+/// A rod whose ends cool over 0.3 of its length, and its zones from the middle to the clamp.
+struct Ends {
+    values: EffectValues,
+    /// Lengths over that on which a fin cools; half of the middle first.
+    lengths: [f64; 5],
+}
+
+impl Ends {
+    fn new(contact_ratio: f64, clamp_warming: f64, clamp_s: f64) -> Self {
+        let mut values = EffectValues::default();
+        values.end_conduction.end_share = 0.3;
+        values.end_conduction.contact_ratio = contact_ratio;
+        values.end_conduction.clamp_warming = clamp_warming;
         values.end_conduction.clamp_s = clamp_s;
+        let shorter = 1.0 + 2.55 * 0.3;
+        let lengths = [1.0 / 0.3, 1.2, 0.7, 0.4, 0.25].map(|length| length / shorter);
+        Self { values, lengths }
+    }
+
+    /// The clamps are a zone without a share.
+    fn shares(&self) -> [f64; 6] {
+        std::array::from_fn(|z| self.lengths.get(z).map_or(0.0, |length| 0.3 * length))
+    }
+
+    /// Heat into each zone, W/m, and what warms the clamps as the rod's heat capacity would be warmed.
+    fn net(&self, i: f64, degc: &[f64]) -> Vec<f64> {
+        let ends = &self.values.end_conduction;
         let heat = params().heat;
-        let fine = Fine {
-            // The clamps are a zone without a share.
-            shares: &[1.0 - share, share, 0.0],
-            latent_j_per_m: 0.0,
-            net: &|_, i, degc, _| {
-                let inward = ratio * heat.conductance_w_per_m_k * (degc[0] - degc[1]);
-                let to_clamp = ratio * heat.conductance_w_per_m_k * (degc[1] - degc[2]);
-                let behind_k = warming * (degc[1] - AMBIENT_DEGC) - (degc[2] - AMBIENT_DEGC);
-                vec![
-                    joule(i) - loss(degc[0]) - inward * share / (1.0 - share),
-                    joule(i) - loss(degc[1]) - to_clamp + inward,
-                    heat.heat_capacity_j_per_m_k * behind_k / clamp_s,
-                ]
-            },
-        };
-        compare(EffectId::EndConduction, &values, &fine, 1e-4);
+        let mut net: Vec<f64> = (0..5).map(|z| joule(i) - loss(degc[z])).collect();
+        for z in 0..5 {
+            let half = |z: usize| match z {
+                0 => 1.0 / (1.0 / 0.9_f64).hypot(2.0 / self.lengths[0]),
+                5 => ends.contact_ratio,
+                _ => 0.5 * self.lengths[z],
+            };
+            let flow =
+                heat.conductance_w_per_m_k * (degc[z] - degc[z + 1]) / (half(z) + half(z + 1));
+            net[z] -= flow / self.lengths[z];
+            if z < 4 {
+                net[z + 1] += flow / self.lengths[z + 1];
+            }
+        }
+        let behind_k = ends.clamp_warming * (degc[4] - AMBIENT_DEGC) - (degc[5] - AMBIENT_DEGC);
+        net.push(heat.heat_capacity_j_per_m_k * behind_k / ends.clamp_s);
+        net
     }
 }
 
 #[test]
-fn the_longer_the_ends_the_more_they_lose() {
-    // Steady state, in closed form: two linear equations.
-    let (share, ratio) = (0.4, 3.0);
-    let mut values = EffectValues::default();
-    values.end_conduction.end_share = share;
-    values.end_conduction.end_loss_ratio = ratio;
-    values.end_conduction.clamp_warming = 0.0;
-    let setting = setting(EffectSet::of(EffectId::EndConduction));
-    let plant = ExtendedPlant::new(&setting, &[params()], &[values]).unwrap();
-    let mut state = plant.rest(AMBIENT_DEGC);
-    let input = Input {
-        drive: [2.0],
-        ambient_degc: AMBIENT_DEGC,
-    };
-    for _ in 0..2000 {
-        plant.step(&mut state, &input, DT_S);
+fn ends_exchange_heat_with_clamps_and_middle() {
+    for (contact, warming, clamp_s) in [(0.5, 0.0, 200.0), (0.1, 0.5, 30.0), (2.0, 0.9, 5.0)] {
+        let ends = Ends::new(contact, warming, clamp_s);
+        let fine = Fine {
+            shares: &ends.shares(),
+            latent_j_per_m: 0.0,
+            net: &|_, i, degc, _| ends.net(i, degc),
+        };
+        compare(EffectId::EndConduction, &ends.values, &fine, 1e-4);
     }
-    let rise_k = joule(2.0) / params().heat.conductance_w_per_m_k;
-    let middle_k = state.temperature_degc()[0] - AMBIENT_DEGC;
-    let end_k = state.end_temperature_degc().unwrap()[0] - AMBIENT_DEGC;
-    let leak = ratio * share / (1.0 - share);
-    assert_abs_diff_eq!(middle_k + leak * (middle_k - end_k), rise_k, epsilon = 1e-9);
-    let end_loss_k = end_k * (1.0 + 2.0 * ratio) - ratio * middle_k;
-    assert_abs_diff_eq!(end_loss_k, rise_k, epsilon = 1e-9);
+}
+
+#[test]
+fn latent_heat_and_conduction_go_together() {
+    let mut ends = Ends::new(0.5, 0.3, 60.0);
+    ends.values.latent_heat.latent_heat_j_per_kg = 12_000.0;
+    let fine = Fine {
+        shares: &ends.shares(),
+        latent_j_per_m: 12_000.0 * rod().mass_kg_per_m(),
+        net: &|_, i, degc, _| ends.net(i, degc),
+    };
+    let active = EffectSet::of(EffectId::EndConduction).with(EffectId::LatentHeat);
+    let current = current_a(DT_S);
+    let shown = trace(&setting(active), &params(), &ends.values, &current, DT_S);
+    let (expected, _) = fine.run(&current);
+    let gap = largest(&shown.displacement, &expected) / params().gain;
+    assert!(gap < 2e-4, "{gap:e} of the stroke");
+    assert!(
+        shown.largest_residual_k <= 1e-9,
+        "{:e}",
+        shown.largest_residual_k
+    );
+}
+
+#[test]
+fn in_the_steady_state_the_ends_are_fins() {
+    // A fin in closed form: T_m - T = T_m e^(-x/ℓ)/(1 + c), so that the rod's mean is lower by φ T_m/(1 + c). A rod that
+    // expands, far below its transformation, shows its mean temperature.
+    let mut values = EffectValues::default();
+    values.thermal_expansion.expansion_per_k = 1e-5;
+    let active = EffectSet::of(EffectId::EndConduction).with(EffectId::ThermalExpansion);
+    let still = WienerParams {
+        limiting_loop: LoopParams {
+            loop_center_degc: 300.0,
+            ..params().limiting_loop
+        },
+        ..params()
+    };
+    let current = vec![0.8; 2000];
+    let rise = |values: &EffectValues| {
+        let shown = trace(&setting(active), &still, values, &current, DT_S).displacement;
+        shown[0] - shown[shown.len() - 1]
+    };
+    let everywhere = rise(&values);
+    for share in [0.05, 0.1, 0.2] {
+        for contact in [0.1, 0.5, 2.0] {
+            values.end_conduction.end_share = share;
+            values.end_conduction.contact_ratio = contact;
+            values.end_conduction.clamp_warming = 0.0;
+            let missing = 1.0 - rise(&values) / everywhere;
+            let of_a_fin = share / (1.0 + contact);
+            assert!(
+                (missing / of_a_fin - 1.0).abs() < 0.08,
+                "{share} {contact}: {missing} {of_a_fin}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -583,6 +645,7 @@ fn output_lag_is_a_filter_of_the_output() {
 fn the_thermocouple_is_a_filter_of_the_temperature() {
     let mut values = EffectValues::default();
     values.thermocouple_lag.thermocouple_lag_s = 0.5;
+    values.thermocouple_lag.bead_cooling_per_s = 0.0;
     let shown = with_effect(EffectId::ThermocoupleLag, &values, DT_S);
     assert_eq!(shown.displacement, baseline().displacement);
     // A step from rest, in closed form: two exponentials.
@@ -598,6 +661,21 @@ fn the_thermocouple_is_a_filter_of_the_temperature() {
             expected_k,
             epsilon = 1e-4
         );
+    }
+}
+
+#[test]
+fn what_the_air_cools_reads_low_and_is_less_late() {
+    let mut values = EffectValues::default();
+    values.thermocouple_lag.thermocouple_lag_s = 0.5;
+    values.thermocouple_lag.bead_cooling_per_s = 0.3;
+    let cooled = with_effect(EffectId::ThermocoupleLag, &values, DT_S).recorded_degc;
+    values.thermocouple_lag.thermocouple_lag_s = 0.5 / 1.15;
+    values.thermocouple_lag.bead_cooling_per_s = 0.0;
+    let late = with_effect(EffectId::ThermocoupleLag, &values, DT_S).recorded_degc;
+    for (cooled, late) in cooled.iter().zip(&late) {
+        let expected_k = (late - AMBIENT_DEGC) / 1.15;
+        assert_abs_diff_eq!(cooled - AMBIENT_DEGC, expected_k, epsilon = 1e-9);
     }
 }
 
@@ -722,7 +800,9 @@ fn expansion_acts_against_the_stroke_whatever_its_sign() {
         let run = |values| trace(&active, &params, values, &current_a(DT_S), DT_S);
         let (shown, plain) = (run(&values), run(&EffectValues::default()));
         for k in 0..shown.displacement.len() {
-            let expanded = 1e-5 * 125.0 * (plain.temperature_degc[k] - 20.0);
+            // The share of austenite, from 0 to 1.
+            let of_phase = 0.6 + 0.4 * plain.fraction[k];
+            let expanded = 1e-5 * 125.0 * of_phase * (plain.temperature_degc[k] - 20.0);
             let expected = plain.displacement[k] - sign * expanded;
             assert_abs_diff_eq!(shown.displacement[k], expected, epsilon = 1e-12);
         }

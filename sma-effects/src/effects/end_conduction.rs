@@ -1,30 +1,34 @@
 use crate::EffectValues;
-use crate::effect::{Base, Effect, without_memory_in_zones};
-use crate::elementary::expm1;
+use crate::conduction::{CELLS, CLAMP, NODES, Square, ZONES};
+use crate::effect::{Base, Effect, without_memory};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+
+/// Lengths of the cells of an end from the middle to the clamp, over the length ℓ on which a fin cools.
+const CELL_LENGTHS: [f64; CELLS] = [1.2, 0.7, 0.4, 0.25];
+/// Way from the last cell to where the middle has its temperature, at most, over ℓ.
+const INTO_MIDDLE: f64 = 0.9;
 
 parameters! {
     /// The ends of the rod lose heat to the clamps.
     ///
     /// ```text
-    /// C dT_m/dt = P - hA (T_m - T_a) - κ hA φ/(1 - φ) (T_m - T_e) + …     middle, share 1 - φ
-    /// C dT_e/dt = P - hA (T_e - T_a) - κ hA (T_e - T_c) + κ hA (T_m - T_e) + …     both ends, share φ
-    /// τ_c d(T_c - T_a)/dt = w (T_e - T_a) - (T_c - T_a)     clamps, at T_a before the run
+    /// C dT/dt = P - hA (T - T_a) + k S ∂²T/∂x² + …     along the rod, S its section
+    /// k S ∂T/∂x = k S (T - T_c)/(c ℓ)                  at a clamp, through a contact like c ℓ of rod
+    /// τ_c d(T_c - T_a)/dt = w (T_1 - T_a) - (T_c - T_a)     clamps, at T_a before the run
     /// ```
     ///
-    /// The rod in three zones: the middle, and two ends that are alike. An end
-    /// zone of length b reaches its neighbors over half of it, κ = 2 (ℓ/b)² with the length
-    /// ℓ = √(k D/(4 h)) over which a fin cools: with b = ℓ, κ = 2 and φ = 2ℓ/L. Each zone has its own
-    /// hysteresis memory and takes part in every other effect; what the rod shows is the mean over its
-    /// length, but for the recorded temperature, which is that of the middle. The heat exchanged is that
-    /// of the mean temperatures at both ends of the sample.
+    /// The rod in finite volumes: the middle, and two ends that are alike, four cells each of 1.2, 0.7, 0.4 and 0.25
+    /// times the length ℓ = √(k D/(4 h)) over which a fin cools, all shorter by 1/(1 + 2.55 φ) where φ = 2ℓ/L says that
+    /// the rod is short; T_1 is the temperature of the cell at the clamp. Each has its own hysteresis memory and takes
+    /// part in every other effect; what the rod shows is the mean over its length, but for the recorded temperature, which is
+    /// that of the middle. Conduction is exact over a sample.
     EndConduction {
-        /// Share of the length in the end zones φ; 0 to 0.8.
+        /// Share of the length on which the ends cool φ = 2ℓ/L; 0 to 0.8.
         end_share: EffectParameter::size("1", 0.2, [0.0, 0.8])
             .literature([0.01, 0.6], "computed: 2 × 5.7 mm (D = 0.5 mm, h = 70) of 1 m to 2 × 34 mm (3 mm, 12) of 110 mm"),
-        /// Conductance to the clamp over that to the air κ; 0.1 to 20. A partner: without end zones it
-        /// does nothing.
-        end_loss_ratio: EffectParameter::partner("1", 2.0, [0.1, 20.0], &[0.5, 1.0, 2.0, 4.0, 8.0]),
+        /// Resistance of the contact to the clamp over that of a length ℓ of the rod c; 0 to 20. A partner: without
+        /// ends it does nothing.
+        contact_ratio: EffectParameter::partner("1", 0.5, [0.0, 20.0], &[0.1, 0.25, 0.5, 1.0, 2.0]),
         /// Rise of the clamps in the end over that of the rod's ends w; 0 (they stay at ambient) to 0.95. A partner.
         clamp_warming: EffectParameter::partner("1", 0.2, [0.0, 0.95], &[]),
         /// Time constant of the clamps τ_c, s; 0 to 20,000. A partner: with w = 0 it does nothing either.
@@ -40,85 +44,86 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
-    sentence: "the ends, {value} of the length, lose heat to the clamps, {partner} times what they lose to the air",
+    sentence: "{value} of the length cools toward the clamps, through contacts that resist like {partner} of a cooling length",
 };
 
-/// dt/τ_c from which nothing is left of where the clamps were.
-const LONG: f64 = 700.0;
+/// Shortest time constant of the clamps, s: what is faster follows at once.
+const SHORTEST_CLAMP_S: f64 = 1e-3;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
-    /// φ.
-    pub(crate) share: [f64; L],
-    /// κ hA, W/(m K): from an end zone to the clamp, and to the middle.
-    pub(crate) to_clamp_w_per_m_k: [f64; L],
-    /// κ hA φ/(1 - φ): the same for a meter of the middle.
-    pub(crate) to_ends_w_per_m_k: [f64; L],
-    warming: [f64; L],
-    per_clamp_s: [f64; L],
-}
-
-/// The clamps above the surroundings, K.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Clamps<const L: usize> {
-    above_k: [f64; L],
-}
-
-impl<const L: usize> Lanes<L> {
-    /// What warm clamps save a meter of the ends, W/m: that of the middle of a time `length_s` at whose start the ends
-    /// are `ends_k` above the surroundings.
-    #[inline(always)]
-    pub(crate) fn saved_w_per_m(
-        &self,
-        clamps: &Clamps<L>,
-        ends_k: &[f64; L],
-        length_s: &[f64; L],
-    ) -> [f64; L] {
-        core::array::from_fn(|l| {
-            self.to_clamp_w_per_m_k[l] * self.followed(clamps, l, ends_k[l], 0.5 * length_s[l])
-        })
-    }
-
-    /// The clamps at the end of a time in which the ends are `ends_k` above the surroundings on the average.
-    #[inline(always)]
-    pub(crate) fn follow(&self, clamps: &mut Clamps<L>, ends_k: &[f64; L], length_s: &[f64; L]) {
-        for l in 0..L {
-            clamps.above_k[l] = self.followed(clamps, l, ends_k[l], length_s[l]);
-        }
-    }
-
-    #[inline(always)]
-    fn followed(&self, clamps: &Clamps<L>, l: usize, ends_k: f64, time_s: f64) -> f64 {
-        let past = time_s * self.per_clamp_s[l];
-        let past = if past < LONG { past } else { LONG };
-        let above_k = clamps.above_k[l];
-        above_k - (self.warming[l] * ends_k - above_k) * expm1(-past)
-    }
+    /// Share of the length that each zone has; 1 less the others for the middle.
+    pub(crate) share: [[f64; L]; ZONES],
+    /// A of [`Transfer`](crate::conduction::Transfer), 1/s.
+    pub(crate) beyond_per_s: Square<L>,
 }
 
 impl<const L: usize> Effect<L> for Lanes<L> {
-    without_memory_in_zones!();
-    type Rod = Clamps<L>;
-    const IMPLICIT: bool = true;
+    without_memory!();
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
-        let share = values.map(|lane| lane.end_conduction.end_share);
-        let mut to_clamp_w_per_m_k = base.conductance_w_per_m_k();
-        let mut to_ends_w_per_m_k = [0.0; L];
+        let tau_s = base.tau_s();
+        let mut lanes = Self {
+            share: [[0.0; L]; ZONES],
+            beyond_per_s: [[[0.0; L]; NODES]; NODES],
+        };
         for l in 0..L {
-            to_clamp_w_per_m_k[l] *= values[l].end_conduction.end_loss_ratio;
-            to_ends_w_per_m_k[l] = to_clamp_w_per_m_k[l] * (share[l] / (1.0 - share[l]));
+            let ends = &values[l].end_conduction;
+            // Lengths over ℓ.
+            let shrunk = 1.0 / (1.0 + CELL_LENGTHS.iter().sum::<f64>() * ends.end_share);
+            let lengths = CELL_LENGTHS.map(|length| length * shrunk);
+            lanes.share[0][l] = 1.0;
+            for z in 1..ZONES {
+                lanes.share[z][l] = ends.end_share * lengths[z - 1];
+                lanes.share[0][l] -= lanes.share[z][l];
+            }
+            let per_s = exchanged(ends, &lengths, shrunk, tau_s[l]);
+            for i in 0..NODES {
+                for j in 0..NODES {
+                    lanes.beyond_per_s[i][j][l] = per_s[i][j];
+                }
+            }
         }
-        Self {
-            share,
-            to_clamp_w_per_m_k,
-            to_ends_w_per_m_k,
-            warming: values.map(|lane| lane.end_conduction.clamp_warming),
-            per_clamp_s: values.map(|lane| 1.0 / lane.end_conduction.clamp_s),
-        }
+        lanes
     }
+}
 
-    fn rod(&self) -> Clamps<L> {
-        Clamps { above_k: [0.0; L] }
+/// A rate for each pair of nodes, 1/s.
+type Rates = [[f64; NODES]; NODES];
+
+/// Rates of exchange between the nodes: ℓ²/τ over the product of a zone's length and the way to its neighbor.
+fn exchanged(ends: &EndConduction, lengths: &[f64; CELLS], shrunk: f64, tau_s: f64) -> Rates {
+    let mut per_s = [[0.0; NODES]; NODES];
+    for z in 1..ZONES {
+        let half = 0.5 * lengths[z - 1];
+        // Half of the middle is as long as `shrunk / end_share`, a clamp has no length.
+        let (way, neighbor) = if z == 1 {
+            let into_middle = 1.0 / (1.0 / INTO_MIDDLE).hypot(2.0 * ends.end_share / shrunk);
+            (half + into_middle, ends.end_share / shrunk)
+        } else {
+            (half + 0.5 * lengths[z - 2], 1.0 / lengths[z - 2])
+        };
+        exchange(
+            &mut per_s,
+            (z, 1.0 / lengths[z - 1]),
+            (z - 1, neighbor),
+            1.0 / (way * tau_s),
+        );
     }
+    let to_clamp = 0.5 * lengths[CELLS - 1] + ends.contact_ratio;
+    let last = (ZONES - 1, 1.0 / lengths[CELLS - 1]);
+    exchange(&mut per_s, last, (CLAMP, 0.0), 1.0 / (to_clamp * tau_s));
+    // The clamp by itself: its rate less the 1/τ that every node has.
+    let clamp_per_s = 1.0 / ends.clamp_s.max(SHORTEST_CLAMP_S);
+    per_s[CLAMP][CLAMP] = clamp_per_s - 1.0 / tau_s;
+    per_s[CLAMP][ZONES - 1] = -ends.clamp_warming * clamp_per_s;
+    per_s
+}
+
+/// Adds what two nodes exchange; each comes with the inverse of its length.
+fn exchange(per_s: &mut Rates, (i, of_i): (usize, f64), (j, of_j): (usize, f64), rate: f64) {
+    per_s[i][i] += rate * of_i;
+    per_s[i][j] -= rate * of_i;
+    per_s[j][j] += rate * of_j;
+    per_s[j][i] -= rate * of_j;
 }

@@ -272,10 +272,16 @@ macro_rules! effects {
                 &self,
                 rod: &mut RodMemory<L>,
                 middle_degc: &[f64; L],
+                ambient_degc: &[f64; L],
                 temperature_degc: &mut [f64; L],
             ) {
                 $(if self.active.contains(EffectId::$name) {
-                    self.$module.temperature(&mut rod.$module, middle_degc, temperature_degc);
+                    self.$module.temperature(
+                        &mut rod.$module,
+                        middle_degc,
+                        ambient_degc,
+                        temperature_degc,
+                    );
                 })+
             }
 

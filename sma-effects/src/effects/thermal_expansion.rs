@@ -1,18 +1,19 @@
 use crate::EffectValues;
-use crate::effect::{Base, Effect, Moment, Seen, without_memory};
+use crate::effect::{Base, Effect, Moment, Seen, Standing, without_memory};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
 
 parameters! {
     /// The rod expands with temperature, against the stroke.
     ///
     /// ```text
-    /// y = … - sign(gain) α L (T - T_ref)
+    /// y = … - sign(gain) α L (r + (1 - r) p)(T - T_ref),   r = 0.6
     /// ```
     ///
-    /// L is the setting's `length_output`: length times lever, in the output's unit. T is the mean over
-    /// the rod; T_ref moves only the offset. Left out: that both phases expand differently.
+    /// L is the setting's `length_output`: length times lever, in the output's unit. p is the transformed share; martensite
+    /// expands r times as much as austenite, 6.6 to 11e-6 /K. The mean over the rod counts; T_ref moves only offset and
+    /// gain.
     ThermalExpansion {
-        /// Coefficient of expansion α, 1/K; 0 to 3e-5.
+        /// Coefficient of expansion of the austenite α, 1/K; 0 to 3e-5.
         expansion_per_k: EffectParameter::size("1/K", 1e-5, [0.0, 3e-5])
             .literature([6.6e-6, 11e-6], "NiTi: martensite, austenite"),
     }
@@ -29,11 +30,25 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     sentence: "the rod expands by {value} of its length, against the stroke",
 };
 
+/// Expansion of martensite over that of austenite r.
+const OF_MARTENSITE: f64 = 0.6;
+
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
     /// sign(gain) α L.
     output_per_k: [f64; L],
     reference_degc: f64,
+}
+
+impl<const L: usize> Lanes<L> {
+    /// Warming by which a zone expands, K: as if it were austenite.
+    #[inline(always)]
+    pub(crate) fn expanded_k(&self, at: &Standing<L>) -> [f64; L] {
+        core::array::from_fn(|l| {
+            let warmed_k = at.temperature_degc[l] - self.reference_degc;
+            (OF_MARTENSITE + (1.0 - OF_MARTENSITE) * at.transformed[l]) * warmed_k
+        })
+    }
 }
 
 impl<const L: usize> Effect<L> for Lanes<L> {
@@ -56,8 +71,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     #[inline(always)]
     fn displacement(&self, _: &mut (), _: &Moment, seen: &Seen<L>, displacement: &mut [f64; L]) {
         for l in 0..L {
-            let warmed_k = seen.temperature_degc[l] - self.reference_degc;
-            displacement[l] -= self.output_per_k[l] * warmed_k;
+            displacement[l] -= self.output_per_k[l] * seen.expanded_k[l];
         }
     }
 }

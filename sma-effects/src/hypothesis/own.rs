@@ -4,9 +4,7 @@ use wiener::Drive;
 
 use super::{Expression, Hypothesis, MOST_HYPOTHESES, MOST_PARAMETERS, Place, VARIABLES};
 use crate::EffectValues;
-
-/// Zones of the rod: its middle, and its ends.
-const ZONES: usize = 2;
+use crate::conduction::ZONES;
 
 /// The hypotheses of a plant and their values.
 #[derive(Debug, Clone, PartialEq)]
