@@ -7,6 +7,7 @@ mod kept;
 mod memory;
 mod next_run;
 mod outcome;
+mod page;
 mod provenance;
 mod recordings;
 mod report;

@@ -115,8 +115,8 @@ impl<const L: usize> ExtendedPlant<L> {
                     }
                 }
                 leg.along = Some(Along { transfer, above_k });
-                let [first, second, third, last] = &mut ends.cells;
-                let zones = [&mut state.middle, first, second, third, last];
+                let [first, second, last] = &mut ends.cells;
+                let zones = [&mut state.middle, first, second, last];
                 let advanced = self.advance_zones(zones, &leg);
                 let mut rate_k_per_s = advanced.extra_w_per_m;
                 for rate_k_per_s in &mut rate_k_per_s {

@@ -3,7 +3,7 @@
 use crate::state::Zone;
 
 /// Cells of an end, from the middle to the clamp.
-pub(crate) const CELLS: usize = 4;
+pub(crate) const CELLS: usize = 3;
 /// Zones of a rod that has ends: the middle, and the cells.
 pub(crate) const ZONES: usize = 1 + CELLS;
 /// The zones, and the clamp.

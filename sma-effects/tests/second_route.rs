@@ -237,7 +237,7 @@ fn drift(run_share: f64, knots: [f64; 4]) -> f64 {
 struct Ends {
     values: EffectValues,
     /// Lengths over that on which a fin cools; half of the middle first.
-    lengths: [f64; 5],
+    lengths: [f64; 4],
 }
 
 impl Ends {
@@ -247,13 +247,13 @@ impl Ends {
         values.end_conduction.contact_ratio = contact_ratio;
         values.end_conduction.clamp_warming = clamp_warming;
         values.end_conduction.clamp_s = clamp_s;
-        let shorter = 1.0 + 2.55 * 0.3;
-        let lengths = [1.0 / 0.3, 1.2, 0.7, 0.4, 0.25].map(|length| length / shorter);
+        let shorter = 1.0 + 2.8 * 0.3;
+        let lengths = [1.0 / 0.3, 1.6, 0.8, 0.4].map(|length| length / shorter);
         Self { values, lengths }
     }
 
     /// The clamps are a zone without a share.
-    fn shares(&self) -> [f64; 6] {
+    fn shares(&self) -> [f64; 5] {
         std::array::from_fn(|z| self.lengths.get(z).map_or(0.0, |length| 0.3 * length))
     }
 
@@ -261,21 +261,21 @@ impl Ends {
     fn net(&self, i: f64, degc: &[f64]) -> Vec<f64> {
         let ends = &self.values.end_conduction;
         let heat = params().heat;
-        let mut net: Vec<f64> = (0..5).map(|z| joule(i) - loss(degc[z])).collect();
-        for z in 0..5 {
+        let mut net: Vec<f64> = (0..4).map(|z| joule(i) - loss(degc[z])).collect();
+        for z in 0..4 {
             let half = |z: usize| match z {
                 0 => 1.0 / (1.0 / 0.9_f64).hypot(2.0 / self.lengths[0]),
-                5 => ends.contact_ratio,
+                4 => ends.contact_ratio,
                 _ => 0.5 * self.lengths[z],
             };
             let flow =
                 heat.conductance_w_per_m_k * (degc[z] - degc[z + 1]) / (half(z) + half(z + 1));
             net[z] -= flow / self.lengths[z];
-            if z < 4 {
+            if z < 3 {
                 net[z + 1] += flow / self.lengths[z + 1];
             }
         }
-        let behind_k = ends.clamp_warming * (degc[4] - AMBIENT_DEGC) - (degc[5] - AMBIENT_DEGC);
+        let behind_k = ends.clamp_warming * (degc[3] - AMBIENT_DEGC) - (degc[4] - AMBIENT_DEGC);
         net.push(heat.heat_capacity_j_per_m_k * behind_k / ends.clamp_s);
         net
     }

@@ -19,6 +19,7 @@ use crate::kept::{self, Kept};
 use crate::memory::Memory;
 use crate::next_run;
 use crate::outcome::Outcome;
+use crate::page;
 use crate::provenance::provenance;
 use crate::recordings::{input_notes, is_trained_on, read_all};
 use crate::report::diagnosed::Diagnosed;
@@ -84,6 +85,9 @@ pub(crate) struct DiagnoseArgs {
     /// Draw the recording that is met worst, its loop and the errors: SVG files, each with its numbers as CSV.
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    /// Write the result as one HTML page with figures, to read and to mail.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// No pictures of the recording that is met worst in the terminal.
     #[arg(long)]
     no_plot: bool,
@@ -107,6 +111,7 @@ struct Places {
     json: Option<Sink>,
     model: Option<Sink>,
     next: Option<Sink>,
+    report: Option<Sink>,
     plots: Option<Gallery>,
 }
 
@@ -122,6 +127,7 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         json: Sink::open_if(args.json.as_deref(), &inputs)?,
         model: Sink::open_if(args.save_model.as_deref(), &inputs)?,
         next: Sink::open_if(args.save_next.as_deref(), &inputs)?,
+        report: Sink::open_if(args.report.as_deref(), &inputs)?,
         plots: args.plots.as_deref().map(Gallery::at).transpose()?,
     };
     let rod = Rod::read(&args.rod)?;
@@ -218,20 +224,26 @@ fn with_time(
     say(args.quiet, &diagnosed.notes())?;
     let mut text = diagnosed.text();
     let has_converged = diagnosis.verdict != Verdict::NotConverged;
-    if has_converged {
-        let (recording, models) = before_and_after(plain, &diagnosis, &rig)?;
-        let name = diagnosed.label(recording.name());
+    let worst = has_converged
+        .then(|| before_and_after(plain, &diagnosis, &rig))
+        .transpose()?;
+    let drawn = worst.as_ref().map(|(recording, models)| Drawn {
+        diagnosis: &diagnosis,
+        recording,
+        name: diagnosed.label(recording.name()),
+        models,
+    });
+    if let Some(drawn) = &drawn {
         if !args.no_plot {
-            text += &plot::what_is_left(name, recording, &models);
+            text += &plot::what_is_left(drawn.name, drawn.recording, drawn.models);
         }
         if let Some(gallery) = &places.plots {
-            gallery.hang(&figures(&Drawn {
-                diagnosis: &diagnosis,
-                recording,
-                name,
-                models: &models,
-            }))?;
+            gallery.hang(&figures(drawn))?;
         }
+    }
+    if let Some(sink) = places.report {
+        let made = provenance(args.seed, &args.inputs())?;
+        sink.write(&page::diagnosed(&diagnosed, drawn.as_ref(), &made)?)?;
     }
     if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
         sink.write(&model.to_toml()?)?;
@@ -273,6 +285,7 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         ("--save-model", args.save_model.is_some()),
         ("--save-next", args.save_next.is_some()),
         ("--plots", args.plots.is_some()),
+        ("--report", args.report.is_some()),
     ]
     .into_iter()
     .filter_map(|(flag, is_given)| is_given.then_some(flag))

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 pub(crate) use diagnosed::{Drawn, figures};
+pub(crate) use svg::inline;
 
 use crate::sink::Sink;
 

@@ -2,8 +2,10 @@
 
 use anyhow::anyhow;
 use plotters::prelude::*;
+use serde_json::json;
 
 use super::{Figure, Series, Style};
+use crate::page::escaped;
 
 /// Width and height, px.
 const SIZE: (u32, u32) = (960, 440);
@@ -19,21 +21,70 @@ const MARGIN: f64 = 0.05;
 
 const SHADE: RGBColor = RGBColor(245, 224, 203);
 
+/// Colors of a file and their names in a page's style, which has others for a dark screen.
+const NAMED: [(&str, &str); 8] = [
+    ("#FFFFFF", "var(--paper)"),
+    ("#000000", "var(--ink)"),
+    ("#AAAAAA", "var(--recorded)"),
+    ("#D55E00", "var(--plain)"),
+    ("#0072B2", "var(--extended)"),
+    ("#F5E0CB", "var(--shade)"),
+    ("#E6E6E6", "var(--grid)"),
+    ("#D2D2D2", "var(--grid)"),
+];
+
+/// A figure within a page.
+#[derive(Debug)]
+pub(crate) struct Inline {
+    pub(crate) svg: String,
+    /// Where its curves are and what they mean, for a cursor; `None` for bars.
+    pub(crate) plot: Option<serde_json::Value>,
+}
+
+/// A figure as a file, its caption in it.
 pub(super) fn svg(figure: &Figure) -> anyhow::Result<String> {
     let mut text = String::new();
-    draw(figure, &mut text)
-        .map_err(|error| anyhow!("{}: cannot be drawn: {error}", figure.name))?;
+    drawn(figure, &figure.caption, &mut text)?;
     Ok(text)
 }
 
-fn draw(figure: &Figure, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
+/// A figure without its caption, in a page's colors, as wide as there is room.
+pub(crate) fn inline(figure: &Figure) -> anyhow::Result<Inline> {
+    let mut svg = String::new();
+    let plot = drawn(figure, "", &mut svg)?;
+    let size = format!("width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
+    let named = format!("role=\"img\" aria-label=\"{}\" ", escaped(&figure.caption));
+    svg = svg.replacen(&size, &named, 1);
+    for (color, name) in NAMED {
+        svg = svg.replace(color, name);
+    }
+    Ok(Inline {
+        svg,
+        plot: figure.words.is_empty().then_some(plot),
+    })
+}
+
+/// Draws a figure; what a cursor needs to know of it.
+fn drawn(figure: &Figure, caption: &str, text: &mut String) -> anyhow::Result<serde_json::Value> {
+    draw(figure, caption, text)
+        .map_err(|error| anyhow!("{}: cannot be drawn: {error}", figure.name))
+}
+
+fn draw(
+    figure: &Figure,
+    caption: &str,
+    text: &mut String,
+) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
     let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
     area.fill(&WHITE)?;
     let [across, up] = [range(figure, 0), range(figure, 1)];
     let margin = MARGIN * (up[1] - up[0]);
     let up = [up[0] - margin, up[1] + margin];
-    let mut chart = ChartBuilder::on(&area)
-        .caption(&figure.caption, ("sans-serif", 15))
+    let mut builder = ChartBuilder::on(&area);
+    if !caption.is_empty() {
+        builder.caption(caption, ("sans-serif", 15));
+    }
+    let mut chart = builder
         .margin(12)
         .x_label_area_size(44)
         .y_label_area_size(64)
@@ -79,8 +130,14 @@ fn draw(figure: &Figure, text: &mut String) -> Result<(), Box<dyn std::error::Er
         .background_style(WHITE.mix(0.8))
         .border_style(RGBColor(210, 210, 210))
         .draw()?;
+    let (columns, rows) = chart.plotting_area().get_pixel_range();
+    let labels: Vec<&str> = figure.series.iter().map(|one| one.label.as_str()).collect();
+    let plot = json!({
+        "left": columns.start, "right": columns.end, "top": rows.start, "bottom": rows.end,
+        "across": across, "up": up, "labels": labels, "axes": [figure.across, figure.up],
+    });
     area.present()?;
-    Ok(())
+    Ok(plot)
 }
 
 fn color(style: Style) -> RGBColor {

@@ -66,7 +66,7 @@ impl Diagnosed<'_> {
     }
 
     /// Errors from the plain model down to the noise.
-    fn ladder(&self) -> Table {
+    pub(crate) fn ladder(&self) -> Table {
         let diagnosis = self.diagnosis;
         let rmse = format!("RMSE{}, training", unit(diagnosis));
         let mut table = table(["model", rmse.as_str(), "unseen"]);
@@ -104,18 +104,13 @@ impl Diagnosed<'_> {
     }
 
     fn mismatch(&self, title: &str, mismatch: &Mismatch) -> String {
-        let Mismatch {
-            block: _,
-            blocks,
-            cells,
-            spans,
-            bands,
-        } = mismatch;
-        if blocks.is_empty() && cells.is_empty() && spans.is_empty() {
+        let (regimes, stretches) = (regimes(mismatch), self.stretches(mismatch));
+        if mismatch.blocks.is_empty() && regimes.is_none() && stretches.is_none() {
             return String::new();
         }
         let mut text = format!("\n{title}");
-        let likely: Vec<String> = blocks
+        let likely: Vec<String> = mismatch
+            .blocks
             .iter()
             .filter(|(_, probability)| *probability >= 0.01)
             .map(|(block, probability)| {
@@ -126,40 +121,30 @@ impl Diagnosed<'_> {
             let _ = write!(text, ": {}", likely.join(", "));
         }
         text.push('\n');
-        if !cells.is_empty() {
-            let mut table = table(["regime", "share of the error", "of the samples", "p"]);
-            for cell in cells.iter().take(ROWS) {
-                table.add_row([
-                    Cell::new(&cell.at),
-                    right(percent(cell.share)),
-                    right(percent(cell.occupancy)),
-                    right(spoken(cell.p_value)),
-                ]);
-            }
-            let _ = writeln!(text, "{table}");
+        if let Some(regimes) = regimes {
+            let _ = writeln!(text, "{regimes}");
         }
-        if !spans.is_empty() {
-            let mut table = table(["recording", "from s", "to s", "share of the error"]);
-            for span in spans.iter().take(ROWS) {
-                table.add_row([
-                    Cell::new(self.label(&span.recording)),
-                    right(significant(span.start_s)),
-                    right(significant(span.end_s)),
-                    right(percent(span.share)),
-                ]);
-            }
-            let _ = writeln!(text, "\n{table}");
+        if let Some(stretches) = stretches {
+            let _ = writeln!(text, "\n{stretches}");
         }
-        if let Some(band) = bands.iter().max_by(|a, b| a.share.total_cmp(&b.share)) {
-            let _ = writeln!(
-                text,
-                "In frequency: {} of it between {} and {} Hz",
-                spoken_percent(band.share),
-                spoken(band.hz[0]),
-                spoken(band.hz[1])
-            );
+        if let Some(said) = in_frequency(mismatch) {
+            let _ = writeln!(text, "{said}");
         }
         text
+    }
+
+    /// The worst stretches of time.
+    pub(crate) fn stretches(&self, mismatch: &Mismatch) -> Option<Table> {
+        let mut table = table(["recording", "from s", "to s", "share of the error"]);
+        for span in mismatch.spans.iter().take(ROWS) {
+            table.add_row([
+                Cell::new(self.label(&span.recording)),
+                right(significant(span.start_s)),
+                right(significant(span.end_s)),
+                right(percent(span.share)),
+            ]);
+        }
+        (!table.is_empty()).then_some(table)
     }
 
     fn remainder(&self, left: &Remainder) -> String {
@@ -170,7 +155,7 @@ impl Diagnosed<'_> {
         text
     }
 
-    fn catalogue(&self) -> Table {
+    pub(crate) fn catalogue(&self) -> Table {
         let mut table = folding(["effect", "", "what these recordings say"]);
         let mut entries: Vec<&Entry> = self.diagnosis.catalogue.iter().collect();
         // Stable: within a group the order of the catalogue stays.
@@ -281,8 +266,34 @@ impl Diagnosed<'_> {
     }
 }
 
+/// The regimes in which a model errs most.
+pub(crate) fn regimes(mismatch: &Mismatch) -> Option<Table> {
+    let mut table = table(["regime", "share of the error", "of the samples", "p"]);
+    for cell in mismatch.cells.iter().take(ROWS) {
+        table.add_row([
+            Cell::new(&cell.at),
+            right(percent(cell.share)),
+            right(percent(cell.occupancy)),
+            right(spoken(cell.p_value)),
+        ]);
+    }
+    (!table.is_empty()).then_some(table)
+}
+
+/// The band of frequencies with most of the error.
+pub(crate) fn in_frequency(mismatch: &Mismatch) -> Option<String> {
+    let bands = mismatch.bands.iter();
+    let band = bands.max_by(|a, b| a.share.total_cmp(&b.share))?;
+    Some(format!(
+        "In frequency: {} of it between {} and {} Hz",
+        spoken_percent(band.share),
+        spoken(band.hz[0]),
+        spoken(band.hz[1])
+    ))
+}
+
 /// Findings with their parameters, a row a parameter.
-fn estimates(findings: &[Finding]) -> Table {
+pub(crate) fn estimates(findings: &[Finding]) -> Table {
     let mut table = table([
         "effect",
         "probability",

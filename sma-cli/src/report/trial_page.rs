@@ -5,6 +5,7 @@ use std::fmt::Write;
 use blind_trial::scores::{Calibration, Confusion, Power};
 
 use super::trial::{Tried, mark};
+use crate::page::escaped;
 
 /// Side of a square of the matrix, and of a curve's frame, px.
 const SQUARE: f64 = 22.0;
@@ -205,11 +206,4 @@ fn line(points: &[[f64; 2]]) -> String {
         "<polyline class=\"curve\" points=\"{}\"/>\n",
         path.join(" ")
     )
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

@@ -4,7 +4,7 @@ use crate::effect::{Base, Effect, without_memory};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
 
 /// Lengths of the cells of an end from the middle to the clamp, over the length ℓ on which a fin cools.
-const CELL_LENGTHS: [f64; CELLS] = [1.2, 0.7, 0.4, 0.25];
+const CELL_LENGTHS: [f64; CELLS] = [1.6, 0.8, 0.4];
 /// Way from the last cell to where the middle has its temperature, at most, over ℓ.
 const INTO_MIDDLE: f64 = 0.9;
 
@@ -17,8 +17,8 @@ parameters! {
     /// τ_c d(T_c - T_a)/dt = w (T_1 - T_a) - (T_c - T_a)     clamps, at T_a before the run
     /// ```
     ///
-    /// The rod in finite volumes: the middle, and two ends that are alike, four cells each of 1.2, 0.7, 0.4 and 0.25
-    /// times the length ℓ = √(k D/(4 h)) over which a fin cools, all shorter by 1/(1 + 2.55 φ) where φ = 2ℓ/L says that
+    /// The rod in finite volumes: the middle, and two ends that are alike, three cells each of 1.6, 0.8 and 0.4
+    /// times the length ℓ = √(k D/(4 h)) over which a fin cools, all shorter by 1/(1 + 2.8 φ) where φ = 2ℓ/L says that
     /// the rod is short; T_1 is the temperature of the cell at the clamp. Each has its own hysteresis memory and takes
     /// part in every other effect; what the rod shows is the mean over its length, but for the recorded temperature, which is
     /// that of the middle. Conduction is exact over a sample.

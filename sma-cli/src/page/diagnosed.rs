@@ -1,0 +1,158 @@
+//! A diagnosis as a page that explains itself.
+
+use identify::Provenance;
+use missing_physics::{EffectBlock, Finding, Mismatch, Run};
+
+use super::{Page, escaped};
+use crate::figure::{Drawn, Figure, Series, Style, figures};
+use crate::report::diagnosed::{Diagnosed, estimates, in_frequency, regimes};
+use crate::report::number::spoken_percent;
+use crate::report::verdict::{block_name, verdict};
+
+/// Probability from which a block is marked.
+const GUILTY: f64 = 0.5;
+
+/// The page: the verdict first, then what it rests on.
+pub(crate) fn diagnosed(
+    diagnosed: &Diagnosed<'_>,
+    drawn: Option<&Drawn<'_>>,
+    made: &Provenance,
+) -> anyhow::Result<String> {
+    let diagnosis = diagnosed.diagnosis;
+    let said = verdict(diagnosis);
+    let (first, others) = said.split_once('\n').unwrap_or((&said, ""));
+    let mut page = Page::new("Diagnosis of an SMA actuator", first);
+    page.paragraphs(others);
+    if let Some(drawn) = drawn {
+        let figures = figures(drawn);
+        let (over_time, errors) = figures.split_at(figures.len() - 1);
+        page.section("How far it is off, before and after");
+        for figure in errors {
+            page.figure(figure)?;
+        }
+        page.table(&diagnosed.ladder());
+        page.section("What was recorded, and what the models say");
+        page.line("<p class=\"soft\">Move over a figure to read values; drag to enlarge, double-click to return.</p>");
+        for figure in over_time {
+            page.figure(figure)?;
+        }
+        page.section("Where the plain model and the recordings part");
+        page.line(&blocks(&diagnosis.mismatch, &diagnosis.findings));
+        where_it_is(&mut page, diagnosed, &diagnosis.mismatch);
+        for (title, findings, word) in [
+            ("What is missing", &diagnosis.findings, "is"),
+            (
+                "Suspects: they help, and are no findings",
+                &diagnosis.suspects,
+                "would be",
+            ),
+        ] {
+            if !findings.is_empty() {
+                page.section(title);
+                page.line(&equations(findings, word));
+                page.table(&estimates(findings));
+            }
+        }
+        if let Some(left) = &diagnosis.remainder {
+            page.section("What remains");
+            where_it_is(&mut page, diagnosed, &left.mismatch);
+        }
+        page.section("The catalogue: what these recordings say of each effect");
+        page.table(&diagnosed.catalogue());
+    }
+    if let Some(next) = &diagnosis.next_experiment {
+        page.section("What to measure next");
+        page.paragraphs(&next.sentence);
+        if let Some(run) = &next.run {
+            page.figure(&played(run))?;
+        }
+    }
+    page.section("Notes");
+    page.paragraphs(&diagnosed.notes().join("\n"));
+    Ok(page.made_by(made))
+}
+
+/// The cascade, with the blocks of the findings marked; without findings, those that the localizer blames.
+fn blocks(mismatch: &Mismatch, findings: &[Finding]) -> String {
+    let probability = |block: EffectBlock| {
+        let blamed = mismatch.blocks.iter().find(|(one, _)| *one == block);
+        blamed.map_or(0.0, |(_, probability)| *probability)
+    };
+    let is_guilty = |block: EffectBlock| {
+        if findings.is_empty() {
+            probability(block) >= GUILTY
+        } else {
+            let mut blocks = findings.iter().map(|finding| finding.effect.info().block);
+            blocks.any(|one| one == block)
+        }
+    };
+    let items = [
+        (EffectBlock::Drive, "supply and resistance"),
+        (EffectBlock::HeatBalance, "power to temperature"),
+        (EffectBlock::Transformation, "temperature to fraction"),
+        (EffectBlock::Displacement, "fraction to stroke"),
+        (EffectBlock::Sensor, "what is recorded"),
+    ]
+    .map(|(block, does)| {
+        let class = if is_guilty(block) {
+            " class=\"guilty\""
+        } else {
+            ""
+        };
+        format!(
+            "<li{class}><b>{}</b><small>{does}</small><small>{}</small></li>",
+            block_name(block),
+            spoken_percent(probability(block))
+        )
+    });
+    format!(
+        "<ol class=\"blocks\">{}</ol>\n<p class=\"soft\">The model from drive to sensor; the block that something is missing from is \
+         marked. Percentages: how likely the mismatch arises there.</p>",
+        items.concat()
+    )
+}
+
+fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) {
+    let tables = [regimes(mismatch), diagnosed.stretches(mismatch)];
+    for table in tables.iter().flatten() {
+        page.table(table);
+    }
+    page.paragraphs(&in_frequency(mismatch).unwrap_or_default());
+}
+
+/// What each effect adds to the model.
+fn equations(findings: &[Finding], word: &str) -> String {
+    let items = findings.iter().map(|finding| {
+        let info = finding.effect.info();
+        format!(
+            "<li>{}: {word} {}</li>",
+            escaped(info.name),
+            escaped(&finding.sentence)
+        )
+    });
+    format!("<ul>{}</ul>", items.collect::<String>())
+}
+
+/// The run to play, as steps.
+fn played(run: &Run) -> Figure {
+    let points = run.drive.iter().enumerate();
+    let points = points.map(|(k, &drive)| [k as f64 * run.dt_s, drive]);
+    let from = run.dt_s * run.decisive.start as f64;
+    let to = run.dt_s * run.decisive.end as f64;
+    Figure {
+        name: "next-run",
+        caption: format!(
+            "The run that would tell more: {}; shaded where it tells most",
+            run.name
+        ),
+        across: "time, s".to_owned(),
+        up: "drive".to_owned(),
+        series: vec![Series {
+            label: "drive".to_owned(),
+            style: Style::Extended,
+            points: points.collect(),
+        }],
+        shaded: vec![[from, to]],
+        words: Vec::new(),
+    }
+}

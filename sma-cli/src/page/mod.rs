@@ -1,0 +1,136 @@
+//! Pages: one HTML file each, that needs no network and no script.
+
+mod diagnosed;
+
+use std::fmt::Write;
+
+use comfy_table::Table;
+use identify::Provenance;
+
+pub(crate) use diagnosed::diagnosed;
+
+use crate::figure::{Figure, inline};
+
+const STYLE: &str = include_str!("style.css");
+const CURSOR: &str = include_str!("cursor.js");
+
+/// A page in the making.
+#[derive(Debug)]
+pub(crate) struct Page {
+    text: String,
+    n_figures: usize,
+}
+
+impl Page {
+    /// With a title for the browser, and the first thing to read.
+    pub(crate) fn new(title: &str, heading: &str) -> Self {
+        let text = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n\
+             <style>\n{STYLE}</style></head><body>\n<h1>{}</h1>\n",
+            escaped(title),
+            escaped(heading)
+        );
+        Self { text, n_figures: 0 }
+    }
+
+    /// A heading.
+    pub(crate) fn section(&mut self, title: &str) {
+        self.line(&format!("<h2>{}</h2>", escaped(title)));
+    }
+
+    /// Lines of text, a paragraph each.
+    pub(crate) fn paragraphs(&mut self, text: &str) {
+        for line in text.lines().filter(|line| !line.trim().is_empty()) {
+            self.line(&format!("<p>{}</p>", escaped(line)));
+        }
+    }
+
+    /// What needs its own markup.
+    pub(crate) fn line(&mut self, markup: &str) {
+        self.text += markup;
+        self.text.push('\n');
+    }
+
+    /// A table as the terminal has it.
+    pub(crate) fn table(&mut self, table: &Table) {
+        self.text += "<div class=\"scroll\"><table>\n";
+        if let Some(header) = table.header() {
+            let cells = header.cell_iter().map(|cell| escaped(&cell.content()));
+            let cells: Vec<String> = cells.map(|cell| format!("<th>{cell}</th>")).collect();
+            self.line(&format!("<thead><tr>{}</tr></thead>", cells.concat()));
+        }
+        self.text += "<tbody>\n";
+        for row in table.row_iter() {
+            let mut cells = String::new();
+            for cell in row.cell_iter() {
+                let content = cell.content();
+                let is_number = !content.is_empty() && content.chars().all(of_number);
+                let class = if is_number { " class=\"number\"" } else { "" };
+                // Writing to a string does not fail.
+                let _ = write!(cells, "<td{class}>{}</td>", escaped(&content));
+            }
+            self.line(&format!("<tr>{cells}</tr>"));
+        }
+        self.text += "</tbody></table></div>\n";
+    }
+
+    /// A figure with its caption below, and a cursor where the page may run its script.
+    pub(crate) fn figure(&mut self, figure: &Figure) -> anyhow::Result<()> {
+        self.n_figures += 1;
+        let inline = inline(figure)?;
+        let plot = inline.plot.map_or(String::new(), |plot| {
+            format!(" data-plot=\"{}\"", escaped(&plot.to_string()))
+        });
+        let output = if plot.is_empty() {
+            ""
+        } else {
+            "<output></output>"
+        };
+        self.line(&format!(
+            "<figure id=\"figure-{}\"{plot}><div class=\"scroll\">{}</div>{output}\n<figcaption>{}</figcaption></figure>",
+            self.n_figures,
+            inline.svg,
+            escaped(&figure.caption)
+        ));
+        Ok(())
+    }
+
+    /// How it was made, and the end.
+    pub(crate) fn made_by(mut self, made: &Provenance) -> String {
+        self.section("How this was made");
+        self.line(&format!(
+            "<pre>{}</pre>\n<p class=\"soft\">sma {}, seed {}. The same inputs and the same seed give the same result. \
+             Inputs, by their SHA-256:</p>",
+            escaped(&made.command),
+            escaped(&made.version),
+            made.seed
+        ));
+        self.text += "<div class=\"scroll\"><table>\n";
+        for input in &made.input {
+            self.line(&format!(
+                "<tr><td>{}</td><td><code>{}</code></td></tr>",
+                escaped(&input.file),
+                escaped(&input.sha256)
+            ));
+        }
+        self.text += "</table></div>\n";
+        if self.n_figures > 0 {
+            self.line(&format!("<script>\n{CURSOR}</script>"));
+        }
+        self.text + "</body></html>\n"
+    }
+}
+
+/// What numbers, percentages and intervals are written with.
+fn of_number(c: char) -> bool {
+    c.is_ascii_digit() || "+-.,e% …≥".contains(c)
+}
+
+/// Text in HTML, in an attribute or beside it.
+pub(crate) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
