@@ -104,6 +104,8 @@ struct Diagnosed {
     model: String,
     /// Files of the figures, by name.
     figures: BTreeMap<String, String>,
+    /// The page.
+    report: String,
 }
 
 /// That of the rod with latent heat, with an unseen recording.
@@ -114,6 +116,7 @@ fn diagnosed() -> &'static Diagnosed {
         let args = ["--validate", "validate.csv", "--json", "-"];
         let assert = diagnose(folder.path(), &args)
             .args(["--save-model", "model.toml", "--plots", "figures"])
+            .args(["--report", "report.html"])
             .assert()
             .success();
         let output = assert.get_output();
@@ -124,6 +127,7 @@ fn diagnosed() -> &'static Diagnosed {
             (name, std::fs::read_to_string(path).unwrap())
         });
         Diagnosed {
+            report: std::fs::read_to_string(folder.path().join("report.html")).unwrap(),
             figures: figures.collect(),
             document: serde_json::from_slice(&output.stdout).unwrap(),
             notes: String::from_utf8(output.stderr.clone()).unwrap(),
@@ -314,6 +318,49 @@ fn figures_are_drawn_and_their_numbers_stand_beside_them() {
     }
     assert_eq!(drawn("recording.svg", "#AAAAAA"), 1);
     assert!(figures["recording.svg"].len() < 100_000);
+}
+
+#[test]
+fn the_report_is_one_page_that_says_the_verdict_first() {
+    let page = &diagnosed().report;
+    assert!(page.len() < 1_000_000, "{}", page.len());
+    let tree = roxmltree::Document::parse(page.trim_start_matches("<!DOCTYPE html>")).unwrap();
+    let all = |name: &'static str| {
+        let nodes = tree.descendants();
+        nodes.filter(move |node| node.tag_name().name() == name)
+    };
+    let heading = all("h1").next().unwrap().text().unwrap();
+    assert!(heading.starts_with("Latent heat is missing: "), "{heading}");
+    // Errors, recording, what is left, two loops.
+    let figures: Vec<_> = all("figure").collect();
+    assert!(figures.len() >= 5, "{}", figures.len());
+    for figure in &figures {
+        let of = |name: &'static str| {
+            let mut parts = figure.descendants();
+            parts.find(move |part| part.tag_name().name() == name)
+        };
+        assert!(!of("figcaption").unwrap().text().unwrap().is_empty());
+        let Some(plot) = figure.attribute("data-plot") else {
+            continue;
+        };
+        let plot: Value = serde_json::from_str(plot).unwrap();
+        let curves = figure.descendants().filter(|part| {
+            let points = part.attribute("points").unwrap_or("");
+            part.tag_name().name() == "polyline" && points.split_whitespace().count() > 2
+        });
+        assert_eq!(curves.count(), plot["labels"].as_array().unwrap().len());
+    }
+    let guilty = all("li").find(|item| item.attribute("class") == Some("guilty"));
+    let guilty = guilty.unwrap().descendants().find_map(|part| part.text());
+    assert_eq!(guilty, Some("heat balance"));
+    // Nothing is fetched, and the call stands at the end.
+    for attribute in ["src", "href"] {
+        assert!(
+            tree.descendants()
+                .all(|node| node.attribute(attribute).is_none())
+        );
+    }
+    assert!(page.contains("sma diagnose rod.toml --train train.csv"));
 }
 
 #[test]
@@ -657,7 +704,7 @@ fn errors_leave_nothing_behind() {
         "sma: train.csv: cannot be read: No such file or directory (os error 2)\n"
     );
     std::fs::copy(bundled("train.csv"), folder.path().join("train.csv")).unwrap();
-    for flag in ["--json", "--save-next", "--save-model"] {
+    for flag in ["--json", "--save-next", "--save-model", "--report"] {
         let (code, error) = refusal(folder.path(), &[flag, "train.csv"]);
         assert_eq!(code, 1);
         assert_eq!(

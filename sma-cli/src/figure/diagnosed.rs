@@ -150,9 +150,9 @@ impl Drawn<'_> {
             caption += &format!(", and with {}", found.join(", "));
         }
         let end = stages.len() as f64 - 0.5;
-        let mut all = vec![curve("training", Style::Extended, training)];
+        let mut all = vec![curve("training", Style::Training, training)];
         if !unseen.is_empty() {
-            all.push(curve("unseen", Style::Plain, unseen));
+            all.push(curve("unseen", Style::Unseen, unseen));
         }
         all.push(curve(
             "noise",

@@ -48,6 +48,10 @@ pub(crate) enum Style {
     Plain,
     /// That of the model with effects.
     Extended,
+    /// That of an error on training recordings.
+    Training,
+    /// That of one on unseen recordings.
+    Unseen,
     /// A thin black line.
     Noise,
 }

@@ -7,8 +7,33 @@ use serde_json::json;
 use super::{Figure, Series, Style};
 use crate::page::escaped;
 
-/// Width and height, px.
-const SIZE: (u32, u32) = (960, 440);
+/// What is drawn on.
+#[derive(Debug, Clone, Copy)]
+struct Canvas {
+    /// Width and height, px.
+    size: (u32, u32),
+    /// Size of words, px.
+    font: u32,
+    /// Room for words below and beside the curves, px.
+    below: u32,
+    beside: u32,
+}
+
+/// A file's, for papers and slides.
+const FILE: Canvas = Canvas {
+    size: (960, 440),
+    font: 12,
+    below: 44,
+    beside: 64,
+};
+
+/// A page's: to be read on a phone as well.
+const PAGE: Canvas = Canvas {
+    size: (680, 400),
+    font: 16,
+    below: 52,
+    beside: 72,
+};
 
 /// Points of a curve that are drawn: two a pixel.
 const MOST_POINTS: usize = 2000;
@@ -22,12 +47,14 @@ const MARGIN: f64 = 0.05;
 const SHADE: RGBColor = RGBColor(245, 224, 203);
 
 /// Colors of a file and their names in a page's style, which has others for a dark screen.
-const NAMED: [(&str, &str); 8] = [
+const NAMED: [(&str, &str); 10] = [
     ("#FFFFFF", "var(--paper)"),
     ("#000000", "var(--ink)"),
     ("#AAAAAA", "var(--recorded)"),
     ("#D55E00", "var(--plain)"),
     ("#0072B2", "var(--extended)"),
+    ("#009E73", "var(--training)"),
+    ("#CC79A7", "var(--unseen)"),
     ("#F5E0CB", "var(--shade)"),
     ("#E6E6E6", "var(--grid)"),
     ("#D2D2D2", "var(--grid)"),
@@ -44,15 +71,16 @@ pub(crate) struct Inline {
 /// A figure as a file, its caption in it.
 pub(super) fn svg(figure: &Figure) -> anyhow::Result<String> {
     let mut text = String::new();
-    drawn(figure, &figure.caption, &mut text)?;
+    drawn(figure, FILE, &figure.caption, &mut text)?;
     Ok(text)
 }
 
 /// A figure without its caption, in a page's colors, as wide as there is room.
 pub(crate) fn inline(figure: &Figure) -> anyhow::Result<Inline> {
     let mut svg = String::new();
-    let plot = drawn(figure, "", &mut svg)?;
-    let size = format!("width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
+    let plot = drawn(figure, PAGE, "", &mut svg)?;
+    let (width, height) = PAGE.size;
+    let size = format!("width=\"{width}\" height=\"{height}\" ");
     let named = format!("role=\"img\" aria-label=\"{}\" ", escaped(&figure.caption));
     svg = svg.replacen(&size, &named, 1);
     for (color, name) in NAMED {
@@ -65,17 +93,23 @@ pub(crate) fn inline(figure: &Figure) -> anyhow::Result<Inline> {
 }
 
 /// Draws a figure; what a cursor needs to know of it.
-fn drawn(figure: &Figure, caption: &str, text: &mut String) -> anyhow::Result<serde_json::Value> {
-    draw(figure, caption, text)
+fn drawn(
+    figure: &Figure,
+    canvas: Canvas,
+    caption: &str,
+    text: &mut String,
+) -> anyhow::Result<serde_json::Value> {
+    draw(figure, canvas, caption, text)
         .map_err(|error| anyhow!("{}: cannot be drawn: {error}", figure.name))
 }
 
 fn draw(
     figure: &Figure,
+    canvas: Canvas,
     caption: &str,
     text: &mut String,
 ) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
-    let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
+    let area = SVGBackend::with_string(text, canvas.size).into_drawing_area();
     area.fill(&WHITE)?;
     let [across, up] = [range(figure, 0), range(figure, 1)];
     let margin = MARGIN * (up[1] - up[0]);
@@ -86,12 +120,15 @@ fn draw(
     }
     let mut chart = builder
         .margin(12)
-        .x_label_area_size(44)
-        .y_label_area_size(64)
+        .x_label_area_size(canvas.below)
+        .y_label_area_size(canvas.beside)
         .build_cartesian_2d(across[0]..across[1], up[0]..up[1])?;
     let words = |at: &f64| word(&figure.words, *at);
     let mut mesh = chart.configure_mesh();
-    mesh.x_desc(&figure.across)
+    let words_in = ("sans-serif", canvas.font);
+    mesh.label_style(words_in)
+        .axis_desc_style(words_in)
+        .x_desc(&figure.across)
         .y_desc(&figure.up)
         .light_line_style(TRANSPARENT)
         .bold_line_style(RGBColor(230, 230, 230));
@@ -127,6 +164,7 @@ fn draw(
     }
     chart
         .configure_series_labels()
+        .label_font(words_in)
         .background_style(WHITE.mix(0.8))
         .border_style(RGBColor(210, 210, 210))
         .draw()?;
@@ -146,6 +184,8 @@ fn color(style: Style) -> RGBColor {
         Style::Recorded => RGBColor(170, 170, 170),
         Style::Plain => RGBColor(213, 94, 0),
         Style::Extended => RGBColor(0, 114, 178),
+        Style::Training => RGBColor(0, 158, 115),
+        Style::Unseen => RGBColor(204, 121, 167),
         Style::Noise => BLACK,
     }
 }
@@ -154,7 +194,7 @@ fn width(style: Style) -> u32 {
     match style {
         Style::Recorded => 5,
         Style::Noise => 1,
-        Style::Plain | Style::Extended => 2,
+        Style::Plain | Style::Extended | Style::Training | Style::Unseen => 2,
     }
 }
 

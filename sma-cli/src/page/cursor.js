@@ -12,7 +12,8 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
   const lines = [...svg.querySelectorAll("polyline")].filter((line) => line.points.numberOfItems > 2);
   const shades = [...svg.querySelectorAll('rect[fill="var(--shade)"]')];
   const ticks = [...svg.querySelectorAll("text")]
-    .filter((text) => +text.getAttribute("y") > bottom && Number.isFinite(parseFloat(text.textContent)));
+    .filter((text) => +text.getAttribute("y") > bottom)
+    .filter((text) => Number.isFinite(parseFloat(text.textContent)));
   const first = ticks.map((tick) => tick.textContent);
   const clip = `clip-${figure.id}`;
   make("rect", { x: left, y: top, width: right - left, height: bottom - top },
@@ -45,7 +46,7 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
       let best = null, least = Infinity;
       for (const point of line.points) {
         const far = Math.abs(point.x * scale + shift - at.x) + 0.2 * Math.abs(point.y - at.y);
-        if (far < least) [best, least] = [point, far];
+        if (least > far) [best, least] = [point, far];
       }
       dots[k].setAttribute("cx", best.x * scale + shift);
       dots[k].setAttribute("cy", best.y);
@@ -61,7 +62,7 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
     const [low, high] = [start, place(event).x].sort((a, b) => a - b);
     start = null;
     brush.setAttribute("width", 0);
-    if (high - low < 8) return;
+    if (8 > high - low) return;
     const [from, to] = [(low - shift) / scale, (high - shift) / scale];
     scale = (right - left) / (to - from);
     shift = left - from * scale;

@@ -25,8 +25,8 @@ impl Page {
     /// With a title for the browser, and the first thing to read.
     pub(crate) fn new(title: &str, heading: &str) -> Self {
         let text = format!(
-            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n\
+            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n\
              <style>\n{STYLE}</style></head><body>\n<h1>{}</h1>\n",
             escaped(title),
             escaped(heading)
@@ -88,7 +88,7 @@ impl Page {
             "<output></output>"
         };
         self.line(&format!(
-            "<figure id=\"figure-{}\"{plot}><div class=\"scroll\">{}</div>{output}\n<figcaption>{}</figcaption></figure>",
+            "<figure id=\"figure-{}\"{plot}>{}{output}\n<figcaption>{}</figcaption></figure>",
             self.n_figures,
             inline.svg,
             escaped(&figure.caption)
