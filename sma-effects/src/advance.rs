@@ -187,12 +187,9 @@ impl<const L: usize> ExtendedPlant<L> {
         for z in 0..Z {
             before[z] = self.start_of(z, zones[z], mean, leg);
         }
-        let mut driving = [[0.0; L]; Z];
+        let mut driving = reference_degc;
         let mut slope = [[0.0; L]; Z];
         let mut end_degc = reference_degc;
-        for z in 0..Z {
-            driving[z] = reference_degc[z];
-        }
         if self.path.implicit {
             let problem = Problem {
                 acting: &leg.stage.acting,
