@@ -19,6 +19,8 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
   make("rect", { x: left, y: top, width: right - left, height: bottom - top },
     make("clipPath", { id: clip }, svg));
   const inside = make("g", { "clip-path": `url(#${clip})` }, svg);
+  // Where the last curve was: below the legend.
+  svg.insertBefore(inside, lines.at(-1)?.nextSibling ?? null);
   for (const part of [...shades, ...lines]) {
     part.setAttribute("vector-effect", "non-scaling-stroke");
     inside.append(part);
@@ -59,6 +61,7 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
     start = place(event).x;
   });
   svg.addEventListener("pointerup", (event) => {
+    if (start === null) return;
     const [low, high] = [start, place(event).x].sort((a, b) => a - b);
     start = null;
     brush.setAttribute("width", 0);
