@@ -7,7 +7,7 @@ use super::{Page, escaped};
 use crate::figure::{Drawn, Figure, Series, Style, figures};
 use crate::report::diagnosed::{Diagnosed, estimates, in_frequency, regimes};
 use crate::report::number::spoken_percent;
-use crate::report::verdict::{block_name, verdict};
+use crate::report::verdict::{block_name, verdict, what};
 
 /// Probability from which a block is marked.
 const GUILTY: f64 = 0.5;
@@ -39,17 +39,16 @@ pub(crate) fn diagnosed(
         page.section("Where the plain model and the recordings part");
         page.line(&blocks(&diagnosis.mismatch, &diagnosis.findings));
         where_it_is(&mut page, diagnosed, &diagnosis.mismatch);
-        for (title, findings, word) in [
-            ("What is missing", &diagnosis.findings, "is"),
+        for (title, findings) in [
+            ("What is missing", &diagnosis.findings),
             (
                 "Suspects: they help, and are no findings",
                 &diagnosis.suspects,
-                "would be",
             ),
         ] {
             if !findings.is_empty() {
                 page.section(title);
-                page.line(&equations(findings, word));
+                page.line(&what_they_do(findings));
                 page.table(&estimates(findings));
             }
         }
@@ -120,15 +119,11 @@ fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) 
     page.paragraphs(&in_frequency(mismatch).unwrap_or_default());
 }
 
-/// What each effect adds to the model.
-fn equations(findings: &[Finding], word: &str) -> String {
+/// What each effect does.
+fn what_they_do(findings: &[Finding]) -> String {
     let items = findings.iter().map(|finding| {
-        let info = finding.effect.info();
-        format!(
-            "<li>{}: {word} {}</li>",
-            escaped(info.name),
-            escaped(&finding.sentence)
-        )
+        let name = finding.effect.info().name;
+        format!("<li>{}: {}</li>", escaped(name), escaped(what(finding)))
     });
     format!("<ul>{}</ul>", items.collect::<String>())
 }

@@ -10,6 +10,7 @@ use identify::Provenance;
 pub(crate) use diagnosed::diagnosed;
 
 use crate::figure::{Figure, inline};
+use crate::report::table::table;
 
 const STYLE: &str = include_str!("style.css");
 const CURSOR: &str = include_str!("cursor.js");
@@ -101,20 +102,16 @@ impl Page {
         self.section("How this was made");
         self.line(&format!(
             "<pre>{}</pre>\n<p class=\"soft\">sma {}, seed {}. The same inputs and the same seed give the same result. \
-             Inputs, by their SHA-256:</p>",
+             Inputs:</p>",
             escaped(&made.command),
             escaped(&made.version),
             made.seed
         ));
-        self.text += "<div class=\"scroll\"><table>\n";
+        let mut inputs = table(["file", "SHA-256"]);
         for input in &made.input {
-            self.line(&format!(
-                "<tr><td>{}</td><td><code>{}</code></td></tr>",
-                escaped(&input.file),
-                escaped(&input.sha256)
-            ));
+            inputs.add_row([&input.file, &input.sha256]);
         }
-        self.text += "</table></div>\n";
+        self.table(&inputs);
         if self.n_figures > 0 {
             self.line(&format!("<script>\n{CURSOR}</script>"));
         }

@@ -84,16 +84,18 @@ fn found(finding: &Finding) -> String {
     }
     let effects = std::iter::once(&finding.effect).chain(&finding.could_also_be);
     let names: Vec<&str> = effects.map(|effect| effect.info().name).collect();
-    let what = finding
-        .sentence
-        .split_once(": ")
-        .map_or(finding.sentence.as_str(), |(_, what)| what);
     format!(
         "{} is missing; these recordings cannot tell which. If it is {}: {}",
         capitalized(&listed(&names, "or")),
         names[0],
-        full_stop(what)
+        full_stop(what(finding))
     )
+}
+
+/// What an effect does, without the claim that it is missing.
+pub(crate) fn what(finding: &Finding) -> &str {
+    let sentence = finding.sentence.as_str();
+    sentence.split_once(": ").map_or(sentence, |(_, what)| what)
 }
 
 /// Whether the unseen recordings are met no better with what was found.
