@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use pso::{Stop, Swarm, SwarmConfig};
+use pso::{Bound, Stop, Swarm, SwarmConfig};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -154,12 +154,25 @@ pub fn fit(
     }
     let starts = search.ends.len() as u64;
     let agreed = 1.01 * search.lowest() + problem.rounding();
-    let agreeing_starts = search.ends.iter().filter(|&&end| end <= agreed).count() as u64;
+    let agrees = |end: &&Minimum| end.sum_of_squares <= agreed;
+    let agreeing_starts = search.ends.iter().filter(agrees).count() as u64;
     // Before weights change it: the outputs' own spread.
     let spread = problem.spread();
-    let Some(minimum) = search.best else {
-        unreachable!("at least one start is made");
-    };
+    search
+        .ends
+        .sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    let mut minima = distinct(&search.ends, problem.bounds());
+    let minimum = minima.remove(0);
+    let other_minima = minima
+        .iter()
+        .map(|other| {
+            let solved = problem.solve_one(&other.point)?;
+            let recordings = 0..training.len();
+            Ok(recordings
+                .map(|r| problem.values(&other.point, &solved, r))
+                .collect())
+        })
+        .collect::<Result<_, IdentifyError>>()?;
     let minimum = reweighed(&mut problem, minimum, config)?;
     let solved = problem.solve_one(&minimum.point)?;
     let residuals = problem.residuals(&minimum.point, &solved)?;
@@ -198,6 +211,7 @@ pub fn fit(
         termination: minimum.termination,
         agreeing_starts,
         starts,
+        other_minima,
         simulations: problem.simulations(),
         rejected_costs: search.rejected_costs,
         loss: config.loss,
@@ -251,9 +265,8 @@ impl Start<'_> {
 /// The least-squares searches so far.
 #[derive(Debug, Default)]
 struct Search {
-    best: Option<Minimum>,
     /// Where each start ended.
-    ends: Vec<f64>,
+    ends: Vec<Minimum>,
     rejected_costs: u64,
     simulations: u64,
 }
@@ -262,16 +275,36 @@ impl Search {
     fn take(&mut self, ended: Ended) {
         self.rejected_costs += ended.rejected_costs;
         self.simulations += ended.simulations;
-        self.ends.push(ended.minimum.sum_of_squares);
-        let lowest = self.best.as_ref().map(|best| best.sum_of_squares);
-        if lowest.is_none_or(|lowest| ended.minimum.sum_of_squares < lowest) {
-            self.best = Some(ended.minimum);
-        }
+        self.ends.push(ended.minimum);
     }
 
     fn lowest(&self) -> f64 {
-        self.ends.iter().copied().fold(f64::INFINITY, f64::min)
+        let ends = self.ends.iter().map(|end| end.sum_of_squares);
+        ends.fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Minima that are not one another's, of ends in the order of their height: the lowest, and what is near it in height
+/// but not in place.
+fn distinct(ends: &[Minimum], bounds: &[Bound]) -> Vec<Minimum> {
+    /// Mean square over the lowest one up to which a minimum counts.
+    const NEAR: f64 = 1.5;
+    /// Share of a coordinate's range within which two ends are one.
+    const SAME: f64 = 0.05;
+    let is_same = |one: &Minimum, other: &Minimum| {
+        let mut pairs = one.point.iter().zip(&other.point).zip(bounds);
+        pairs.all(|((a, b), bound)| (a - b).abs() <= SAME * (bound.upper - bound.lower))
+    };
+    let mut minima: Vec<Minimum> = Vec::new();
+    for end in ends {
+        let is_near = minima
+            .first()
+            .is_none_or(|lowest| end.sum_of_squares <= NEAR * lowest.sum_of_squares);
+        if is_near && !minima.iter().any(|known| is_same(known, end)) {
+            minima.push(end.clone());
+        }
+    }
+    minima
 }
 
 /// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays.

@@ -101,6 +101,9 @@ pub struct Fit {
     pub agreeing_starts: u64,
     /// Starts made.
     pub starts: u64,
+    /// Other minima where starts ended, up to 1.5 times the lowest mean square, the lowest first: of each the values of
+    /// all parameters in every recording, as [`Fit::point`] has them.
+    pub other_minima: Vec<Vec<Vec<f64>>>,
     /// Simulations of the whole training set.
     pub simulations: u64,
     /// Costs of the swarms that were no number; they counted as +∞.

@@ -19,6 +19,9 @@ const ITERATIONS: usize = 8;
 /// The same of models with one effect: all the rest grows from them.
 const FIRST_ITERATIONS: usize = 24;
 
+/// Other minima of the baseline that effects are tried at: what a large effect bends may fit best far from the truth.
+const OTHER_BASELINES: usize = 2;
+
 /// Iterations until a refinement has its end.
 const TO_THE_END: usize = 60;
 
@@ -83,12 +86,23 @@ impl<'a> Case<'a> {
 
     /// The fitted baseline as a node.
     pub(crate) fn baseline(&self) -> Result<Node, IdentifyError> {
-        let model = self.model(CandidateSet::EMPTY);
-        let vector = ParameterVector::new(model.parameters(), self.training.len());
-        let coordinates = self.fit.coordinates(&vector);
         let points = (0..self.training.len())
             .map(|r| self.fit.point(r))
             .collect();
+        self.plain_at(points)
+    }
+
+    /// The baseline at its other minima.
+    pub(crate) fn other_baselines(&self) -> Result<Vec<Node>, IdentifyError> {
+        let minima = self.fit.other_minima.iter().take(OTHER_BASELINES);
+        minima.map(|points| self.plain_at(points.clone())).collect()
+    }
+
+    /// The baseline with these values of all parameters in each recording.
+    fn plain_at(&self, points: Vec<Vec<f64>>) -> Result<Node, IdentifyError> {
+        let model = self.model(CandidateSet::EMPTY);
+        let vector = ParameterVector::new(model.parameters(), self.training.len());
+        let coordinates = vector.coordinates(|parameter, r| Some(points[r][parameter]));
         self.node(model, coordinates, points, 0)
     }
 

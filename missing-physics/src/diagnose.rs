@@ -34,6 +34,9 @@ const FURTHER: f64 = 2.0;
 /// Factor by which a drift must lower the mean square to be told from noise with a memory.
 const LOWERED: f64 = 2.0;
 
+/// Effects by which cycles differ, and which leave nothing slow where they are the truth.
+const BETWEEN_CYCLES: [EffectId; 2] = [EffectId::SensorDrift, EffectId::FunctionalFatigue];
+
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
@@ -145,7 +148,7 @@ pub fn diagnose_from(
     progress(DiagnoseProgress::Search);
     let start = case.baseline()?;
     let may_be = CandidateSet::all(config.catalogue, config.setting.hypotheses);
-    let mut search = Search::new(&case, start, may_be, noise.highest(), config.seed);
+    let mut search = Search::new(&case, start, may_be, noise.highest(), config.seed)?;
     search.grow()?;
     let judged = judge(&mut search, &noise, tau_s)?;
     let (judged, floor) = licensed(&search, judged, &noise);
@@ -206,11 +209,12 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let best = search.get(judged.effects).unwrap_or(plain);
     let floor = noise.floor(search.case, best);
     let gained = plain.mean_square() - best.mean_square();
-    // The zero of a sensor moves slowly and smoothly: what leaves noise that grows toward low frequencies is not that.
-    // And whatever is flexible follows noise with a memory for a part of the way.
+    // The zero of a sensor moves slowly and smoothly, a loop by the same law from cycle to cycle: what leaves noise that
+    // grows toward low frequencies is not that, and repeated cycles do not tell noise from what tells them apart. And
+    // whatever is flexible follows noise with a memory for a part of the way.
     let is_far = plain.mean_square() > LOWERED * best.mean_square();
     let may_be_noise = |named: &Named| match floor.class {
-        NoiseClass::OneOverF => named.effect == EffectId::SensorDrift,
+        NoiseClass::OneOverF => BETWEEN_CYCLES.iter().any(|&one| named.effect == one),
         NoiseClass::Colored => named.effect.info().flexible && !is_far,
         NoiseClass::White | NoiseClass::Quantized => false,
     };

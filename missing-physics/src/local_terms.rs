@@ -314,7 +314,7 @@ mod tests {
     use super::*;
     use crate::projection::dot;
     use crate::synthetic::Synthetic;
-    use crate::tangent::{SECANT, sensitivities, traces};
+    use crate::tangent::{LARGEST_SECANT, sensitivities, traces};
     use crate::{EffectId, EffectSet, EffectValues};
 
     /// Largest cosine between the trace of a simulated effect and a term of its block.
@@ -327,7 +327,8 @@ mod tests {
         let own = terms
             .iter()
             .filter(|term| term.block == effect.info().block);
-        let secant = &traces(&case, &node, effect.into(), SECANT, None).unwrap()[0].secant;
+        let secant =
+            &traces(&case, &node, effect.into(), &[LARGEST_SECANT], None).unwrap()[0].secant;
         own.map(|term| dot(secant, &term.column) / (norm(secant) * norm(&term.column)))
             .map(f64::abs)
             .fold(0.0, f64::max)

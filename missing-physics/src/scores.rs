@@ -18,6 +18,9 @@ const DRAWS: usize = 5_000;
 /// could, but for rounding.
 const SMALLEST_TRACE: f64 = 1e-6;
 
+/// Cosine of two traces from which they are one.
+const SAME: f64 = 0.98;
+
 /// Score of an effect.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
@@ -34,6 +37,8 @@ pub(crate) struct Score {
     pub(crate) absorbed: f64,
     /// Value of the partner at which it scores best.
     pub(crate) partner: Option<f64>,
+    /// Size of the secant with which it does, as a share of the typical size.
+    pub(crate) share: f64,
     /// Where it would show: the whitened trace of these sizes outside what the model absorbs, of length 1; zeros if it shows
     /// nowhere.
     pub(crate) direction: Vec<f64>,
@@ -76,29 +81,31 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
     let (plain_span, white_span) = (Span::of(ground.fitted.iter().copied()), Span::of(&white));
     let plain_residual = plain_span.outside(ground.residual);
     let white_residual = white_span.outside(&whitener.whiten(ground.residual));
-    let tests: Vec<Tested<'_>> = tests(traces)
-        .into_iter()
-        .map(|traces| Tested {
-            white: traces
-                .iter()
-                .map(|trace| {
-                    let white = whitener.whiten(&trace.secant);
-                    let outside = white_span.outside(&white);
-                    if norm(&outside) > SMALLEST_TRACE * norm(&white) {
-                        outside
-                    } else {
-                        vec![0.0; white.len()]
-                    }
-                })
-                .collect(),
+    let mut tested: Vec<Tested<'_>> = Vec::new();
+    for traces in tests(traces) {
+        let outside = |trace: &&Trace| {
+            let white = whitener.whiten(&trace.secant);
+            let outside = white_span.outside(&white);
+            if norm(&outside) > SMALLEST_TRACE * norm(&white) {
+                outside
+            } else {
+                vec![0.0; white.len()]
+            }
+        };
+        let test = Tested {
+            white: traces.iter().map(outside).collect(),
             traces,
-        })
-        .collect();
+        };
+        if !tested.last().is_some_and(|last| last.is_the_same(&test)) {
+            tested.push(test);
+        }
+    }
+    let tests = tested;
     let mut scores: Vec<Score> = Vec::new();
     for test in &tests {
         let score = test.score(&plain_span, &plain_residual, &white_residual, whitener);
         match scores.last_mut() {
-            // The next value of the partner of the same effect.
+            // The next value of the partner, or the next secant, of the same effect.
             Some(best) if best.effect == score.effect => {
                 if score.plain > best.plain {
                     *best = score;
@@ -113,14 +120,12 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
     }
 }
 
-/// Groups traces into tests: several sizes of an effect together, each value of a partner by itself.
+/// Groups traces into tests: several sizes of an effect together, each value of a partner and each secant by itself.
 fn tests(traces: &[Trace]) -> Vec<Vec<&Trace>> {
     let mut tests: Vec<Vec<&Trace>> = Vec::new();
     for trace in traces {
         match tests.last_mut() {
-            Some(test) if test[0].effect == trace.effect && test[0].partner == trace.partner => {
-                test.push(trace);
-            }
+            Some(test) if test[0].is_tested_with(trace) => test.push(trace),
             _ => tests.push(vec![trace]),
         }
     }
@@ -130,6 +135,15 @@ fn tests(traces: &[Trace]) -> Vec<Vec<&Trace>> {
 impl Tested<'_> {
     fn one_sided(&self) -> bool {
         self.traces.len() == 1 && self.traces[0].one_sided
+    }
+
+    /// Whether the other is of the same effect with a secant that shows nothing else.
+    fn is_the_same(&self, other: &Self) -> bool {
+        let (one, another) = (self.traces[0], other.traces[0]);
+        let mut pairs = self.white.iter().zip(&other.white);
+        one.effect == another.effect
+            && one.partner == another.partner
+            && pairs.all(|(a, b)| dot(a, b) >= SAME * norm(a) * norm(b))
     }
 
     fn score(
@@ -188,6 +202,7 @@ impl Tested<'_> {
             errors,
             absorbed: if raw > 0.0 { 1.0 - left / raw } else { 0.0 },
             partner: self.traces[0].partner,
+            share: self.traces[0].share,
             direction,
         }
     }
@@ -341,6 +356,7 @@ mod tests {
         .map(|(effect, rate)| Trace {
             effect: effect.into(),
             partner: None,
+            share: 1.0,
             one_sided: effect != EffectId::SensorNonlinearity,
             secant: wave(rate),
         })

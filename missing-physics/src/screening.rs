@@ -9,7 +9,7 @@ use recording::Recording;
 use crate::case::{Case, Node};
 use crate::projection::dot;
 use crate::scores::{Ground, Score, Scores, scores};
-use crate::tangent::{SECANT, Sensitivity, Trace, sensitivities, traces};
+use crate::tangent::{LARGEST_SECANT, Sensitivity, Trace, secants_of, sensitivities, traces};
 use crate::whiten::Whitener;
 use crate::{Candidate, CandidateSet, EffectSet, Need, Setting};
 
@@ -64,7 +64,7 @@ pub struct Screening {
 
 /// Screens the catalogue at a fitted baseline.
 ///
-/// Each effect's secant at a quarter of its typical size is freed of what the baseline's own parameters could
+/// Each effect's secant is freed of what the baseline's own parameters could
 /// do, and compared with what is left of the recording (score test, DIAGNOSIS 2.5). Nothing is refitted: a
 /// score is a reason to refit, never a name.
 ///
@@ -130,7 +130,7 @@ pub(crate) fn sift(
         .collect();
     let traces: Vec<Trace> = wanted
         .par_iter()
-        .map(|&effect| traces(case, node, effect, SECANT, None))
+        .map(|&effect| traces(case, node, effect, secants_of(effect), None))
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()
         .flatten()
@@ -177,18 +177,14 @@ pub(crate) fn at_their_sizes(
     /// Smallest share of the typical size: below, differences are rounding.
     const SMALLEST: f64 = 1e-4;
     let critical = sifted.found.critical;
-    let mut scores: Vec<(f64, Score)> = sifted
-        .found
-        .scores
-        .iter()
-        .map(|score| (SECANT, score.clone()))
-        .collect();
+    let mut scores = sifted.found.scores.clone();
     for _ in 0..ROUNDS {
-        let share = |(at, score): &(f64, Score)| {
+        let share = |score: &Score| {
             let size = (critical + POWER) * score.errors[0];
             let wanted = (size / score.effect.info().parameters[0].typical).max(SMALLEST);
-            (wanted * NEAR < *at || wanted > NEAR * at && *at < SECANT)
-                .then_some(wanted.min(SECANT))
+            (wanted * NEAR < score.share
+                || wanted > NEAR * score.share && score.share < LARGEST_SECANT)
+                .then_some(wanted.min(LARGEST_SECANT))
         };
         let moved: Vec<(usize, f64)> = (0..scores.len())
             .filter_map(|k| Some((k, share(&scores[k])?)))
@@ -199,15 +195,15 @@ pub(crate) fn at_their_sizes(
         let traces = moved
             .par_iter()
             .map(|&(k, share)| {
-                let score = &scores[k].1;
-                traces(case, node, score.effect, share, score.partner)
+                let score = &scores[k];
+                traces(case, node, score.effect, &[share], score.partner)
             })
             .collect::<Result<Vec<_>, _>>()?
             .concat();
         let found = scored(case, node, &sifted.sensitivities, &traces, seed).scores;
-        for ((k, share), score) in moved.into_iter().zip(found) {
-            scores[k] = (share, score);
+        for ((k, _), score) in moved.into_iter().zip(found) {
+            scores[k] = score;
         }
     }
-    Ok(scores.into_iter().map(|(_, score)| score).collect())
+    Ok(scores)
 }

@@ -10,7 +10,7 @@ use crate::scores::{Score, as_one, sizes_of};
 use crate::screening::{Sifted, sift};
 use crate::settle::settled;
 use crate::tangent::{Sensitivity, of_partner, sensitivities};
-use crate::{Candidate, CandidateSet, EffectId, Role};
+use crate::{Candidate, CandidateSet, EffectId, Role, Sign};
 
 /// Most effects of a model.
 pub(crate) const MOST_EFFECTS: usize = 4;
@@ -22,6 +22,9 @@ const BRANCHES: usize = 2;
 /// Alone, all that could matter are.
 const BY_PLAIN: usize = 9;
 const BY_WHITENED: usize = 5;
+
+/// The same where the rod has several zones: a simulation takes as long as ten.
+const COSTLY: [usize; 2] = [4, 3];
 
 /// Mean square over that with an effect less from which, far from the noise, further effects lead nowhere either.
 const STALLED: f64 = 0.9;
@@ -96,6 +99,8 @@ pub(crate) struct Search<'a> {
     noise: f64,
     seed: u64,
     visited: Vec<Visited>,
+    /// The baseline at its other minima, until effects have been tried there.
+    other_baselines: Vec<Node>,
     /// Sets of effects that lead nowhere.
     dead: Vec<CandidateSet>,
     /// Models that were searched from where one with an effect more was fitted, after that one.
@@ -109,16 +114,17 @@ impl<'a> Search<'a> {
         catalogue: CandidateSet,
         noise: f64,
         seed: u64,
-    ) -> Self {
-        Self {
+    ) -> Result<Self, IdentifyError> {
+        Ok(Self {
             case,
             catalogue,
             noise,
             seed,
+            other_baselines: case.other_baselines()?,
             visited: vec![baseline.into()],
             dead: Vec::new(),
             lightened: Vec::new(),
-        }
+        })
     }
 
     /// Models in the order in which they were found, the baseline first.
@@ -354,44 +360,81 @@ impl<'a> Search<'a> {
         } else {
             COULD_MATTER * critical
         };
-        let shortlist = shortlist(&sifted.found.scores, least, most);
-        let wanted: Vec<(CandidateSet, &Score)> = shortlist
-            .iter()
-            .map(|&score| (effects.with(score.effect), score))
-            .filter(|(set, _)| self.index(*set).is_none() && !self.dead.contains(set))
-            .collect();
+        let mut list = shortlist(&sifted.found.scores, least, most);
+        if !effects.is_empty() {
+            let first = shortlist(&sifted.found.scores, least, COSTLY);
+            let is_first = |score: &Score| first.iter().any(|one| one.effect == score.effect);
+            let is_costly = |set: CandidateSet| set.contains(EffectId::EndConduction);
+            list.retain(|score| is_first(score) || !is_costly(effects.with(score.effect)));
+        }
+        let mut added: Vec<Candidate> = list.iter().map(|score| score.effect).collect();
+        let is_new = |score: &&Score| {
+            let set = effects.with(score.effect);
+            self.index(set).is_none() && !self.dead.contains(&set)
+        };
+        let list: Vec<&Score> = list.into_iter().filter(is_new).collect();
         let Some(parent) = self.get(effects) else {
             unreachable!("its scores were just taken");
         };
-        let refitted: Vec<(CandidateSet, Option<Node>)> = wanted
-            .par_iter()
-            .map(|&(set, score)| (set, self.refit(parent, score)))
-            .collect();
-        for (set, node) in refitted {
-            self.keep(set, node);
+        let refitted = self.refitted(parent, &list);
+        self.keep_all(refitted);
+        if effects.is_empty() {
+            for other in std::mem::take(&mut self.other_baselines) {
+                let sifted = sift(self.case, &other, self.catalogue, self.seed)?;
+                let list = shortlist(&sifted.found.scores, least, most);
+                let refitted = self.refitted(&other, &list);
+                self.keep_all(refitted);
+                added.extend(list.iter().map(|score| score.effect));
+            }
         }
         let Some(parent) = self.get(effects) else {
             unreachable!("nothing is ever taken away");
         };
-        let significant = |&&score: &&&Score| {
-            let set = effects.with(score.effect);
+        let mut children: Vec<CandidateSet> = Vec::new();
+        for effect in added {
+            let set = effects.with(effect);
             let child = self.get(set);
-            child.is_some_and(|child| gained(parent, child, score.effect) > critical)
-        };
-        Ok(shortlist
-            .iter()
-            .filter(significant)
-            .map(|score| effects.with(score.effect))
-            .collect())
+            let is_significant = |child: &Node| gained(parent, child, effect) > critical;
+            if child.is_some_and(is_significant) && !children.contains(&set) {
+                children.push(set);
+            }
+        }
+        Ok(children)
     }
 
-    /// Takes in a refitted model; one whose effect has vanished leads nowhere.
+    /// A model with one effect more, each.
+    fn refitted(&self, parent: &Node, list: &[&Score]) -> Vec<(CandidateSet, Option<Node>)> {
+        list.par_iter()
+            .map(|score| {
+                let set = parent.effects.with(score.effect);
+                (set, self.refit(parent, score))
+            })
+            .collect()
+    }
+
+    fn keep_all(&mut self, refitted: Vec<(CandidateSet, Option<Node>)>) {
+        for (set, node) in refitted {
+            self.keep(set, node);
+        }
+    }
+
+    /// Takes in a refitted model, unless a lower end is known; one whose effect has vanished leads nowhere.
     pub(crate) fn keep(&mut self, set: CandidateSet, node: Option<Node>) {
-        match node {
-            Some(node) if set.iter().all(|effect| !node.has_vanished(effect)) => {
-                self.visited.push(node.into());
+        let found = node.filter(|node| set.iter().all(|effect| !node.has_vanished(effect)));
+        match (self.index(set), found) {
+            (None, None) if self.dead.contains(&set) => {}
+            (None, None) => self.dead.push(set),
+            (None, Some(found)) => {
+                self.dead.retain(|dead| *dead != set);
+                self.visited.push(found.into());
             }
-            _ => self.dead.push(set),
+            (Some(known), Some(found)) => {
+                let known = &mut self.visited[known];
+                if found.noise.deviance() < known.node.noise.deviance() {
+                    *known = found.into();
+                }
+            }
+            (Some(_), None) => {}
         }
     }
 
@@ -429,6 +472,12 @@ impl<'a> Search<'a> {
         let far = within([START[0], f64::INFINITY]);
         if node.effects.is_empty() && far != first {
             starts.push(start(&far, 1.0));
+        }
+        // A large size may have bent the baseline to where the linear view has the wrong sign.
+        let size = &parameters[sizes_of(effect).next().unwrap_or(0)];
+        if node.effects.is_empty() && first.len() == 1 && size.sign() == Sign::Either {
+            let large = START[1] * size.typical;
+            starts.extend([large, -large].map(|large| start(&[large], 1.0)));
         }
         let effects = node.effects.with(effect);
         self.case.refined(node, effects, &starts).ok()
@@ -480,13 +529,7 @@ impl<'a> Search<'a> {
         if is_fitted {
             self.lightened.push((effects, less));
         }
-        let Some(index) = self.index(less) else {
-            return self.keep(less, found);
-        };
-        let known = self.visited[index].node.noise.deviance();
-        if let Some(found) = found.filter(|found| found.noise.deviance() < known) {
-            self.visited[index] = found.into();
-        }
+        self.keep(less, found);
     }
 
     /// Simulations of the whole training set so far.

@@ -2,17 +2,19 @@
 
 use identify::{ForwardModel, IdentifyError, ParameterVector};
 
-use crate::Sign;
 use crate::case::{Case, Node};
 use crate::projection::{dot, norm};
-use crate::{Candidate, Role};
+use crate::{Candidate, Role, Sign, Smoothness};
 
 /// Step of a central difference, as a share of the coordinate's range.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Size of a secant, as a share of the typical size: small enough to be nearly a tangent, large enough for
-/// effects with corners.
-pub(crate) const SECANT: f64 = 0.25;
+/// Sizes of secants, as shares of the typical size: what a small one leaves beside the baseline may be nothing where a
+/// large one shows, and what a large one leaves may be only what bends where the baseline hides most of the trace.
+pub(crate) const SECANTS: [f64; 2] = [LARGEST_SECANT, 0.02];
+
+/// The largest: the only one of effects with corners, and of those whose partner is varied.
+pub(crate) const LARGEST_SECANT: f64 = 0.25;
 
 /// Trace of a typical size, relative to the residual, below which it is rounding: a recording without inner
 /// reversals shows nothing of their memory.
@@ -27,9 +29,20 @@ pub(crate) struct Trace {
     pub(crate) effect: Candidate,
     /// Value of the partner, where there is one.
     pub(crate) partner: Option<f64>,
+    /// Size of the secant, as a share of the typical size.
+    pub(crate) share: f64,
     /// Whether the size may only be positive.
     pub(crate) one_sided: bool,
     pub(crate) secant: Vec<f64>,
+}
+
+impl Trace {
+    /// Whether another size is tested together with it.
+    pub(crate) fn is_tested_with(&self, other: &Self) -> bool {
+        self.effect == other.effect
+            && self.partner == other.partner
+            && self.share.to_bits() == other.share.to_bits()
+    }
 }
 
 /// Derivative of a model's output by one of its coordinates, or by an offset.
@@ -102,13 +115,23 @@ pub(crate) fn sensitivities(
     Ok(sensitivities)
 }
 
-/// Traces of an effect that a node does not have, as secants at a share of the typical size: one for each of its
-/// sizes, and each value of its partner or only one.
+/// Sizes of an effect's secants in screening, as shares of the typical size.
+pub(crate) fn secants_of(effect: Candidate) -> &'static [f64] {
+    let info = effect.info();
+    if info.smoothness == Smoothness::Smooth && info.screened_partner().is_none() {
+        &SECANTS
+    } else {
+        &SECANTS[..1]
+    }
+}
+
+/// Traces of an effect that a node does not have, as secants at shares of the typical size: one for each of its
+/// sizes, each share, and each value of its partner or only one.
 pub(crate) fn traces(
     case: &Case<'_>,
     node: &Node,
     effect: Candidate,
-    share: f64,
+    shares: &[f64],
     partner: Option<f64>,
 ) -> Result<Vec<Trace>, IdentifyError> {
     let parameters = effect.info().parameters;
@@ -116,15 +139,21 @@ pub(crate) fn traces(
         Some((_, grid)) if partner.is_none() => grid.iter().copied().map(Some).collect(),
         _ => vec![partner],
     };
-    let sizes = (0..parameters.len()).filter(|&k| parameters[k].role == Role::Size);
-    let wanted: Vec<(usize, Option<f64>)> = sizes
-        .flat_map(|k| partners.iter().map(move |&partner| (k, partner)))
+    // Sizes of one test stand together.
+    let sizes = |at| {
+        let sizes = (0..parameters.len()).filter(|&k| parameters[k].role == Role::Size);
+        sizes.map(move |k| (k, at))
+    };
+    let wanted: Vec<(usize, (Option<f64>, f64))> = partners
+        .iter()
+        .flat_map(|&partner| shares.iter().map(move |&share| (partner, share)))
+        .flat_map(sizes)
         .collect();
     let model = case.model(node.effects.with(effect));
     let vector = ParameterVector::new(model.parameters(), case.training.len());
     // The point itself first: with the effect at zero the model has the node's bits.
     let mut starts = vec![case.moved(node, &model, |_, _| None)];
-    starts.extend(wanted.iter().map(|&(size, partner)| {
+    starts.extend(wanted.iter().map(|&(size, (partner, share))| {
         case.moved(node, &model, |other, k| {
             if other != effect {
                 None
@@ -142,7 +171,7 @@ pub(crate) fn traces(
     Ok(wanted
         .iter()
         .zip(&shown[1..])
-        .map(|(&(parameter, partner), moved)| {
+        .map(|(&(parameter, (partner, share)), moved)| {
             let typical = parameters[parameter].typical;
             let mut secant = difference(moved, &shown[0], share * typical);
             if typical * norm(&secant) < SMALLEST_TRACE * residual {
@@ -151,6 +180,7 @@ pub(crate) fn traces(
             Trace {
                 effect,
                 partner,
+                share,
                 one_sided: parameters[parameter].sign() == Sign::NonNegative,
                 secant,
             }

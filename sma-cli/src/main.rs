@@ -1,6 +1,7 @@
 //! `sma`: identify shape-memory-alloy actuators from recordings. The program's help says how.
 
 mod commands;
+mod demo_rig;
 mod earlier;
 mod figure;
 mod kept;
@@ -22,6 +23,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use commands::demo::DemoArgs;
 use commands::diagnose::DiagnoseArgs;
 use commands::identify::IdentifyArgs;
 use commands::inspect::InspectArgs;
@@ -40,6 +42,7 @@ struct Cli {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    Demo(DemoArgs),
     Inspect(InspectArgs),
     Identify(IdentifyArgs),
     Simulate(SimulateArgs),
@@ -51,6 +54,7 @@ enum Command {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
+        Command::Demo(args) => commands::demo::run(args),
         Command::Inspect(args) => commands::inspect::run(args),
         Command::Identify(args) => commands::identify::run(args),
         Command::Simulate(args) => commands::simulate::run(args),

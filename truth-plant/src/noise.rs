@@ -49,12 +49,11 @@ impl Noise {
         }
     }
 
-    /// Adds it to a channel.
-    pub(crate) fn add(&self, channel: &mut [f64], mut random: Random) {
+    /// Its values in so many samples.
+    pub(crate) fn series(&self, n_samples: usize, mut random: Random) -> Vec<f64> {
         let mut source = Source::new(self.kind, &mut random);
-        for value in channel {
-            *value += self.deviation * source.next(&mut random);
-        }
+        let value = |_| self.deviation * source.next(&mut random);
+        (0..n_samples).map(value).collect()
     }
 }
 
@@ -113,13 +112,11 @@ mod tests {
     use crate::random::Stream;
 
     fn series(kind: NoiseKind, n: usize) -> Vec<f64> {
-        let mut channel = vec![0.0; n];
         let noise = Noise {
             kind,
             deviation: 1.0,
         };
-        noise.add(&mut channel, Random::new(5, Stream::DisplacementNoise));
-        channel
+        noise.series(n, Random::new(5, Stream::DisplacementNoise))
     }
 
     fn mean_product(x: &[f64], lag: usize) -> f64 {

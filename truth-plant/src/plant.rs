@@ -1,5 +1,5 @@
 use crate::error::{TruthError, within};
-use crate::simulate::{Command, run};
+use crate::simulate::{Course, run};
 use crate::{
     AmbientDrift, AmbientSensor, BiasSpring, ConvectionDip, Converter, Draughts, DriveKind,
     EndFittings, EndStop, Fatigue, FreeConvection, Friction, LatentHeat, LoopAsymmetry, LoopFamily,
@@ -163,21 +163,32 @@ impl TruthPlant {
     ///
     /// [`TruthError`] naming the value that cannot be, and what can; or that the integration diverged.
     pub fn simulate(&self, drive: &[f64], dt_s: f64, seed: u64) -> Result<Traces, TruthError> {
+        self.controlled(drive.len(), dt_s, seed, &mut |k, _| drive[k])
+    }
+
+    /// The same under a controller: it is asked at every sample for the drive, with the number of the sample, from 0, and
+    /// the displacement that the sensor shows there, mm, noise and steps included.
+    ///
+    /// # Errors
+    ///
+    /// As [`TruthPlant::simulate`].
+    pub fn controlled(
+        &self,
+        n_samples: usize,
+        dt_s: f64,
+        seed: u64,
+        controller: &mut dyn FnMut(usize, f64) -> f64,
+    ) -> Result<Traces, TruthError> {
         self.check()?;
         within("dt_s", dt_s, 1e-4..=1e3)?;
-        if drive.is_empty() {
+        if n_samples == 0 {
             return Err(TruthError::EmptyDrive);
         }
-        let range = self.drive.range();
-        if let Some(index) = drive.iter().position(|value| !range.contains(value)) {
-            return Err(TruthError::Drive {
-                index,
-                value: drive[index],
-                lowest: *range.start(),
-                highest: *range.end(),
-            });
-        }
-        let command = Command { drive, dt_s, seed };
+        let course = Course {
+            n_samples,
+            dt_s,
+            seed,
+        };
         let family = match self.loop_asymmetry {
             Some(asymmetry) => self
                 .hysteresis
@@ -185,9 +196,9 @@ impl TruthPlant {
             None => self.hysteresis,
         };
         match family {
-            LoopFamily::L2p(parameters) => run(self, &parameters.operator()?, &command),
-            LoopFamily::Preisach(parameters) => run(self, &parameters.operator()?, &command),
-            LoopFamily::Cosine(parameters) => run(self, &parameters.operator()?, &command),
+            LoopFamily::L2p(loops) => run(self, &loops.operator()?, course, controller),
+            LoopFamily::Preisach(loops) => run(self, &loops.operator()?, course, controller),
+            LoopFamily::Cosine(loops) => run(self, &loops.operator()?, course, controller),
         }
     }
 

@@ -13,34 +13,38 @@ const STEPS_FOR_ELECTRONICS: f64 = 32.0;
 /// The same where friction must see the path turn.
 const STEPS_FOR_FRICTION: f64 = 8.0;
 
-/// What the plant is told.
+/// How long a run is, and where its randomness comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Command<'a> {
-    pub(crate) drive: &'a [f64],
+pub(crate) struct Course {
+    pub(crate) n_samples: usize,
     pub(crate) dt_s: f64,
     pub(crate) seed: u64,
 }
 
-impl Command<'_> {
-    /// What the supply is told from when on, within sample `k`: a dead time ends old samples in the midst of it.
-    fn pieces(&self, k: usize, dead_time_s: f64) -> [(f64, f64); 2] {
-        let whole = (dead_time_s / self.dt_s).floor();
-        let rest_s = dead_time_s - whole * self.dt_s;
-        let late = |samples: usize| match k.checked_sub(samples) {
-            Some(index) => self.drive[index],
-            None => 0.0,
-        };
-        let whole = whole as usize;
-        [(0.0, late(whole + 1)), (rest_s, late(whole))]
-    }
+/// What the supply is told within the last sample, and from when on: a dead time ends old samples in the midst of it.
+fn pieces(drive: &[f64], dt_s: f64, dead_time_s: f64) -> [(f64, f64); 2] {
+    let whole = (dead_time_s / dt_s).floor();
+    let rest_s = dead_time_s - whole * dt_s;
+    let late = |samples: usize| match (drive.len() - 1).checked_sub(samples) {
+        Some(index) => drive[index],
+        None => 0.0,
+    };
+    let whole = whole as usize;
+    [(0.0, late(whole + 1)), (rest_s, late(whole))]
 }
 
+/// A run whose drive is asked for at every sample, with what the sensor shows there, mm.
 pub(crate) fn run<H: Hysteresis>(
     plant: &TruthPlant,
     operator: &H,
-    command: &Command<'_>,
+    course: Course,
+    controller: &mut dyn FnMut(usize, f64) -> f64,
 ) -> Result<Traces, TruthError> {
-    let (n_samples, dt_s, seed) = (command.drive.len(), command.dt_s, command.seed);
+    let Course {
+        n_samples,
+        dt_s,
+        seed,
+    } = course;
     let weather = Weather::new(
         plant.ambient_degc,
         plant.ambient_drift,
@@ -62,11 +66,28 @@ pub(crate) fn run<H: Hysteresis>(
     let longest_s = plant.longest_step_s.min(dt_s / steps);
     let mut integrator = Integrator::new(rig.layout.n_states, plant.tolerance_k, longest_s);
     let dead_time_s = plant.supply.map_or(0.0, |supply| supply.dead_time_s);
+    let noise_m = plant.displacement_noise.map_or_else(
+        || vec![0.0; n_samples],
+        |noise| noise.series(n_samples, Random::new(seed, Stream::DisplacementNoise)),
+    );
+    let range = plant.drive.range();
     let mut traces = Traces::with_capacity(n_samples);
     for k in 0..n_samples {
         read(plant, &rig, &state, &weather, (k, dt_s), &mut traces);
+        let shown_mm = recorded_mm(plant, traces.quiet_displacement_mm[k], noise_m[k]);
+        traces.displacement_mm.push(shown_mm);
+        let value = controller(k, shown_mm);
+        if !range.contains(&value) {
+            return Err(TruthError::Drive {
+                index: k,
+                value,
+                lowest: *range.start(),
+                highest: *range.end(),
+            });
+        }
+        traces.drive.push(value);
         rig.begin(sample_at(k));
-        let [old, new] = command.pieces(k, dead_time_s);
+        let [old, new] = pieces(&traces.drive, dt_s, dead_time_s);
         for ((from_s, target), to_s) in [(old, new.0), (new, dt_s)] {
             if to_s > from_s {
                 rig.command(from_s, target);
@@ -78,8 +99,24 @@ pub(crate) fn run<H: Hysteresis>(
         rig.end_sample();
     }
     traces.ambient_degc = weather.read(plant.ambient_sensor, seed);
-    record(plant, seed, &mut traces);
+    traces.thermocouple_degc = traces.quiet_thermocouple_degc.clone();
+    if let Some(noise) = plant.temperature_noise {
+        let noise_k = noise.series(n_samples, Random::new(seed, Stream::TemperatureNoise));
+        for (value, noise_k) in traces.thermocouple_degc.iter_mut().zip(noise_k) {
+            *value += noise_k;
+        }
+    }
     Ok(traces)
+}
+
+/// The sensor's displacement with noise and the converter's steps.
+fn recorded_mm(plant: &TruthPlant, quiet_mm: f64, noise_m: f64) -> f64 {
+    let noisy_m = quiet_mm / MM_PER_M + noise_m;
+    let read_m = match plant.converter {
+        Some(converter) => converter.read_m(noisy_m),
+        None => noisy_m,
+    };
+    read_m * MM_PER_M
 }
 
 /// Reads the channels at the start of a sample, still without noise.
@@ -108,32 +145,4 @@ fn read<H: Hysteresis>(
         .quiet_thermocouple_degc
         .push(rig.bead_degc(state).unwrap_or(middle_degc));
     traces.fraction.push(rig.mean_fraction());
-}
-
-/// Adds noise and the converter's steps.
-fn record(plant: &TruthPlant, seed: u64, traces: &mut Traces) {
-    let mut displacement_m: Vec<f64> = traces
-        .quiet_displacement_mm
-        .iter()
-        .map(|mm| mm / MM_PER_M)
-        .collect();
-    if let Some(noise) = plant.displacement_noise {
-        noise.add(
-            &mut displacement_m,
-            Random::new(seed, Stream::DisplacementNoise),
-        );
-    }
-    if let Some(converter) = plant.converter {
-        for value_m in &mut displacement_m {
-            *value_m = converter.read_m(*value_m);
-        }
-    }
-    traces.displacement_mm = displacement_m.into_iter().map(|m| m * MM_PER_M).collect();
-    traces.thermocouple_degc = traces.quiet_thermocouple_degc.clone();
-    if let Some(noise) = plant.temperature_noise {
-        noise.add(
-            &mut traces.thermocouple_degc,
-            Random::new(seed, Stream::TemperatureNoise),
-        );
-    }
 }

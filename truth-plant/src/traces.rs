@@ -3,6 +3,8 @@
 pub struct Traces {
     /// Time, s.
     pub time_s: Vec<f64>,
+    /// What the supply was told from then on, in the unit of the drive's kind.
+    pub drive: Vec<f64>,
     /// Recorded displacement, mm: with noise and the converter's steps.
     pub displacement_mm: Vec<f64>,
     /// The same before noise and converter, mm: not for who diagnoses.
@@ -24,6 +26,7 @@ impl Traces {
         let empty = || Vec::with_capacity(n_samples);
         Self {
             time_s: empty(),
+            drive: empty(),
             displacement_mm: empty(),
             quiet_displacement_mm: empty(),
             temperature_degc: empty(),

@@ -153,12 +153,12 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
 
 /// What is known of a rig, and what it was seen to do.
 #[derive(Debug)]
-struct Rig {
-    rod: Rod,
-    training: Vec<Recording>,
-    unseen: Vec<Recording>,
+pub(crate) struct Rig {
+    pub(crate) rod: Rod,
+    pub(crate) training: Vec<Recording>,
+    pub(crate) unseen: Vec<Recording>,
     /// What is odd about the recordings.
-    notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 fn with_time(
@@ -243,7 +243,7 @@ fn with_time(
     }
     if let Some(sink) = places.report {
         let made = provenance(args.seed, &args.inputs())?;
-        sink.write(&page::diagnosed(&diagnosed, drawn.as_ref(), &made)?)?;
+        sink.write(&page::diagnosed(&diagnosed, drawn.as_ref())?.made_by(&made))?;
     }
     if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
         sink.write(&model.to_toml()?)?;
@@ -355,7 +355,7 @@ impl DiagnoseArgs {
     }
 }
 
-fn show(bar: &ProgressBar, progress: DiagnoseProgress) {
+pub(crate) fn show(bar: &ProgressBar, progress: DiagnoseProgress) {
     match progress {
         DiagnoseProgress::Baseline(so_far) => fitting(bar, so_far),
         DiagnoseProgress::Search => bar.set_message("trying effects"),
@@ -371,7 +371,7 @@ fn fitting(bar: &ProgressBar, progress: FitProgress) {
 }
 
 /// The recording that the plain model meets worst, with what it and the model with effects say of it.
-fn before_and_after<'a>(
+pub(crate) fn before_and_after<'a>(
     plain: &WienerModel,
     diagnosis: &Diagnosis,
     rig: &'a Rig,

@@ -2,6 +2,7 @@
 
 use crate::outcome::Outcome;
 
+pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod identify;
 pub(crate) mod inspect;

@@ -22,7 +22,7 @@ use crate::terminal::{bar, say};
 use crate::track::{Followed, Track, track};
 
 /// Gains that ran on the rig of the paper: A/mm, A/(mm s), A s/mm there.
-const PAPER: PidGains = PidGains {
+pub(crate) const PAPER: PidGains = PidGains {
     kp: 200.0,
     ki: 0.01,
     kd: 0.0,
@@ -35,7 +35,7 @@ const TIME_CONSTANTS: f64 = 20.0;
 const MOST_SAMPLES: f64 = 1e6;
 
 /// Time constant of the derivative's filter, in samples: short beside the rod, long beside the noise.
-const FILTER_SAMPLES: f64 = 4.0;
+pub(crate) const FILTER_SAMPLES: f64 = 4.0;
 
 /// Periods of a sine that are followed; the errors of the last one count.
 const SINE_PERIODS: f64 = 3.0;

@@ -1,6 +1,5 @@
 //! A diagnosis as a page that explains itself.
 
-use identify::Provenance;
 use missing_physics::{EffectBlock, Finding, Mismatch, Run};
 
 use super::{Page, escaped};
@@ -12,12 +11,11 @@ use crate::report::verdict::{block_name, verdict, what};
 /// Probability from which a block is marked.
 const GUILTY: f64 = 0.5;
 
-/// The page: the verdict first, then what it rests on.
+/// The page but for how it was made: the verdict first, then what it rests on.
 pub(crate) fn diagnosed(
     diagnosed: &Diagnosed<'_>,
     drawn: Option<&Drawn<'_>>,
-    made: &Provenance,
-) -> anyhow::Result<String> {
+) -> anyhow::Result<Page> {
     let diagnosis = diagnosed.diagnosis;
     let said = verdict(diagnosis);
     let (first, others) = said.split_once('\n').unwrap_or((&said, ""));
@@ -68,7 +66,7 @@ pub(crate) fn diagnosed(
     }
     page.section("Notes");
     page.paragraphs(&diagnosed.notes().join("\n"));
-    Ok(page.made_by(made))
+    Ok(page)
 }
 
 /// The cascade, with the blocks of the findings marked; without findings, those that the localizer blames.
