@@ -48,7 +48,7 @@ fn shards_put_together_are_the_whole_to_the_byte() {
         "--merge",
         &place("one"),
         &place("other"),
-        "--html",
+        "--report",
         &page,
     ]);
     assert_eq!(merged.status.code(), Some(0));
@@ -56,7 +56,14 @@ fn shards_put_together_are_the_whole_to_the_byte() {
         let of = |out: &str| text(&folder.path().join(out).join(name));
         assert_eq!(of("whole"), of("merged"), "{name}");
     }
-    assert!(text(Path::new(&page)).contains("<svg"));
+    let page = text(Path::new(&page));
+    let tree = roxmltree::Document::parse(page.trim_start_matches("<!DOCTYPE html>")).unwrap();
+    let heading = tree
+        .descendants()
+        .find(|node| node.has_tag_name("h1"))
+        .unwrap();
+    assert!(heading.text().unwrap().starts_with("2 cases of seed 1: "));
+    assert!(page.contains("false alarm, white noise") && page.contains("--merge"));
     // Nothing is run twice.
     let before = text(&folder.path().join("whole/times.csv"));
     let again = sma(&[&family[..], &["--out", &place("whole")]].concat());

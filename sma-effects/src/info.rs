@@ -17,6 +17,8 @@ pub struct EffectInfo {
     pub needs: &'static [Need],
     /// Its parameters, sizes before partners.
     pub parameters: &'static [EffectParameter],
+    /// What it adds to the model, in a line; the effect's own documentation says it exactly.
+    pub equation: &'static str,
     /// Sentence for a report. `{value}` stands for the size with its unit (of several, for the largest in
     /// magnitude), `{partner}` for the partner with its unit.
     pub sentence: &'static str,

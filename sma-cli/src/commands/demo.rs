@@ -265,12 +265,8 @@ impl Known {
             input_notes: vec![demo_rig::CONCEALED.to_owned()],
         };
         let (recording, models) = before_and_after(self.plain(), diagnosis, &self.files)?;
-        let drawn = Drawn {
-            diagnosis,
-            recording,
-            name: diagnosed.label(recording.name()),
-            models: &models,
-        };
+        let name = diagnosed.label(recording.name());
+        let drawn = Drawn::new(diagnosis, (recording, name), &models);
         let mut page = page::diagnosed(&diagnosed, Some(&drawn))?;
         page.section("What the mended model is worth: controllers on the true wire");
         page.paragraphs(Worth::INTRODUCTION);

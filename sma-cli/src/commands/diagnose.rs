@@ -227,15 +227,14 @@ fn with_time(
     let worst = has_converged
         .then(|| before_and_after(plain, &diagnosis, &rig))
         .transpose()?;
-    let drawn = worst.as_ref().map(|(recording, models)| Drawn {
-        diagnosis: &diagnosis,
-        recording,
-        name: diagnosed.label(recording.name()),
-        models,
+    let drawn = worst.as_ref().map(|(recording, models)| {
+        let name = diagnosed.label(recording.name());
+        Drawn::new(&diagnosis, (recording, name), models)
     });
     if let Some(drawn) = &drawn {
         if !args.no_plot {
-            text += &plot::what_is_left(drawn.name, drawn.recording, drawn.models);
+            let shown = &drawn.compared;
+            text += &plot::what_is_left(shown.name, shown.recording, shown.models);
         }
         if let Some(gallery) = &places.plots {
             gallery.hang(&figures(drawn))?;

@@ -12,12 +12,14 @@ use recording::Recording;
 
 use crate::commands::on_threads;
 use crate::earlier::Earlier;
+use crate::figure::Compared;
 use crate::memory::Memory;
 use crate::outcome::Outcome;
+use crate::page;
 use crate::provenance::provenance;
 use crate::recordings::{input_notes, is_trained_on, read_all};
 use crate::report::identified::Identified;
-use crate::report::plot;
+use crate::report::plot::{self, Left};
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
 
@@ -59,6 +61,9 @@ pub(crate) struct IdentifyArgs {
     /// Write the model to a file: for `sma simulate`, `sma tune`, and --from-model.
     #[arg(long, value_name = "FILE")]
     save_model: Option<PathBuf>,
+    /// Write the result as one HTML page with figures, to read and to mail.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// No picture of the recording that is met worst.
     #[arg(long)]
     no_plot: bool,
@@ -104,6 +109,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let inputs = args.inputs();
     let json = Sink::open_if(args.json.as_deref(), &inputs)?;
     let save_model = Sink::open_if(args.save_model.as_deref(), &inputs)?;
+    let report = Sink::open_if(args.report.as_deref(), &inputs)?;
     let rod = Rod::read(&args.rod)?;
     let training = read_all(&rod, &args.train)?;
     let unseen = read_all(&rod, &args.validate)?;
@@ -144,10 +150,26 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     notes.extend(input_notes(&training, &unseen));
     say(args.quiet, &notes)?;
     let mut text = identified.text();
-    if !args.no_plot {
+    if !args.no_plot || report.is_some() {
         let (recording, point) = met_worst(&fit, &training, &validated, &unseen);
         let name = identified.label(recording.name());
-        text += &plot::pictures(name, recording, &predict(&model, &point, recording)?);
+        let prediction = predict(&model, &point, recording)?;
+        if !args.no_plot {
+            text += &plot::pictures(name, recording, &prediction);
+        }
+        if let Some(sink) = report {
+            let worst = Compared {
+                recording,
+                name,
+                models: &[Left {
+                    model: "identified",
+                    prediction,
+                }],
+                spans_s: Vec::new(),
+            };
+            let made = provenance(fit.seed, &inputs)?;
+            sink.write(&page::identified(&identified, &worst)?.made_by(&made))?;
+        }
     }
     if let Some(sink) = save_model {
         let identification = Identification {

@@ -10,9 +10,9 @@ use blind_trial::{CaseLine, Family, Plan, Progress, RunConfig, Trial};
 use clap::Args;
 
 use crate::outcome::{Outcome, with_sources};
+use crate::page;
 use crate::provenance::call;
 use crate::report::trial::Tried;
-use crate::report::trial_page;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
 
@@ -23,7 +23,7 @@ use crate::terminal::{bar, say};
 /// which sees the files of a case alone; then the seals are opened.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
-    sma trial --cases 60 --out trial --html trial.html\n\n\
+    sma trial --cases 60 --out trial --report trial.html\n\n\
     What is in the folder is not run again: a trial may be stopped and started as one likes, spread over machines\n\
     (--shard 1/4 --out a, --shard 2/4 --out b, …), and put together (--merge a b --out whole --cases 0).\n\n\
     In the folder: seals.csv (published first), cases.jsonl (verdicts and opened answers), times.csv, runs.csv (a line a\n\
@@ -61,9 +61,9 @@ pub(crate) struct TrialArgs {
     /// Ask other methods as well: residual analysis, forward selection by BIC, a black box; three times as long.
     #[arg(long)]
     competitors: bool,
-    /// Write a page with the table, the matrix of names and the curves.
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    /// Write the result as one HTML page with the matrix of names and figures, to read and to mail.
+    #[arg(long, value_name = "FILE", alias = "html")]
+    report: Option<PathBuf>,
     /// Write the result as JSON to a file, or to stdout instead of the text if it is "-".
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -75,7 +75,7 @@ pub(crate) struct TrialArgs {
 /// Runs the command.
 pub(crate) fn run(args: &TrialArgs) -> anyhow::Result<Outcome> {
     let json = Sink::open_if(args.json.as_deref(), &[])?;
-    let html = Sink::open_if(args.html.as_deref(), &[])?;
+    let report = Sink::open_if(args.report.as_deref(), &[])?;
     let mut trial = Trial::open(&args.out, &args.seed)?;
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH)?.as_secs();
     trial.log(&format!(
@@ -97,8 +97,8 @@ pub(crate) fn run(args: &TrialArgs) -> anyhow::Result<Outcome> {
         n_cases: lines.len(),
         scores: Scores::of(&lines, &times_s),
     };
-    if let Some(html) = html {
-        html.write(&trial_page::page(&tried))?;
+    if let Some(report) = report {
+        report.write(&page::trial(&tried)?.made(&call(), &args.seed, &[]))?;
     }
     deliver(&tried.text(), &tried.json(), json)?;
     if n_failed > 0 {

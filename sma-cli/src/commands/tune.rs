@@ -15,6 +15,8 @@ use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, Recording
 
 use crate::commands::on_threads;
 use crate::outcome::Outcome;
+use crate::page;
+use crate::provenance::provenance;
 use crate::report::tuned::{Candidate, TunedReport};
 use crate::rig::{Rig, RigError};
 use crate::sink::{Sink, deliver};
@@ -114,6 +116,9 @@ pub(crate) struct TuneArgs {
     /// Write the result as JSON to a file, or to stdout instead of the text if it is "-".
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write the result as one HTML page with figures, to read and to mail.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Write the responses as CSV: to the step under each controller, then to the other references.
     #[arg(long, value_name = "FILE")]
     responses: Option<PathBuf>,
@@ -141,6 +146,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     inputs.extend(args.reference.iter().map(PathBuf::as_path));
     let json = Sink::open_if(args.json.as_deref(), &inputs)?;
     let responses = Sink::open_if(args.responses.as_deref(), &inputs)?;
+    let html = Sink::open_if(args.report.as_deref(), &inputs)?;
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let rig = Rig::of(&saved, &model, args.drive_max)?;
@@ -236,6 +242,10 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     say(args.quiet, &report.notes())?;
     if let Some(sink) = responses {
         sink.write(&report.responses())?;
+    }
+    if let Some(sink) = html {
+        let made = provenance(args.seed, &inputs)?;
+        sink.write(&page::tuned(&report)?.made_by(&made))?;
     }
     deliver(&report.text(), &report.json(), json)?;
     Ok(Outcome::Done)

@@ -1,7 +1,9 @@
 //! Figures as files: SVG for people and papers, and what is drawn as CSV.
 
+mod compared;
 mod diagnosed;
 mod svg;
+mod tracks;
 
 use std::fmt::Write;
 use std::fs::create_dir;
@@ -9,8 +11,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+pub(crate) use compared::Compared;
 pub(crate) use diagnosed::{Drawn, figures};
 pub(crate) use svg::inline;
+pub(crate) use tracks::tracks;
 
 use crate::sink::Sink;
 

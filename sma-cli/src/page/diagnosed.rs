@@ -17,10 +17,7 @@ pub(crate) fn diagnosed(
     drawn: Option<&Drawn<'_>>,
 ) -> anyhow::Result<Page> {
     let diagnosis = diagnosed.diagnosis;
-    let said = verdict(diagnosis);
-    let (first, others) = said.split_once('\n').unwrap_or((&said, ""));
-    let mut page = Page::new("Diagnosis of an SMA actuator", first);
-    page.paragraphs(others);
+    let mut page = Page::new("Diagnosis of an SMA actuator", &verdict(diagnosis));
     if let Some(drawn) = drawn {
         let figures = figures(drawn);
         let (over_time, errors) = figures.split_at(figures.len() - 1);
@@ -30,7 +27,7 @@ pub(crate) fn diagnosed(
         }
         page.table(&diagnosed.ladder());
         page.section("What was recorded, and what the models say");
-        page.line("<p class=\"soft\">Move over a figure to read values; drag to enlarge, double-click to return.</p>");
+        page.how_to_read();
         for figure in over_time {
             page.figure(figure)?;
         }
@@ -96,17 +93,26 @@ fn blocks(mismatch: &Mismatch, findings: &[Finding]) -> String {
         } else {
             ""
         };
+        let added = findings.iter().map(|finding| finding.effect.info());
+        let added = added.filter(|info| info.block == block);
         format!(
-            "<li{class}><b>{}</b><small>{does}</small><small>{}</small></li>",
+            "<li{class}><b>{}</b><small>{does}</small><small>{}</small>{}</li>",
             block_name(block),
-            spoken_percent(probability(block))
+            spoken_percent(probability(block)),
+            added
+                .map(|info| equation(info.equation))
+                .collect::<String>()
         )
     });
     format!(
         "<ol class=\"blocks\">{}</ol>\n<p class=\"soft\">The model from drive to sensor; the block that something is missing from is \
-         marked. Percentages: how likely the mismatch arises there.</p>",
+         marked, with what is added to it. Percentages: how likely the mismatch arises there.</p>",
         items.concat()
     )
+}
+
+fn equation(text: &str) -> String {
+    format!("<code>{}</code>", escaped(text))
 }
 
 fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) {
@@ -121,7 +127,12 @@ fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) 
 fn what_they_do(findings: &[Finding]) -> String {
     let items = findings.iter().map(|finding| {
         let name = finding.effect.info().name;
-        format!("<li>{}: {}</li>", escaped(name), escaped(what(finding)))
+        let equation = equation(finding.effect.info().equation);
+        format!(
+            "<li>{}: {} {equation}</li>",
+            escaped(name),
+            escaped(what(finding))
+        )
     });
     format!("<ul>{}</ul>", items.collect::<String>())
 }

@@ -1,13 +1,19 @@
 //! Pages: one HTML file each, that needs no network and no script.
 
 mod diagnosed;
+mod identified;
+mod trial;
+mod tuned;
 
 use std::fmt::Write;
 
 use comfy_table::Table;
-use identify::Provenance;
+use identify::{InputFile, Provenance};
 
 pub(crate) use diagnosed::diagnosed;
+pub(crate) use identified::identified;
+pub(crate) use trial::trial;
+pub(crate) use tuned::tuned;
 
 use crate::figure::{Figure, inline};
 use crate::report::table::table;
@@ -23,8 +29,9 @@ pub(crate) struct Page {
 }
 
 impl Page {
-    /// With a title for the browser, and the first thing to read.
-    pub(crate) fn new(title: &str, heading: &str) -> Self {
+    /// With a title for the browser, and what to read first: its first line is the heading.
+    pub(crate) fn new(title: &str, said: &str) -> Self {
+        let (heading, others) = said.split_once('\n').unwrap_or((said, ""));
         let text = format!(
             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n\
@@ -32,7 +39,9 @@ impl Page {
             escaped(title),
             escaped(heading)
         );
-        Self { text, n_figures: 0 }
+        let mut page = Self { text, n_figures: 0 };
+        page.paragraphs(others);
+        page
     }
 
     /// A heading.
@@ -45,6 +54,11 @@ impl Page {
         for line in text.lines().filter(|line| !line.trim().is_empty()) {
             self.line(&format!("<p>{}</p>", escaped(line)));
         }
+    }
+
+    /// What can be done with figures.
+    pub(crate) fn how_to_read(&mut self) {
+        self.line("<p class=\"soft\">Move over a figure to read values; drag to enlarge, double-click to return.</p>");
     }
 
     /// What needs its own markup.
@@ -98,20 +112,26 @@ impl Page {
     }
 
     /// How it was made, and the end.
-    pub(crate) fn made_by(mut self, made: &Provenance) -> String {
+    pub(crate) fn made_by(self, made: &Provenance) -> String {
+        self.made(&made.command, &made.seed.to_string(), &made.input)
+    }
+
+    /// The same of a call whose seed is any text.
+    pub(crate) fn made(mut self, command: &str, seed: &str, inputs: &[InputFile]) -> String {
         self.section("How this was made");
         self.line(&format!(
-            "<pre>{}</pre>\n<p class=\"soft\">sma {}, seed {}. The same inputs and the same seed give the same result. \
-             Inputs:</p>",
-            escaped(&made.command),
-            escaped(&made.version),
-            made.seed
+            "<pre>{}</pre>\n<p class=\"soft\">sma {}, seed {}. The same inputs and the same seed give the same result.</p>",
+            escaped(command),
+            env!("CARGO_PKG_VERSION"),
+            escaped(seed)
         ));
-        let mut inputs = table(["file", "SHA-256"]);
-        for input in &made.input {
-            inputs.add_row([&input.file, &input.sha256]);
+        let mut files = table(["input", "SHA-256"]);
+        for input in inputs {
+            files.add_row([&input.file, &input.sha256]);
         }
-        self.table(&inputs);
+        if !inputs.is_empty() {
+            self.table(&files);
+        }
         if self.n_figures > 0 {
             self.line(&format!("<script>\n{CURSOR}</script>"));
         }

@@ -73,7 +73,7 @@ impl Identified<'_> {
         unpadded(&text)
     }
 
-    fn verdict(&self) -> String {
+    pub(crate) fn verdict(&self) -> String {
         let (fit, unit) = (self.fit, self.unit());
         let mut text = self.warnings();
         let _ = write!(
@@ -190,7 +190,7 @@ impl Identified<'_> {
         }
     }
 
-    fn parameters(&self) -> Table {
+    pub(crate) fn parameters(&self) -> Table {
         let mut table = table(["parameter", "value", "95 % interval", "unit", ""]);
         for parameter in self.fit.parameters.iter().filter(|one| !is_rest(one)) {
             for (r, value) in parameter.values.iter().enumerate() {
@@ -228,7 +228,7 @@ impl Identified<'_> {
         label(name, names)
     }
 
-    fn recordings(&self) -> Table {
+    pub(crate) fn recordings(&self) -> Table {
         let rmse = format!("RMSE{}", self.unit());
         let mut table = table(["recording", "role", "samples", &rmse, "of range", ""]);
         for one in &self.fit.recordings {

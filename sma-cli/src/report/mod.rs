@@ -10,6 +10,5 @@ pub(crate) mod plot;
 pub(crate) mod static_diagnosed;
 pub(crate) mod table;
 pub(crate) mod trial;
-pub(crate) mod trial_page;
 pub(crate) mod tuned;
 pub(crate) mod verdict;

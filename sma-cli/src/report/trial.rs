@@ -2,6 +2,7 @@
 
 use blind_trial::Proportion;
 use blind_trial::scores::{Figure, Score, Scores, VISIBLE_T};
+use comfy_table::Table;
 use serde_json::{Value, json};
 
 use super::table::{folding, right, table, unpadded};
@@ -15,7 +16,8 @@ pub(crate) struct Tried<'a> {
 }
 
 impl Tried<'_> {
-    pub(crate) fn text(&self) -> String {
+    /// Quantities and their targets.
+    pub(crate) fn table(&self) -> Table {
         let mut scores = table(["quantity", "figure", "target", ""]);
         for score in &self.scores.table {
             scores.add_row(vec![
@@ -25,6 +27,10 @@ impl Tried<'_> {
                 mark(score).to_owned(),
             ]);
         }
+        scores
+    }
+
+    pub(crate) fn text(&self) -> String {
         let mut power = table(["oracle score from", "in the stated set", "top-1"]);
         for bin in &self.scores.power.bins {
             power.add_row(vec![
@@ -33,18 +39,22 @@ impl Tried<'_> {
                 right(bin.top.to_string()),
             ]);
         }
-        unpadded(&format!(
-            "{}\n\n{scores}\n\nSingle effects, over how visible they were:\n\n{power}\n{}",
+        let mut text = format!(
+            "{}\n\n{}\n\nSingle effects, over how visible they were:\n\n{power}\n",
             self.head(),
-            self.others()
-        ))
+            self.table()
+        );
+        if let Some(others) = self.others() {
+            text += &format!("\nOther methods on the same files:\n\n{others}\n");
+        }
+        unpadded(&text)
     }
 
-    /// Other methods on the same files; empty if none was asked.
-    fn others(&self) -> String {
+    /// Other methods on the same files, if any was asked.
+    pub(crate) fn others(&self) -> Option<Table> {
         let methods = &self.scores.others.methods;
         if methods.is_empty() {
-            return String::new();
+            return None;
         }
         let mut others = folding([
             "method",
@@ -63,7 +73,7 @@ impl Tried<'_> {
                 or_nothing(method.explained.map(|figure| figure.to_string())),
             ]);
         }
-        format!("\nOther methods on the same files:\n\n{others}\n")
+        Some(others)
     }
 
     /// The first sentence.
@@ -115,7 +125,7 @@ impl Tried<'_> {
 }
 
 /// Whether a target is met.
-pub(crate) fn mark(score: &Score) -> &'static str {
+fn mark(score: &Score) -> &'static str {
     match score.holds() {
         Some(true) => "met",
         Some(false) => "not met",

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use comfy_table::Cell;
+use comfy_table::{Cell, Table};
 use pid_tune::{
     Agreement, BoundEnd, CostWeights, FrontPoint, LoopAnalysis, Oscillation, Outcome, Percentiles,
     PidGains, PidParams, Robustness, SecondOpinion, Sensitivity, Source, StartFrom, Terms, Tuned,
@@ -76,21 +76,22 @@ impl TunedReport<'_> {
     /// For people: the verdict first, then the tables.
     pub(crate) fn text(&self) -> String {
         let mut text = self.verdict();
+        let front = self.front_table().map(|table| table.to_string());
         for part in [
             self.terms_table().to_string(),
-            self.cycles_text(),
+            format!("{}{}", self.cycles_table(), self.margins()),
             self.tracks_table().to_string(),
-            self.robust_text(),
-            self.front_text(),
-        ] {
-            if !part.is_empty() {
-                let _ = write!(text, "\n{part}\n");
-            }
+            self.robust_table().to_string(),
+        ]
+        .into_iter()
+        .chain(front)
+        {
+            let _ = write!(text, "\n{part}\n");
         }
         unpadded(&text)
     }
 
-    fn verdict(&self) -> String {
+    pub(crate) fn verdict(&self) -> String {
         let found = &self.found;
         let units = self.gain_units();
         let gains: Vec<String> = gains(&found.gains)
@@ -200,7 +201,7 @@ impl TunedReport<'_> {
     }
 
     /// Terms of eq. 13, raw and weighted, a column a controller.
-    fn terms_table(&self) -> comfy_table::Table {
+    pub(crate) fn terms_table(&self) -> Table {
         let mut header = vec!["", "unit"];
         header.extend(self.candidates.iter().map(|one| one.name));
         let mut table = table(header);
@@ -246,7 +247,7 @@ impl TunedReport<'_> {
     }
 
     /// What was foreseen of limit cycles and what simulation says.
-    fn cycles_text(&self) -> String {
+    pub(crate) fn cycles_table(&self) -> Table {
         let unit = &self.rig.output_unit;
         let mut table = table([
             "limit cycles",
@@ -285,7 +286,12 @@ impl TunedReport<'_> {
                 ]);
             }
         }
-        let mut text = table.to_string();
+        table
+    }
+
+    /// How near to instability the plain part is, a line each after an empty one.
+    pub(crate) fn margins(&self) -> String {
+        let mut text = String::new();
         for (name, analysis) in ["paper", "tuned"].iter().zip(&self.analyses) {
             if let Some(margins) = analysis.margins {
                 let said = if margins.stable {
@@ -312,7 +318,7 @@ impl TunedReport<'_> {
         text
     }
 
-    fn tracks_table(&self) -> comfy_table::Table {
+    pub(crate) fn tracks_table(&self) -> Table {
         let rmse = format!("RMSE ({})", self.rig.output_unit);
         let error = format!("steady error ({})", self.rig.output_unit);
         let mut table = table(["simulated", "controller", &rmse, &error, "saturated", ""]);
@@ -335,7 +341,7 @@ impl TunedReport<'_> {
         table
     }
 
-    fn robust_text(&self) -> String {
+    pub(crate) fn robust_table(&self) -> Table {
         let mut table = table([
             "what the tuned gains stand",
             "rise time (s)",
@@ -372,12 +378,13 @@ impl TunedReport<'_> {
                 pair(|step| step.overshoot, percent),
             ]);
         }
-        table.to_string()
+        table
     }
 
-    fn front_text(&self) -> String {
+    /// Some controllers of the front, if it was asked for.
+    pub(crate) fn front_table(&self) -> Option<Table> {
         if self.front.is_empty() {
-            return String::new();
+            return None;
         }
         let mse = format!("MSE ({}²)", self.rig.output_unit);
         let energy = format!("energy ({}² s)", self.rig.drive_unit);
@@ -396,7 +403,7 @@ impl TunedReport<'_> {
                     .collect::<Vec<_>>(),
             );
         }
-        table.to_string()
+        Some(table)
     }
 
     /// What else is worth knowing, a line each.

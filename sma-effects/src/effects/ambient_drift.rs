@@ -37,6 +37,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::RunLength],
     parameters: PARAMETERS,
+    equation: "T_a(t) = T_a + v(t),  v smooth through four values",
     sentence: "the surroundings drift by up to {value} during the run",
 };
 

@@ -36,6 +36,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::CornersAtReversals,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "z = y - w u,  du/d|y| = min(1, (1 - u)/q)/w,  -1 ≤ u ≤ 1",
     sentence: "after each reversal the output lags by {value}, and catches up over {partner}",
 };
 

@@ -33,6 +33,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "P(t) = P_drive(t - D)",
     sentence: "the drive reaches the rod {value} late",
 };
 

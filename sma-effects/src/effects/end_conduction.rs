@@ -44,6 +44,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "C ∂T/∂t = P - hA (T - T_a) + k S ∂²T/∂x²,  cold at both clamps",
     sentence: "{value} of the length cools toward the clamps, through contacts that resist like {partner} of a cooling length",
 };
 

@@ -30,6 +30,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "y' = y - b gain max(0, u - u_s),  u the place in the stroke",
     sentence: "a stop at {partner} of the stroke holds back {value} of what lies beyond",
 };
 

@@ -31,6 +31,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "ξ = loop(T - a s),  u' = u (1 - b s),  s = ln((1 + n)/(1 + n_0)),  n cycles so far",
     sentence: "the loop and its stroke drift with the number of cycles, by {value} for each factor of 2.7",
 };
 

@@ -28,6 +28,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::MassPerMeter],
     parameters: PARAMETERS,
+    equation: "m C_p dT/dt = … - m ΔH dξ/dt",
     sentence: "the rod takes up {value} while transforming, and gives it back on cooling",
 };
 

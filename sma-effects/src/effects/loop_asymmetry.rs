@@ -25,6 +25,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "h_0 → h_0 (1 - a) on heating, h_0 (1 + a) on cooling",
     sentence: "the transformation is spread {value} wider on cooling, and as much narrower on heating, than assumed",
 };
 

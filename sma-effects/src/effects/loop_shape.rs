@@ -36,6 +36,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "ξ' = ξ + c_1 φ_1(ξ) + c_2 φ_2(ξ) + c_3 φ_3(ξ)",
     sentence: "the loop's curves are bent by up to {value} of their slope",
 };
 

@@ -36,6 +36,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "loss = hA (T - T_a) (|T - T_a|/50 K)^n",
     sentence: "heat loss grows faster than the temperature, with an extra exponent of {value}",
 };
 

@@ -27,6 +27,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "θ dy'/dt + y' = y",
     sentence: "the output follows the rod with a time constant of {value}",
 };
 

@@ -32,6 +32,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::ElectricalDrive],
     parameters: PARAMETERS,
+    equation: "R = R_0 (1 + ρ (ξ - ½))",
     sentence: "the rod's resistance changes by {value} of its value while transforming",
 };
 

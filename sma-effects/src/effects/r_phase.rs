@@ -40,6 +40,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "y = gain ξ (1 - r (1 - ρ(T))),  ρ rises from 0 to 1 where the R-phase forms",
     sentence: "on cooling, {value} of the stroke is given back early, {partner} above the main transformation",
 };
 

@@ -31,6 +31,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::AbsoluteTemperature, Need::SurfacePerMeter],
     parameters: PARAMETERS,
+    equation: "m C_p dT/dt = … - ε σ A (T⁴ - T_a⁴),  absolute temperatures",
     sentence: "the rod radiates with an emissivity of {value}",
 };
 

@@ -28,6 +28,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "ξ = (1 - w) ξ_rule + w ξ_other,  last reversal or all that enclose the loop",
     sentence: "{value} of the rod remembers inner reversals by another rule than assumed",
 };
 

@@ -39,6 +39,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::RunLength],
     parameters: PARAMETERS,
+    equation: "y' = y + |gain| v(t),  v smooth through four values",
     sentence: "the sensor's zero drifts by up to {value} during the run",
 };
 

@@ -36,6 +36,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "y' = y + gain u (1 - u)(4 c_2 + 6√3 c_3 (1 - 2u)),  u the place in the stroke",
     sentence: "the displacement sensor is off by up to {value}",
 };
 

@@ -28,6 +28,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::Load],
     parameters: PARAMETERS,
+    equation: "ξ = loop(T - s ξ̄),  s = Δσ/C  (Clausius–Clapeyron)",
     sentence: "the load raises the transformation temperatures by {value} over a full stroke",
 };
 

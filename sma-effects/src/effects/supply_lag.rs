@@ -37,6 +37,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
+    equation: "θ da/dt + a = a_drive,  a the amplitude, or the power of a duty",
     sentence: "the supply follows the drive with a time constant of {value}",
 };
 

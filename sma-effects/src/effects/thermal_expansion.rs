@@ -27,6 +27,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::Length],
     parameters: PARAMETERS,
+    equation: "y' = y - α L (0.6 + 0.4 ξ)(T - T_ref)",
     sentence: "the rod expands by {value} of its length, against the stroke",
 };
 
