@@ -5,6 +5,7 @@ use truth_plant::{
     TruthPlant,
 };
 
+use crate::Like;
 use crate::answer::{Answer, Concealed, hex, seal};
 use crate::chance::Chance;
 use crate::family::{OUTSIDE, named};
@@ -55,6 +56,16 @@ impl Case {
     /// Rig, drive, noise, what is known, what is concealed and its size are drawn each from a stream of their own.
     #[must_use]
     pub fn drawn(seed: &str, id: CaseId) -> Self {
+        Self::around(None, seed, id)
+    }
+
+    /// The case of a trial around a user's own rig and drive: both recordings are of that drive.
+    #[must_use]
+    pub fn like(like: &Like, seed: &str, id: CaseId) -> Self {
+        Self::around(Some(like), seed, id)
+    }
+
+    pub(crate) fn around(like: Option<&Like>, seed: &str, id: CaseId) -> Self {
         let chance = Chance { seed, case: id };
         let draw = Draw::new(chance.seed("rig"));
         let mut random = chance.of("kinds");
@@ -66,15 +77,25 @@ impl Case {
         ][random.random_range(0..4)];
         let shapes = [0, 1].map(|_| Shape::ALL[random.random_range(0..Shape::ALL.len())]);
         let mut plain = draw.plant(loop_of(id), drive);
+        if let Some(like) = like {
+            plain = like.made_of(plain);
+        }
         plain.bias_spring = Some(spring(&plain, draw.size()));
         // A drive each, of one rig.
-        let mut drives = [
-            draw.drive(shapes[0], &plain, SAMPLES[0]),
-            Draw::new(chance.seed("unseen")).drive(shapes[1], &plain, SAMPLES[1]),
-        ];
+        let mut drives = match like {
+            Some(like) => [like.profile.clone(), like.profile.clone()],
+            None => [
+                draw.drive(shapes[0], &plain, SAMPLES[0]),
+                Draw::new(chance.seed("unseen")).drive(shapes[1], &plain, SAMPLES[1]),
+            ],
+        };
         drives.iter_mut().for_each(as_logged);
         let noise = noise_of(id, &mut chance.of("noise"));
         make_noise(noise, id, &draw, &mut plain);
+        let own_m = like.and_then(|like| like.noise_m(&plain));
+        if let (Some(deviation), Some(noise)) = (own_m, plain.displacement_noise.as_mut()) {
+            noise.deviation = deviation;
+        }
         let run_s = drives[0].dt_s * drives[0].drive.len() as f64;
         let mut concealed = concealed(id, &mut chance.of("concealed"));
         for (addition, size) in &mut concealed {
@@ -100,7 +121,7 @@ impl Case {
         });
         Self {
             id,
-            known: Known::drawn(&chance),
+            known: like.map_or_else(|| Known::drawn(&chance), |like| like.known),
             without: without.collect(),
             answer: Answer {
                 concealed: concealed

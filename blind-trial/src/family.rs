@@ -181,6 +181,12 @@ impl Plan {
         })
     }
 
+    /// Every effect that a catalogue knows, alone, at its usual size, half and twice that.
+    #[must_use]
+    pub fn singles() -> Self {
+        Self::with(&[Family::Single], |_| 3 * N_NAMED)
+    }
+
     fn with(families: &[Family], count: impl Fn(Family) -> u64) -> Self {
         let cases = chosen(families)
             .flat_map(|family| (0..count(family)).map(move |number| CaseId { family, number }));

@@ -11,12 +11,14 @@ use crate::chance::Chance;
 /// | --- | --- |
 /// | temperature of the rod | 3 in 10 |
 /// | temperature of the surroundings, as a column | 3 in 10 |
+/// | diameter and length | all |
 /// | the spring | 1 in 2 |
 /// | the lever | 8 in 10 |
 /// | specific heat: exactly, as a range, not at all | 6, 3, 1 in 10 |
 /// | resistance | 9 in 10 |
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Known {
+    pub(crate) dimensions: bool,
     pub(crate) temperature: bool,
     pub(crate) ambient: bool,
     pub(crate) spring: bool,
@@ -38,6 +40,7 @@ impl Known {
         let mut random = chance.of("known");
         let mut is = |share: f64| random.random::<f64>() < share;
         Self {
+            dimensions: true,
             temperature: is(0.3),
             ambient: is(0.3),
             spring: is(0.5),
@@ -53,7 +56,7 @@ impl Known {
 
     /// Whether sizes are in their true units.
     pub(crate) fn has_scale(&self) -> bool {
-        self.resistance && self.specific_heat == SpecificHeat::Exactly
+        self.dimensions && self.resistance && self.specific_heat == SpecificHeat::Exactly
     }
 
     /// The rod file of a rig whose drive goes to `largest_drive`.
@@ -65,9 +68,11 @@ impl Known {
             let _ = writeln!(text, "{text_of_line}");
         };
         line("[rod]".to_owned());
-        line(format!("diameter_mm = {:.5}", 1e3 * rod.diameter_m));
-        line(format!("length_mm = {:.4}", 1e3 * rod.length_m));
-        line(format!("density_kg_per_m3 = {:.3}", rod.density_kg_per_m3));
+        if self.dimensions {
+            line(format!("diameter_mm = {:.5}", 1e3 * rod.diameter_m));
+            line(format!("length_mm = {:.4}", 1e3 * rod.length_m));
+            line(format!("density_kg_per_m3 = {:.3}", rod.density_kg_per_m3));
+        }
         let heat = rod.specific_heat_j_per_kg_k;
         match self.specific_heat {
             SpecificHeat::Exactly => line(format!("specific_heat_j_per_kg_k = {heat:.4}")),

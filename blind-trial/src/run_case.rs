@@ -13,7 +13,7 @@ use crate::competitors::compete;
 use crate::folder::Folder;
 use crate::oracle::{Eye, Left};
 use crate::verdict::{Opened, Verdict};
-use crate::{CaseId, Family, Oracle, TrialError};
+use crate::{Family, Oracle, TrialError};
 
 /// Millimeters of a meter.
 const MM_PER_M: f64 = 1e3;
@@ -32,21 +32,16 @@ pub struct Ran {
 /// # Errors
 ///
 /// [`TrialError`] with the case.
-pub fn run_case(
-    seed: &str,
-    id: CaseId,
-    folder: &Path,
-    asks_others: bool,
-) -> Result<Ran, TrialError> {
-    let case = Case::drawn(seed, id);
+pub fn run_case(case: &Case, folder: &Path, asks_others: bool) -> Result<Ran, TrialError> {
+    let id = case.id;
     let recorded = case.record()?;
-    let folder = Folder::write(folder, &case, &recorded)?;
+    let folder = Folder::write(folder, case, &recorded)?;
     let files = Opened::read(&folder)?;
     let begun = Instant::now();
     let whole = files.diagnosed(EffectSet::all())?;
     let diagnosis_s = begun.elapsed().as_secs_f64();
     let (struck, diagnosis) = match id.family {
-        Family::Deleted => struck(&case, &files, whole)?,
+        Family::Deleted => struck(case, &files, whole)?,
         _ => (Vec::new(), whole),
     };
     let verdict = Verdict::from(&diagnosis);
@@ -56,7 +51,7 @@ pub fn run_case(
         .then(|| compete(id, &files, &diagnosis))
         .transpose()?;
     let opened = Judge {
-        case: &case,
+        case,
         recorded: &recorded,
         folder: &folder,
         files: &files,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Case, CaseId, CaseLine, Journal, Plan, Ran, TrialError, in_order, run_case};
+use crate::{Case, CaseId, CaseLine, Journal, Like, Plan, Ran, TrialError, in_order, run_case};
 
 /// Which trial a folder holds.
 const TRIAL: &str = "trial.json";
@@ -27,6 +27,7 @@ const KEPT: &str = "cases";
 pub struct Trial {
     folder: PathBuf,
     head: Head,
+    like: Option<Like>,
     journal: Journal<CaseLine>,
 }
 
@@ -36,6 +37,9 @@ pub struct Trial {
 struct Head {
     seed: String,
     version: String,
+    /// Digest of the rig around which the cases are drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    like: Option<String>,
 }
 
 /// How a trial is run.
@@ -61,17 +65,18 @@ pub struct Progress<'a> {
 }
 
 impl Trial {
-    /// Opens the folder of a trial, or makes it.
+    /// Opens the folder of a trial, or makes it; its cases are drawn around a user's own rig, or as the published ones.
     ///
     /// # Errors
     ///
-    /// [`TrialError::OtherTrial`] if the folder holds one of another seed or of another version of the program, and what
-    /// [`Journal::open`] refuses.
-    pub fn open(folder: &Path, seed: &str) -> Result<Self, TrialError> {
+    /// [`TrialError::OtherTrial`] if the folder holds one of another seed or rig or of another version of the program,
+    /// and what [`Journal::open`] refuses.
+    pub fn open(folder: &Path, seed: &str, like: Option<Like>) -> Result<Self, TrialError> {
         fs::create_dir_all(folder).map_err(|source| TrialError::file(folder, source))?;
         let head = Head {
             seed: seed.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            like: like.as_ref().map(Like::digest),
         };
         let path = folder.join(TRIAL);
         match fs::read_to_string(&path) {
@@ -81,6 +86,7 @@ impl Trial {
         Ok(Self {
             folder: folder.to_owned(),
             head,
+            like,
             journal: Journal::open(&folder.join(CASES))?,
         })
     }
@@ -107,13 +113,14 @@ impl Trial {
             .collect();
         let of = plan.cases().len();
         let (mut done, mut n_failed, mut broken) = (of - missing.len(), 0, None);
-        let (folder, seed) = (self.folder.clone(), self.head.seed.clone());
+        let folder = self.folder.clone();
+        let cases: Vec<Case> = missing.iter().map(|&id| self.case(id)).collect();
         in_order(
-            &missing,
+            &cases,
             config.jobs,
-            |&id| {
+            |case| {
                 let kept_in = config.keep_files.then_some(&folder);
-                sound(&seed, id, kept_in, config.asks_others)
+                sound(case, kept_in, config.asks_others)
             },
             |ran| {
                 done += 1;
@@ -151,7 +158,7 @@ impl Trial {
     ///
     /// As [`Trial::open`].
     pub fn merge(&mut self, folder: &Path) -> Result<(), TrialError> {
-        let other = Self::open(folder, &self.head.seed)?;
+        let other = Self::open(folder, &self.head.seed, self.like.clone())?;
         for name in [SEALS, TIMES] {
             let mut rows = self.rows(name)?;
             rows.extend(other.rows(name)?);
@@ -206,12 +213,16 @@ impl Trial {
         self.journal.append(ran.line)
     }
 
+    fn case(&self, id: CaseId) -> Case {
+        Case::around(self.like.as_ref(), &self.head.seed, id)
+    }
+
     /// Writes the seals of a plan, beside those that are there.
     fn publish(&self, plan: &Plan) -> Result<(), TrialError> {
         let mut rows = self.rows(SEALS)?;
         for &id in plan.cases() {
             rows.entry(id.to_string())
-                .or_insert_with(|| Case::drawn(&self.head.seed, id).seal());
+                .or_insert_with(|| self.case(id).seal());
         }
         self.write_rows(SEALS, &rows)
     }
@@ -250,39 +261,37 @@ impl Head {
             line: 1,
             source,
         })?;
+        let rig = |like: &Option<String>| like.clone().unwrap_or_else(|| "drawn".to_owned());
         let pairs = [
-            ("seed", found.seed, &self.seed),
-            ("version", found.version, &self.version),
+            ("seed", found.seed, self.seed.clone()),
+            ("version", found.version, self.version.clone()),
+            ("rig", rig(&found.like), rig(&self.like)),
         ];
-        match pairs.into_iter().find(|(_, found, own)| found != *own) {
+        match pairs.into_iter().find(|(_, found, own)| found != own) {
             None => Ok(()),
             Some((what, found, expected)) => Err(TrialError::OtherTrial {
                 path: path.to_owned(),
                 what,
                 found,
-                expected: expected.clone(),
+                expected,
             }),
         }
     }
 }
 
 /// Runs a case in a folder of its own; a fault of the program in one leaves the others alone.
-fn sound(
-    seed: &str,
-    id: CaseId,
-    kept_in: Option<&PathBuf>,
-    asks_others: bool,
-) -> Result<Ran, TrialError> {
+fn sound(case: &Case, kept_in: Option<&PathBuf>, asks_others: bool) -> Result<Ran, TrialError> {
+    let id = case.id;
     let run = || match kept_in {
         Some(folder) => {
             let folder = folder.join(KEPT).join(id.to_string());
             fs::create_dir_all(&folder).map_err(|source| TrialError::file(&folder, source))?;
-            run_case(seed, id, &folder, asks_others)
+            run_case(case, &folder, asks_others)
         }
         None => {
             let folder = tempfile::tempdir()
                 .map_err(|source| TrialError::file(&std::env::temp_dir(), source))?;
-            run_case(seed, id, folder.path(), asks_others)
+            run_case(case, folder.path(), asks_others)
         }
     };
     catch_unwind(run).unwrap_or(Err(TrialError::Panicked { case: id }))

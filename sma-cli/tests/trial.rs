@@ -119,3 +119,29 @@ fn bad_calls_say_what_would_be_accepted() {
         assert!(message.contains(expected), "{message}");
     }
 }
+
+#[test]
+fn cases_are_drawn_around_a_rig_of_one_s_own() {
+    let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("bundled");
+    let file = |name: &str| bundled.join(name).display().to_string();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("mine").display().to_string();
+    let (rod, drive) = (file("rod.toml"), file("train.csv"));
+    let like = ["--like", &rod, "--drive", &drive, "--out", &out];
+    let two = ["--family", "single", "--cases", "2", "--json", "-"];
+    let ran = sma(&[&like[..], &two].concat());
+    assert_eq!(ran.status.code(), Some(0), "{}", String::from_utf8_lossy(&ran.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&ran.stdout).unwrap();
+    let reach = json["reach"].as_array().unwrap();
+    assert_eq!(reach.len(), 2);
+    assert!(reach.iter().all(|row| row["sizes"][0]["size"] == 1.0));
+    let counted = sma(&[&like[..], &["--cases", "0"]].concat());
+    let said = String::from_utf8(counted.stdout).unwrap();
+    assert!(said.starts_with("Of 2 effects of their usual size this experiment would name "), "{said}");
+    // The folder is of this rig.
+    let other = sma(&["--out", &out, "--cases", "0"]);
+    let said = String::from_utf8(other.stderr).unwrap();
+    assert!(said.contains("rig"), "{said}");
+    let alone = sma(&["--like", &rod, "--out", &out]);
+    assert_eq!(alone.status.code(), Some(2), "a rig without a drive");
+}

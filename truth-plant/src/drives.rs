@@ -101,6 +101,23 @@ fn largest_drive(plant: &TruthPlant) -> f64 {
     }
 }
 
+impl TruthPlant {
+    /// The plant with a convective coefficient at which this drive, in the unit of its kind, just completes the plain
+    /// rod's transformation, with a margin of a fifth in power.
+    #[must_use]
+    pub fn completed_by(mut self, drive: f64) -> Self {
+        let ohm = rod_ohm(&self);
+        let power_w = match self.drive {
+            DriveKind::Current => drive * drive * ohm,
+            DriveKind::Voltage => drive * drive / ohm,
+            DriveKind::Duty { supply_v } => drive * supply_v * supply_v / ohm,
+            DriveKind::Power => drive,
+        };
+        self.convective_coefficient_w_per_m2_k *= power_w / hot_power_w(&self);
+        self
+    }
+}
+
 /// Level that holds the plain rod at a temperature.
 fn level_of(plant: &TruthPlant, temperature_degc: f64) -> f64 {
     let share = holding_power_w(plant, temperature_degc) / hot_power_w(plant);

@@ -5,6 +5,7 @@ mod confusion;
 mod figure;
 mod others;
 mod power;
+mod reach;
 mod table;
 mod view;
 
@@ -13,6 +14,7 @@ pub use confusion::Confusion;
 pub use figure::{Figure, Score, Target};
 pub use others::{Method, Others};
 pub use power::{Power, PowerBin};
+pub use reach::{Became, Reach, Reached};
 pub use table::table;
 pub use view::VISIBLE_T;
 
@@ -25,6 +27,8 @@ pub struct Scores {
     pub table: Vec<Score>,
     /// How often an effect is named, over how visible it was.
     pub power: Power,
+    /// What became of each single effect.
+    pub reach: Reach,
     /// Which name each concealed effect was given.
     pub confusion: Confusion,
     /// How often names of a stated probability are right.
@@ -41,6 +45,7 @@ impl Scores {
         Self {
             table: table(lines, &calibration, times_alone_s),
             power: Power::of(lines),
+            reach: Reach::of(lines),
             confusion: Confusion::of(lines),
             others: Others::of(lines),
             calibration,

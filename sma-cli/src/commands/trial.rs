@@ -6,8 +6,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::bail;
 use blind_trial::scores::Scores;
-use blind_trial::{CaseLine, Family, Plan, Progress, RunConfig, Trial};
+use blind_trial::{CaseLine, Family, Like, Plan, Progress, RunConfig, Trial};
 use clap::Args;
+use identify::Rod;
+use recording::{RecordingError, read_csv, read_drive_csv};
 
 use crate::outcome::{Outcome, with_sources};
 use crate::page;
@@ -15,6 +17,9 @@ use crate::provenance::call;
 use crate::report::trial::Tried;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
+
+/// Cases of a trial, where their number is not given.
+const CASES: u64 = 60;
 
 /// Try the diagnosis on cases whose answer is concealed from it, and count how often it is right.
 ///
@@ -24,6 +29,8 @@ use crate::terminal::{bar, say};
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma trial --cases 60 --out trial --report trial.html\n\n\
+    Before you measure: which effects could an experiment of yours reveal? A drive as CSV, and what you know of the rig:\n  \
+    sma trial --like rod.toml --drive my-drive.csv --out mine\n\n\
     What is in the folder is not run again: a trial may be stopped and started as one likes, spread over machines\n\
     (--shard 1/4 --out a, --shard 2/4 --out b, …), and put together (--merge a b --out whole --cases 0).\n\n\
     In the folder: seals.csv (published first), cases.jsonl (verdicts and opened answers), times.csv, runs.csv (a line a\n\
@@ -34,9 +41,10 @@ pub(crate) struct TrialArgs {
     /// Folder of the trial.
     #[arg(long, default_value = "trial", value_name = "DIR")]
     out: PathBuf,
-    /// Cases in all, about, in the proportions of the published table; 0 only counts what is there.
-    #[arg(long, default_value_t = 60)]
-    cases: u64,
+    /// Cases in all, about, in the proportions of the published table; 0 only counts what is there [default: 60; with
+    /// --like every effect alone in three sizes].
+    #[arg(long)]
+    cases: Option<u64>,
     /// All cases of the published table.
     #[arg(long, conflicts_with = "cases")]
     published: bool,
@@ -46,6 +54,18 @@ pub(crate) struct TrialArgs {
     /// Seed of the cases: any text. That of a published trial is the hash of the program's sources.
     #[arg(long, default_value = "1")]
     seed: String,
+    /// Draw the cases around your own rig: a rod file; what it does not say is drawn.
+    #[arg(
+        long,
+        value_name = "ROD",
+        requires = "drive",
+        conflicts_with = "published"
+    )]
+    like: Option<PathBuf>,
+    /// The drive that your rig would get, a CSV with the columns of the rod file; with the output as well, its noise
+    /// counts.
+    #[arg(long, value_name = "CSV", requires = "like")]
+    drive: Option<PathBuf>,
     /// Run every n-th case, from the i-th: i/n, i from 1.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<(usize, usize)>,
@@ -76,7 +96,9 @@ pub(crate) struct TrialArgs {
 pub(crate) fn run(args: &TrialArgs) -> anyhow::Result<Outcome> {
     let json = Sink::open_if(args.json.as_deref(), &[])?;
     let report = Sink::open_if(args.report.as_deref(), &[])?;
-    let mut trial = Trial::open(&args.out, &args.seed)?;
+    let like = args.like()?;
+    let is_own = like.is_some();
+    let mut trial = Trial::open(&args.out, &args.seed, like)?;
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH)?.as_secs();
     trial.log(&format!(
         "{seconds},{},{}",
@@ -95,6 +117,7 @@ pub(crate) fn run(args: &TrialArgs) -> anyhow::Result<Outcome> {
     let tried = Tried {
         seed: &args.seed,
         n_cases: lines.len(),
+        is_own,
         scores: Scores::of(&lines, &times_s),
     };
     if let Some(report) = report {
@@ -108,11 +131,28 @@ pub(crate) fn run(args: &TrialArgs) -> anyhow::Result<Outcome> {
 }
 
 impl TrialArgs {
+    fn like(&self) -> anyhow::Result<Option<Like>> {
+        let (Some(rod), Some(drive)) = (&self.like, &self.drive) else {
+            return Ok(None);
+        };
+        let rod = Rod::read(rod)?;
+        let options = rod.read_options();
+        let recording = match read_csv(drive, &options) {
+            Err(RecordingError::MissingColumn { role: "output", .. }) => {
+                read_drive_csv(drive, &options)
+            }
+            other => other,
+        };
+        Ok(Some(Like::new(&rod, &recording?)?))
+    }
+
     fn run_cases(&self, trial: &mut Trial) -> anyhow::Result<usize> {
-        let mut plan = match (self.published, self.cases) {
-            (true, _) => Plan::published(&self.family),
-            (false, 0) => return Ok(0),
-            (false, n_cases) => Plan::of_about(n_cases, &self.family),
+        let mut plan = match (self.published, self.cases, &self.like) {
+            (true, ..) => Plan::published(&self.family),
+            (false, Some(0), _) => return Ok(0),
+            (false, Some(n_cases), _) => Plan::of_about(n_cases, &self.family),
+            (false, None, None) => Plan::of_about(CASES, &self.family),
+            (false, None, Some(_)) => Plan::singles(),
         };
         if let Some((i, n)) = self.shard {
             plan = plan.shard(i - 1, n);

@@ -9,8 +9,13 @@ use crate::report::trial::Tried;
 /// The page but for how it was made: the targets, then names, power and calibration.
 pub(crate) fn trial(tried: &Tried<'_>) -> anyhow::Result<Page> {
     let mut page = Page::new("Blind trial", &tried.head());
-    page.section("The targets");
-    page.table(&tried.table());
+    if tried.is_own {
+        page.section("What the experiment would reveal");
+        page.table(&tried.reach());
+    } else {
+        page.section("The targets");
+        page.table(&tried.table());
+    }
     page.section("What was concealed, and what was named");
     page.line(&matrix(&tried.scores.confusion));
     for figure in [

@@ -1,7 +1,7 @@
 //! What is said of a blind trial.
 
 use blind_trial::Proportion;
-use blind_trial::scores::{Figure, Score, Scores, VISIBLE_T};
+use blind_trial::scores::{Became, Figure, Score, Scores, VISIBLE_T};
 use comfy_table::Table;
 use serde_json::{Value, json};
 
@@ -12,6 +12,8 @@ use super::table::{folding, right, table, unpadded};
 pub(crate) struct Tried<'a> {
     pub(crate) seed: &'a str,
     pub(crate) n_cases: usize,
+    /// Whether the cases were drawn around a user's rig.
+    pub(crate) is_own: bool,
     pub(crate) scores: Scores,
 }
 
@@ -30,7 +32,32 @@ impl Tried<'_> {
         scores
     }
 
+    /// What became of each effect, by its size over the usual one.
+    pub(crate) fn reach(&self) -> Table {
+        let mut reach = table([
+            "concealed",
+            "half its usual size",
+            "usual size",
+            "twice that",
+        ]);
+        for row in &self.scores.reach.rows {
+            let at = |size: f64| {
+                let of_size = row
+                    .sizes
+                    .iter()
+                    .filter(|(one, _)| (one - size).abs() < 1e-9);
+                let words: Vec<&str> = of_size.map(|(_, became)| became.as_str()).collect();
+                words.join(", ")
+            };
+            reach.add_row([row.addition.clone(), at(0.5), at(1.0), at(2.0)]);
+        }
+        reach
+    }
+
     pub(crate) fn text(&self) -> String {
+        if self.is_own {
+            return unpadded(&format!("{}\n\n{}\n", self.head(), self.reach()));
+        }
         let mut power = table(["oracle score from", "in the stated set", "top-1"]);
         for bin in &self.scores.power.bins {
             power.add_row(vec![
@@ -78,6 +105,9 @@ impl Tried<'_> {
 
     /// The first sentence.
     pub(crate) fn head(&self) -> String {
+        if self.is_own {
+            return self.revealed();
+        }
         let with_target = self.scores.table.iter().filter_map(Score::holds);
         let (held, all) = with_target.fold((0, 0), |(held, all), holds| {
             (held + usize::from(holds), all + 1)
@@ -87,6 +117,27 @@ impl Tried<'_> {
              diagnosed, and every seal holds.\nEffects count as visible from an oracle score of {VISIBLE_T}; intervals \
              are exact 95 % intervals.",
             self.n_cases, self.seed
+        )
+    }
+
+    /// What an experiment like the user's can reveal.
+    fn revealed(&self) -> String {
+        let usual = self.scores.reach.rows.iter().flat_map(|row| &row.sizes);
+        let usual = usual.filter(|(size, _)| (size - 1.0).abs() < 1e-9);
+        let count = |wanted: &[Became]| {
+            let of_kind = usual.clone().filter(|(_, became)| wanted.contains(became));
+            of_kind.count()
+        };
+        format!(
+            "Of {} effects of their usual size this experiment would name {}, leave {} among several, and miss {}; {} nobody could \
+             see in it.\nRigs like yours: what the rod file says is so, the rest is drawn from seed {}. Every answer was sealed \
+             before its case was diagnosed, and every seal holds.",
+            usual.clone().count(),
+            count(&[Became::Named]),
+            count(&[Became::InSet, Became::Suspected]),
+            count(&[Became::Missed]),
+            count(&[Became::Hidden]),
+            self.seed
         )
     }
 
@@ -104,6 +155,14 @@ impl Tried<'_> {
                 "oracle_score_from": bin.from_t,
                 "in_set": share(bin.stated),
                 "top_1": share(bin.top),
+            })).collect::<Vec<_>>(),
+            "reach": self.scores.reach.rows.iter().map(|row| json!({
+                "concealed": row.addition,
+                "effect": row.effect,
+                "sizes": row.sizes.iter().map(|(size, became)| json!({
+                    "size": size,
+                    "became": became.as_str(),
+                })).collect::<Vec<_>>(),
             })).collect::<Vec<_>>(),
             "confusion": {
                 "concealed": confusion.rows,
