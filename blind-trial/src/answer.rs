@@ -64,12 +64,10 @@ fn parameter(addition: Addition, plant: &TruthPlant) -> Option<(&'static str, f6
         Addition::LatentHeat => ("latent_heat_j_per_kg", plant.latent_heat?.enthalpy_j_per_kg),
         Addition::Radiation => ("emissivity", plant.radiation?.emissivity),
         Addition::Thermocouple => {
+            // Behind its contact; its own loss is another parameter.
             let bead = plant.thermocouple?;
-            let conductance = 1.0 / bead.contact_k_per_w + bead.loss_w_per_k;
-            (
-                "thermocouple_lag_s",
-                bead.heat_capacity_j_per_k / conductance,
-            )
+            let lag_s = bead.contact_k_per_w * bead.heat_capacity_j_per_k;
+            ("thermocouple_lag_s", lag_s)
         }
         Addition::StressCoupling => {
             let spring = plant.bias_spring?;

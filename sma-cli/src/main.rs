@@ -27,6 +27,7 @@ use commands::demo::DemoArgs;
 use commands::diagnose::DiagnoseArgs;
 use commands::identify::IdentifyArgs;
 use commands::inspect::InspectArgs;
+use commands::shell::{CompletionsArgs, ManArgs};
 use commands::simulate::SimulateArgs;
 use commands::trial::TrialArgs;
 use commands::tune::TuneArgs;
@@ -49,6 +50,8 @@ enum Command {
     Tune(TuneArgs),
     Diagnose(DiagnoseArgs),
     Trial(TrialArgs),
+    Completions(CompletionsArgs),
+    Man(ManArgs),
 }
 
 fn main() -> ExitCode {
@@ -61,6 +64,8 @@ fn main() -> ExitCode {
         Command::Tune(args) => commands::tune::run(args),
         Command::Diagnose(args) => commands::diagnose::run(args),
         Command::Trial(args) => commands::trial::run(args),
+        Command::Completions(args) => commands::shell::completions(args),
+        Command::Man(args) => commands::shell::man(args),
     };
     outcome::report(&result)
 }

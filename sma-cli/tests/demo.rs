@@ -1,5 +1,7 @@
 //! `sma demo`, as a user sees it.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
+
 use std::fs;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! What every report must be: one page that says the main thing first, and needs neither network nor script.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -6,6 +6,7 @@ pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod identify;
 pub(crate) mod inspect;
+pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod trial;
 pub(crate) mod tune;

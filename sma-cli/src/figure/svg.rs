@@ -1,6 +1,7 @@
 //! A figure as SVG text.
 
 use anyhow::anyhow;
+use plotters::coord::Shift;
 use plotters::prelude::*;
 use serde_json::json;
 
@@ -35,6 +36,9 @@ const PAGE: Canvas = Canvas {
     beside: 72,
 };
 
+/// Room around a figure, px.
+const MARGIN_PX: u32 = 12;
+
 /// Points of a curve that are drawn: two a pixel.
 const MOST_POINTS: usize = 2000;
 
@@ -47,7 +51,7 @@ const MARGIN: f64 = 0.05;
 const SHADE: RGBColor = RGBColor(245, 224, 203);
 
 /// Colors of a file and their names in a page's style, which has others for a dark screen.
-const NAMED: [(&str, &str); 10] = [
+const NAMED: [(&str, &str); 9] = [
     ("#FFFFFF", "var(--paper)"),
     ("#000000", "var(--ink)"),
     ("#AAAAAA", "var(--recorded)"),
@@ -57,14 +61,13 @@ const NAMED: [(&str, &str); 10] = [
     ("#CC79A7", "var(--unseen)"),
     ("#F5E0CB", "var(--shade)"),
     ("#E6E6E6", "var(--grid)"),
-    ("#D2D2D2", "var(--grid)"),
 ];
 
 /// A figure within a page.
 #[derive(Debug)]
 pub(crate) struct Inline {
     pub(crate) svg: String,
-    /// Where its curves are and what they mean, for a cursor; `None` for bars.
+    /// Where its curves are and what they mean, for a cursor; `None` for bars and for curves of one piece.
     pub(crate) plot: Option<serde_json::Value>,
 }
 
@@ -86,9 +89,11 @@ pub(crate) fn inline(figure: &Figure) -> anyhow::Result<Inline> {
     for (color, name) in NAMED {
         svg = svg.replace(color, name);
     }
+    let mut series = figure.series.iter();
+    let has_cursor = figure.words.is_empty() && series.all(|one| one.points.len() > 2);
     Ok(Inline {
         svg,
-        plot: figure.words.is_empty().then_some(plot),
+        plot: has_cursor.then_some(plot),
     })
 }
 
@@ -109,17 +114,14 @@ fn draw(
     caption: &str,
     text: &mut String,
 ) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
-    let area = SVGBackend::with_string(text, canvas.size).into_drawing_area();
-    area.fill(&WHITE)?;
+    let whole = SVGBackend::with_string(text, canvas.size).into_drawing_area();
+    whole.fill(&WHITE)?;
+    let area = headed(&whole, figure, canvas, caption)?;
     let [across, up] = [range(figure, 0), range(figure, 1)];
     let margin = MARGIN * (up[1] - up[0]);
     let up = [up[0] - margin, up[1] + margin];
-    let mut builder = ChartBuilder::on(&area);
-    if !caption.is_empty() {
-        builder.caption(caption, ("sans-serif", 15));
-    }
-    let mut chart = builder
-        .margin(12)
+    let mut chart = ChartBuilder::on(&area)
+        .margin(MARGIN_PX)
         .x_label_area_size(canvas.below)
         .y_label_area_size(canvas.beside)
         .build_cartesian_2d(across[0]..across[1], up[0]..up[1])?;
@@ -147,35 +149,60 @@ fn draw(
     for (number, series) in figure.series.iter().enumerate() {
         let color = color(series.style);
         let points = thinned(series);
-        let drawn = if is_bar(&series) {
+        if is_bar(&series) {
             let (width, first) = (BARS / n_bars as f64, number as f64 - 0.5 * n_bars as f64);
             let bars = points.into_iter().map(|(x, y)| {
                 let left = x + width * first;
                 Rectangle::new([(left, 0.0), (left + 0.9 * width, y)], color.filled())
             });
-            chart.draw_series(bars)?
+            chart.draw_series(bars)?;
         } else {
             let stroke = color.stroke_width(width(series.style));
-            chart.draw_series(LineSeries::new(points, stroke))?
-        };
-        drawn
-            .label(&series.label)
-            .legend(move |(x, y)| Rectangle::new([(x, y - 4), (x + 16, y + 4)], color.filled()));
+            chart.draw_series(LineSeries::new(points, stroke))?;
+        }
     }
-    chart
-        .configure_series_labels()
-        .label_font(words_in)
-        .background_style(WHITE.mix(0.8))
-        .border_style(RGBColor(210, 210, 210))
-        .draw()?;
     let (columns, rows) = chart.plotting_area().get_pixel_range();
     let labels: Vec<&str> = figure.series.iter().map(|one| one.label.as_str()).collect();
     let plot = json!({
         "left": columns.start, "right": columns.end, "top": rows.start, "bottom": rows.end,
         "across": across, "up": up, "labels": labels, "axes": [figure.across, figure.up],
     });
-    area.present()?;
+    whole.present()?;
     Ok(plot)
+}
+
+/// Writes caption and legend above a figure, where they hide no curve; the area that is left.
+fn headed<'a>(
+    whole: &DrawingArea<SVGBackend<'a>, Shift>,
+    figure: &Figure,
+    canvas: Canvas,
+    caption: &str,
+) -> Result<DrawingArea<SVGBackend<'a>, Shift>, Box<dyn std::error::Error>> {
+    let line_px = canvas.font as i32 + 6;
+    let words = ("sans-serif", canvas.font).into_text_style(whole);
+    let mut y = MARGIN_PX as i32;
+    if !caption.is_empty() {
+        let style = ("sans-serif", 15).into_text_style(whole);
+        whole.draw_text(caption, &style, (canvas.beside as i32 + y, y))?;
+        y += 22;
+    }
+    let left = (canvas.beside + MARGIN_PX) as i32;
+    let mut x = left;
+    for series in &figure.series {
+        let (width, _) = whole.estimate_text_size(&series.label, &words)?;
+        let end = x + 22 + width as i32;
+        if end > canvas.size.0 as i32 && x > left {
+            x = left;
+            y += line_px;
+        }
+        let middle = y + line_px / 2;
+        let sample = [(x, middle - 4), (x + 16, middle + 4)];
+        whole.draw(&Rectangle::new(sample, color(series.style).filled()))?;
+        whole.draw_text(&series.label, &words, (x + 22, y + 3))?;
+        x += 22 + width as i32 + 20;
+    }
+    let (_, area) = whole.split_vertically(y + line_px);
+    Ok(area)
 }
 
 fn color(style: Style) -> RGBColor {

@@ -19,8 +19,6 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
   make("rect", { x: left, y: top, width: right - left, height: bottom - top },
     make("clipPath", { id: clip }, svg));
   const inside = make("g", { "clip-path": `url(#${clip})` }, svg);
-  // Where the last curve was: below the legend.
-  svg.insertBefore(inside, lines.at(-1)?.nextSibling ?? null);
   for (const part of [...shades, ...lines]) {
     part.setAttribute("vector-effect", "non-scaling-stroke");
     inside.append(part);

@@ -1,0 +1,189 @@
+//! Every kind of report in a browser: nothing is complained of, figures are drawn, the cursor reads values, and nothing
+//! runs off the page on a phone or on a desk. Needs Chromium (`CHROMIUM`, or on the path), and says so where there is none.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stderr,
+    reason = "helpers of tests"
+)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command as Program;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+/// Widths of a phone and of a desk, px.
+const WIDTHS: [u32; 2] = [400, 1400];
+
+/// Collects what the page complains of; stands first in it.
+const LISTEN: &str =
+    "<script>window.faults = []; addEventListener('error', (event) => faults.push(event.message));
+console.error = console.warn = (...words) => faults.push(words.join(' '));</script>";
+
+/// Uses the page as a reader would, and writes down what came of it.
+const USE: &str = r#"<script>
+addEventListener("load", () => {
+  const figures = [...document.querySelectorAll("figure")].map((figure) => {
+    const svg = figure.querySelector("svg"), box = svg.getBoundingClientRect();
+    const at = { clientX: box.x + 0.5 * box.width, clientY: box.y + 0.5 * box.height, bubbles: true };
+    svg.dispatchEvent(new PointerEvent("pointermove", at));
+    const curves = [...svg.querySelectorAll("polyline, rect")].filter((part) => {
+      const own = part.getBBox();
+      return own.width + own.height > 1 && part.getAttribute("fill") !== "var(--ink)";
+    });
+    const before = svg.innerHTML;
+    svg.dispatchEvent(new PointerEvent("pointerdown", { ...at, clientX: box.x + 0.4 * box.width }));
+    svg.dispatchEvent(new PointerEvent("pointerup", { ...at, clientX: box.x + 0.7 * box.width }));
+    const zoomed = svg.innerHTML !== before;
+    svg.dispatchEvent(new MouseEvent("dblclick", at));
+    return {
+      plot: figure.dataset.plot ? JSON.parse(figure.dataset.plot).labels.length : null,
+      curves: curves.length,
+      said: figure.querySelector("output")?.textContent ?? null,
+      zoomed,
+    };
+  });
+  const root = document.documentElement;
+  const found = { faults, figures, wide: root.scrollWidth - root.clientWidth, dark: getComputedStyle(document.body).backgroundColor };
+  const text = document.createElement("pre");
+  text.id = "found";
+  text.textContent = JSON.stringify(found);
+  document.body.append(text);
+});
+</script>"#;
+
+fn chromium() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("CHROMIUM") {
+        return Some(PathBuf::from(named));
+    }
+    let path = std::env::var_os("PATH")?;
+    let folders: Vec<PathBuf> = std::env::split_paths(&path).collect();
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let places = names
+        .iter()
+        .flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    places.into_iter().find(|place| place.is_file())
+}
+
+/// What a reader finds on a page of some width.
+fn read(chromium: &Path, page: &str, folder: &Path, width: u32) -> Value {
+    let used = page
+        .replacen("<head>", &format!("<head>{LISTEN}"), 1)
+        .replacen("</body>", &format!("{USE}</body>"), 1);
+    let file = folder.join("used.html");
+    fs::write(&file, used).unwrap();
+    let run = Program::new(chromium)
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--no-first-run",
+        ])
+        .args([
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+        ])
+        .arg(format!(
+            "--user-data-dir={}",
+            folder.join("profile").display()
+        ))
+        .arg(format!("--window-size={width},900"))
+        .args(["--virtual-time-budget=20000", "--dump-dom"])
+        .arg(format!("file://{}", file.display()))
+        .output()
+        .unwrap();
+    let dom = String::from_utf8_lossy(&run.stdout);
+    let found = dom
+        .split_once("<pre id=\"found\">")
+        .and_then(|(_, rest)| rest.split_once("</pre>"));
+    let (found, _) = found.unwrap_or_else(|| panic!("{}", String::from_utf8_lossy(&run.stderr)));
+    let found = found
+        .replace("&lt;", "<")
+        .replace("&gt;", ">")
+        .replace("&amp;", "&");
+    serde_json::from_str(&found).unwrap()
+}
+
+/// Makes every kind of report: its name and text.
+fn reports(folder: &Path) -> Vec<(&'static str, String)> {
+    let bundled = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("bundled")
+        .display()
+        .to_string();
+    let calls = [
+        ("demo", "demo --quiet"),
+        (
+            "identify",
+            "identify {}/rod.toml --train {}/train.csv --validate {}/validate.csv --save-model model.toml \
+                      --report identify.html",
+        ),
+        (
+            "tune",
+            "tune model.toml --step-output 2.5 --drive-max 5.5 --draws 8 --report tune.html",
+        ),
+        (
+            "diagnose",
+            "diagnose {}/rod.toml --train {}/train.csv --validate {}/validate.csv --report diagnose.html",
+        ),
+        (
+            "trial",
+            "trial --family single --cases 3 --report trial.html",
+        ),
+    ];
+    calls
+        .into_iter()
+        .map(|(name, call)| {
+            let call = call.replace("{}", &bundled);
+            let mut sma = Command::cargo_bin("sma").unwrap();
+            sma.args(call.split_whitespace())
+                .current_dir(folder)
+                .assert()
+                .success();
+            let page = match name {
+                "demo" => folder.join("sma-demo/report.html"),
+                _ => folder.join(name).with_extension("html"),
+            };
+            (name, fs::read_to_string(page).unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn every_report_can_be_read_and_used() {
+    let Some(chromium) = chromium() else {
+        eprintln!("SKIPPED: no Chromium on the path; CHROMIUM names one elsewhere");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (name, page) in reports(folder.path()) {
+        for width in WIDTHS {
+            let found = read(&chromium, &page, folder.path(), width);
+            let case = format!("{name} at {width} px: {found:#}");
+            assert_eq!(found["faults"].as_array().unwrap().len(), 0, "{case}");
+            assert_eq!(found["wide"], 0, "{case}");
+            let figures = found["figures"].as_array().unwrap();
+            assert_eq!(figures.len(), page.matches("<figure").count(), "{case}");
+            assert!(!figures.is_empty(), "{case}");
+            for figure in figures {
+                let curves = figure["curves"].as_u64().unwrap();
+                assert!(curves > 0, "{case}");
+                let Some(n_labels) = figure["plot"].as_u64() else {
+                    continue;
+                };
+                assert!(curves >= n_labels, "{case}");
+                let said = figure["said"].as_str().unwrap();
+                assert_eq!(
+                    said.split(", ").count() as u64,
+                    n_labels + said.split(':').next().unwrap().matches(", ").count() as u64,
+                    "{case}"
+                );
+                assert_eq!(figure["zoomed"], true, "{case}");
+            }
+        }
+    }
+}
