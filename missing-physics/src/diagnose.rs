@@ -34,8 +34,8 @@ const FURTHER: f64 = 2.0;
 /// Factor by which a drift must lower the mean square to be told from noise with a memory.
 const LOWERED: f64 = 2.0;
 
-/// Effects by which cycles differ, and which leave nothing slow where they are the truth.
-const BETWEEN_CYCLES: [EffectId; 2] = [EffectId::SensorDrift, EffectId::FunctionalFatigue];
+/// Mean square over that of the noise at rest from which a law from cycle to cycle leaves too much to be it.
+const MUCH: f64 = 5.0;
 
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
@@ -210,11 +210,15 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let floor = noise.floor(search.case, best);
     let gained = plain.mean_square() - best.mean_square();
     // The zero of a sensor moves slowly and smoothly, a loop by the same law from cycle to cycle: what leaves noise that
-    // grows toward low frequencies is not that, and repeated cycles do not tell noise from what tells them apart. And
-    // whatever is flexible follows noise with a memory for a part of the way.
+    // grows toward low frequencies, or in the second case much of it, is not that, and repeated cycles do not tell noise
+    // from what tells them apart. And whatever is flexible follows noise with a memory for a part of the way.
     let is_far = plain.mean_square() > LOWERED * best.mean_square();
+    let leaves_much = best.mean_square() > MUCH * noise.gate;
     let may_be_noise = |named: &Named| match floor.class {
-        NoiseClass::OneOverF => BETWEEN_CYCLES.iter().any(|&one| named.effect == one),
+        NoiseClass::OneOverF => {
+            named.effect == EffectId::SensorDrift
+                || (named.effect == EffectId::FunctionalFatigue && leaves_much)
+        }
         NoiseClass::Colored => named.effect.info().flexible && !is_far,
         NoiseClass::White | NoiseClass::Quantized => false,
     };
