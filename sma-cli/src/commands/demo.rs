@@ -272,6 +272,7 @@ impl Known {
         page.paragraphs(Worth::INTRODUCTION);
         page.figure(&worth.figure())?;
         page.table(&worth.table());
+        page.notes(&diagnosed.notes());
         Ok(page)
     }
 }

@@ -242,7 +242,9 @@ fn with_time(
     }
     if let Some(sink) = places.report {
         let made = provenance(args.seed, &args.inputs())?;
-        sink.write(&page::diagnosed(&diagnosed, drawn.as_ref())?.made_by(&made))?;
+        let mut page = page::diagnosed(&diagnosed, drawn.as_ref())?;
+        page.notes(&diagnosed.notes());
+        sink.write(&page.made_by(&made))?;
     }
     if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
         sink.write(&model.to_toml()?)?;

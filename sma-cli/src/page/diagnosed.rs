@@ -11,7 +11,7 @@ use crate::report::verdict::{block_name, verdict, what};
 /// Probability from which a block is marked.
 const GUILTY: f64 = 0.5;
 
-/// The page but for how it was made: the verdict first, then what it rests on.
+/// The page but for notes and how it was made: the verdict first, then what it rests on.
 pub(crate) fn diagnosed(
     diagnosed: &Diagnosed<'_>,
     drawn: Option<&Drawn<'_>>,
@@ -61,8 +61,6 @@ pub(crate) fn diagnosed(
             page.figure(&played(run))?;
         }
     }
-    page.section("Notes");
-    page.paragraphs(&diagnosed.notes().join("\n"));
     Ok(page)
 }
 

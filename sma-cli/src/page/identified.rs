@@ -19,7 +19,6 @@ pub(crate) fn identified(
     }
     page.section("The recordings");
     page.table(&identified.recordings());
-    page.section("Notes");
-    page.paragraphs(&identified.notes().join("\n"));
+    page.notes(&identified.notes());
     Ok(page)
 }

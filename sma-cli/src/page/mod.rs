@@ -111,6 +111,12 @@ impl Page {
         Ok(())
     }
 
+    /// What else is worth knowing.
+    pub(crate) fn notes(&mut self, notes: &[String]) {
+        self.section("Notes");
+        self.paragraphs(&notes.join("\n"));
+    }
+
     /// How it was made, and the end.
     pub(crate) fn made_by(self, made: &Provenance) -> String {
         self.made(&made.command, &made.seed.to_string(), &made.input)

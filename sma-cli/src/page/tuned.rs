@@ -24,7 +24,6 @@ pub(crate) fn tuned(tuned: &TunedReport<'_>) -> anyhow::Result<Page> {
         page.section("Controllers of which none is both more accurate and more sparing");
         page.table(&front);
     }
-    page.section("Notes");
-    page.paragraphs(&tuned.notes().join("\n"));
+    page.notes(&tuned.notes());
     Ok(page)
 }

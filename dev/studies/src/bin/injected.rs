@@ -1,0 +1,160 @@
+//! Diagnoses a measured wire with effects put on its recordings, and says which of them were found beyond what is found
+//! without. `injected [OUT]`; see the README.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use blind_trial::{Journal, Line, Named, Verdict};
+use identify::{Rod, WienerModel};
+use missing_physics::{DiagnoseConfig, diagnose, setting_of_rod};
+use recording::{Recording, read_csv};
+use serde::{Deserialize, Serialize};
+use studies::Injected;
+use wiener::hysteresis::Rule;
+
+/// What is known of the wire, from the paper that recorded it.
+const ROD: &str = r#"
+[rod]
+diameter_mm = 0.5
+length_mm = 1000.0
+density_kg_per_m3 = 6450.0
+specific_heat_j_per_kg_k = 500.0
+resistance_ohm_per_m = 4.3
+
+[surroundings]
+ambient_degc = 24.0
+
+[drive]
+kind = "duty"
+supply_v = 24.0
+
+[load]
+lever = 1.0
+
+[columns]
+output = { name = "position_mm", unit = "mm" }
+"#;
+
+/// Recordings that decide, then the unseen one.
+const RECORDINGS: [&str; 4] = ["ramp01.csv", "step01.csv", "step02.csv", "ramp02.csv"];
+
+/// Where results go unless told otherwise, from the workspace's root.
+const RESULTS: &str = "dev/studies/results/injected.jsonl";
+
+/// One diagnosis.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Diagnosed {
+    /// Its number: 0 is that of the recordings as they are.
+    number: usize,
+    injected: Option<Injected>,
+    verdict: Verdict,
+}
+
+impl Line for Diagnosed {
+    type Key = usize;
+
+    fn key(&self) -> usize {
+        self.number
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let out = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| RESULTS.to_owned());
+    let Some(folder) = fixtures::shared::path("recordings/bologna") else {
+        return Ok(());
+    };
+    let rod = Rod::parse("rod.toml", ROD)?;
+    let read = |name: &str| read_csv(folder.join(name), &rod.read_options());
+    let recorded = RECORDINGS
+        .map(read)
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    let stroke = stroke(&recorded);
+    let mut journal = Journal::open(&PathBuf::from(out))?;
+    let injections = std::iter::once(None).chain(Injected::all().into_iter().map(Some));
+    for (number, injected) in injections.enumerate() {
+        if journal.contains(number) {
+            continue;
+        }
+        let on = |one: &Recording| {
+            injected.map_or_else(|| one.clone(), |injected| injected.on(one, stroke))
+        };
+        let recordings: Vec<Recording> = recorded.iter().map(on).collect();
+        let (training, unseen) = recordings.split_at(recordings.len() - 1);
+        let base = WienerModel::new(&rod, Rule::LastReversal, training)?;
+        let config = DiagnoseConfig {
+            setting: setting_of_rod(&rod, "mm"),
+            ..DiagnoseConfig::default()
+        };
+        let diagnosis = diagnose(&base, training, unseen, &config, &mut |_| ())?;
+        journal.append(Diagnosed {
+            number,
+            injected,
+            verdict: Verdict::from(&diagnosis),
+        })?;
+    }
+    let lines: BTreeMap<usize, &Diagnosed> =
+        journal.lines().map(|line| (line.number, line)).collect();
+    // A closed pipe is not a fault of the study.
+    let _ = io::stdout().write_all(said(&lines).as_bytes());
+    Ok(())
+}
+
+/// Lowest reading and range of all recordings.
+fn stroke(recordings: &[Recording]) -> [f64; 2] {
+    let outputs = recordings.iter().flat_map(Recording::output);
+    let [low, high] = outputs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &y| {
+        [low.min(y), high.max(y)]
+    });
+    [low, high - low]
+}
+
+/// A line a diagnosis: what was put on, what is said of it, and what else.
+fn said(lines: &BTreeMap<usize, &Diagnosed>) -> String {
+    let mut text = String::new();
+    for line in lines.values() {
+        let what = line
+            .injected
+            .map_or("as recorded".to_owned(), |one| one.to_string());
+        let names: Vec<String> = line.verdict.findings.iter().map(name).collect();
+        let own = line.injected.map(|one| one.effect.effect().id());
+        let is_found = |id: &str| {
+            line.verdict
+                .findings
+                .iter()
+                .any(|one| one.set().any(|other| other == id))
+        };
+        let found = match own {
+            None => "",
+            Some(id) if is_found(id) => "FOUND",
+            Some(id) if line.verdict.suspects.iter().any(|other| other == id) => "suspected",
+            Some(_) => "missed",
+        };
+        text += &format!(
+            "{what}: {found} {}: {}; training {:.4} -> {:.4} mm\n",
+            line.verdict.verdict,
+            names.join(", "),
+            line.verdict.plain.train,
+            line.verdict
+                .extended
+                .map_or(line.verdict.plain.train, |one| one.train),
+        );
+    }
+    text
+}
+
+fn name(named: &Named) -> String {
+    let first = named.parameters.first();
+    let size = first.map_or(String::new(), |one| format!(" {:.3}", one.value));
+    let others = if named.could_also_be.is_empty() {
+        String::new()
+    } else {
+        format!(" (or {})", named.could_also_be.join(", "))
+    };
+    format!("{}{size}{others}", named.effect)
+}
