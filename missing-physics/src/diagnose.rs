@@ -12,13 +12,13 @@ use recording::Recording;
 use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
-    Diagnosis, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass, Remainder,
-    Stage, Verdict,
+    Diagnosis, Explained, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass,
+    Remainder, Stage, Verdict,
 };
 use crate::elsewhere::without_drifts;
 use crate::explained::explained;
 use crate::floor::{Measured, measured};
-use crate::judge::{Judged, LARGE, Named, judge, without_effects};
+use crate::judge::{GATE, Judged, LARGE, Named, judge, without_effects};
 use crate::locate::{Located, locate, remainder_shape};
 use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
@@ -66,6 +66,9 @@ impl Default for DiagnoseConfig {
         }
     }
 }
+
+/// Share of the explainable error of the unseen recordings below which names do not hold there.
+const HELD: f64 = 0.4;
 
 /// Starts of a second fit of the baseline over those of the first, where no two of these agreed.
 const HARDER: u64 = 4;
@@ -155,6 +158,15 @@ pub fn diagnose_from(
     progress(DiagnoseProgress::Refit);
     let extended = extended(&mut search, judged.effects, unseen)?;
     progress(DiagnoseProgress::Locate);
+    let explained = extended
+        .as_ref()
+        .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
+        .transpose()?;
+    let judged = if holds(&judged, explained.as_ref()) {
+        judged
+    } else {
+        judged.demoted(Verdict::Unexplained)
+    };
     let written = |named: &[Named]| {
         let mut findings: Vec<Finding> = named
             .iter()
@@ -164,10 +176,6 @@ pub fn diagnose_from(
         findings
     };
     let (findings, suspects) = (written(&judged.named), written(&judged.suspects));
-    let explained = extended
-        .as_ref()
-        .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
-        .transpose()?;
     let catalogue = catalogue(&mut search, &judged, config.seed)?;
     let at = (noise.gate.sqrt(), config.seed);
     let mut mismatch = located(&mut search, CandidateSet::EMPTY, at, locate)?;
@@ -201,6 +209,19 @@ pub fn diagnose_from(
         simulations,
         seed: config.seed,
     })
+}
+
+/// Whether names hold on the unseen recordings. Drifts and fatigue need not: they stay with their recording.
+fn holds(judged: &Judged, explained: Option<&Explained>) -> bool {
+    let stays =
+        |named: &Named| named.effect.info().flexible || named.effect == EffectId::FunctionalFatigue;
+    let fails = explained.is_some_and(|shares| {
+        let is_low = shares.validate.is_some_and(|share| share < HELD);
+        // Where hardly anything was to be explained the share says nothing.
+        let interval = shares.validate_interval;
+        is_low && interval.is_none_or(|[_, upper]| upper < GATE)
+    });
+    !fails || judged.named.iter().any(stays)
 }
 
 /// What the noise lets be said of what was judged, and the noise.

@@ -18,7 +18,7 @@ use crate::{Candidate, CandidateSet, EffectId};
 const OWN_SHARE: f64 = 0.05;
 
 /// Share of the explainable error that the whole model must explain for its names to hold.
-const GATE: f64 = 0.8;
+pub(crate) const GATE: f64 = 0.8;
 
 /// Units of log-likelihood within which another model does as well: odds of e³, 20 to 1.
 const AS_WELL: f64 = 3.0;
