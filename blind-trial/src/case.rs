@@ -59,13 +59,9 @@ impl Case {
         Self::around(None, seed, id)
     }
 
-    /// The case of a trial around a user's own rig and drive: both recordings are of that drive.
+    /// The case of a trial around a user's own rig and drive, if there is one: both recordings are of that drive.
     #[must_use]
-    pub fn like(like: &Like, seed: &str, id: CaseId) -> Self {
-        Self::around(Some(like), seed, id)
-    }
-
-    pub(crate) fn around(like: Option<&Like>, seed: &str, id: CaseId) -> Self {
+    pub fn around(like: Option<&Like>, seed: &str, id: CaseId) -> Self {
         let chance = Chance { seed, case: id };
         let draw = Draw::new(chance.seed("rig"));
         let mut random = chance.of("kinds");

@@ -1,5 +1,5 @@
 use identify::Rod;
-use recording::{NoiseConfig, Quantity, Recording, noise_floor};
+use recording::{NoiseConfig, Quantity, Recording, inspect, noise_floor};
 use sha2::{Digest, Sha256};
 use truth_plant::{DriveKind, DriveProfile, TruthPlant};
 
@@ -87,14 +87,15 @@ impl Like {
                 n_samples,
             });
         }
-        if recording.drive().iter().all(|value| value.abs() <= 0.0) {
+        if recording.largest_drive() <= 0.0 {
             return Err(LikeError::NoDrive { file: name() });
         }
+        let dt_s = (last_s - first_s) / (n_samples - 1) as f64;
         Ok(Self {
             known: known(rod, recording),
             profile: DriveProfile {
-                drive: held(recording),
-                dt_s: (last_s - first_s) / (n_samples - 1) as f64,
+                drive: recording.held_drive(dt_s, n_samples),
+                dt_s,
             },
             noise_share: noise_share(recording),
             rod: rod.clone(),
@@ -149,31 +150,8 @@ fn known(rod: &Rod, recording: &Recording) -> Known {
     }
 }
 
-/// The drive at even times.
-fn held(recording: &Recording) -> Vec<f64> {
-    let (time_s, drive) = (recording.time_s(), recording.drive());
-    let n = time_s.len();
-    let dt_s = (time_s[n - 1] - time_s[0]) / (n - 1) as f64;
-    let mut at = 0;
-    (0..n)
-        .map(|k| {
-            let now_s = time_s[0] + (k as f64 + 1e-6) * dt_s;
-            while at + 1 < n && time_s[at + 1] <= now_s {
-                at += 1;
-            }
-            drive[at]
-        })
-        .collect()
-}
-
 fn noise_share(recording: &Recording) -> Option<f64> {
-    let ends = recording
-        .output()
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &y| {
-            [low.min(y), high.max(y)]
-        });
-    let range = ends[1] - ends[0];
+    let range = inspect(recording).output.range();
     let floor = noise_floor(recording, NoiseConfig::default())?;
     (range > 0.0).then(|| floor.lower() / range)
 }
@@ -223,7 +201,7 @@ mod tests {
             family: Family::Single,
             number,
         };
-        let [one, other] = [0, 1].map(|number| Case::like(&like, "a seed", id(number)));
+        let [one, other] = [0, 1].map(|number| Case::around(Some(&like), "a seed", id(number)));
         for case in [&one, &other] {
             assert!((case.truth.rod.diameter_m - 0.5e-3).abs() < 1e-15);
             assert!((case.truth.rod.length_m - 0.2).abs() < 1e-15);
@@ -245,7 +223,7 @@ mod tests {
             family: Family::CleanWhite,
             number: 3,
         };
-        let recorded = Case::like(&like, "a seed", id).record().unwrap();
+        let recorded = Case::around(Some(&like), "a seed", id).record().unwrap();
         let largest = recorded.train.fraction.iter().copied().fold(0.0, f64::max);
         assert!(largest > 0.9, "{largest}");
         assert!(recorded.train.fraction[0] < 0.1);

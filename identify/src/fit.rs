@@ -163,16 +163,18 @@ pub fn fit(
         .sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
     let mut minima = distinct(&search.ends, problem.bounds());
     let minimum = minima.remove(0);
-    let other_minima = minima
+    let others: Vec<Vec<f64>> = minima.into_iter().map(|other| other.point).collect();
+    let other_minima = problem
+        .solve(&others)?
         .iter()
-        .map(|other| {
-            let solved = problem.solve_one(&other.point)?;
+        .zip(&others)
+        .map(|(solved, point)| {
             let recordings = 0..training.len();
-            Ok(recordings
-                .map(|r| problem.values(&other.point, &solved, r))
-                .collect())
+            recordings
+                .map(|r| problem.values(point, solved, r))
+                .collect()
         })
-        .collect::<Result<_, IdentifyError>>()?;
+        .collect();
     let minimum = reweighed(&mut problem, minimum, config)?;
     let solved = problem.solve_one(&minimum.point)?;
     let residuals = problem.residuals(&minimum.point, &solved)?;

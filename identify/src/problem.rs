@@ -318,7 +318,7 @@ impl<'a> Problem<'a> {
 
     /// Solves for gain and offsets at each point. Results stand in the order of the points, whatever
     /// the number of threads.
-    fn solve(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
+    pub(crate) fn solve(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
         self.count(points.len() as u64);
         let tasks: Vec<(usize, &[Vec<f64>])> = points
             .chunks(BATCH)

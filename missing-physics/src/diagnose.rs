@@ -37,6 +37,9 @@ const LOWERED: f64 = 2.0;
 /// Mean square over that of the noise at rest from which a law from cycle to cycle leaves too much to be it.
 const MUCH: f64 = 5.0;
 
+/// Share of the explainable error of the unseen recordings below which names do not hold there.
+const HELD: f64 = 0.4;
+
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
@@ -66,9 +69,6 @@ impl Default for DiagnoseConfig {
         }
     }
 }
-
-/// Share of the explainable error of the unseen recordings below which names do not hold there.
-const HELD: f64 = 0.4;
 
 /// Starts of a second fit of the baseline over those of the first, where no two of these agreed.
 const HARDER: u64 = 4;

@@ -81,8 +81,8 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
     let (plain_span, white_span) = (Span::of(ground.fitted.iter().copied()), Span::of(&white));
     let plain_residual = plain_span.outside(ground.residual);
     let white_residual = white_span.outside(&whitener.whiten(ground.residual));
-    let mut tested: Vec<Tested<'_>> = Vec::new();
-    for traces in tests(traces) {
+    let mut tests: Vec<Tested<'_>> = Vec::new();
+    for traces in grouped(traces) {
         let outside = |trace: &&Trace| {
             let white = whitener.whiten(&trace.secant);
             let outside = white_span.outside(&white);
@@ -96,11 +96,10 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
             white: traces.iter().map(outside).collect(),
             traces,
         };
-        if !tested.last().is_some_and(|last| last.is_the_same(&test)) {
-            tested.push(test);
+        if !tests.last().is_some_and(|last| last.is_the_same(&test)) {
+            tests.push(test);
         }
     }
-    let tests = tested;
     let mut scores: Vec<Score> = Vec::new();
     for test in &tests {
         let score = test.score(&plain_span, &plain_residual, &white_residual, whitener);
@@ -121,7 +120,7 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
 }
 
 /// Groups traces into tests: several sizes of an effect together, each value of a partner and each secant by itself.
-fn tests(traces: &[Trace]) -> Vec<Vec<&Trace>> {
+fn grouped(traces: &[Trace]) -> Vec<Vec<&Trace>> {
     let mut tests: Vec<Vec<&Trace>> = Vec::new();
     for trace in traces {
         match tests.last_mut() {

@@ -474,9 +474,11 @@ impl<'a> Search<'a> {
             starts.push(start(&far, 1.0));
         }
         // A large size may have bent the baseline to where the linear view has the wrong sign.
-        let size = &parameters[sizes_of(effect).next().unwrap_or(0)];
-        if node.effects.is_empty() && first.len() == 1 && size.sign() == Sign::Either {
-            let large = START[1] * size.typical;
+        let sizes: Vec<usize> = sizes_of(effect).collect();
+        if let (true, [k]) = (node.effects.is_empty(), &sizes[..])
+            && parameters[*k].sign() == Sign::Either
+        {
+            let large = START[1] * parameters[*k].typical;
             starts.extend([large, -large].map(|large| start(&[large], 1.0)));
         }
         let effects = node.effects.with(effect);

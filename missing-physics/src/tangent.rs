@@ -11,7 +11,7 @@ const DIFFERENCE: f64 = 1e-6;
 
 /// Sizes of secants, as shares of the typical size: what a small one leaves beside the baseline may be nothing where a
 /// large one shows, and what a large one leaves may be only what bends where the baseline hides most of the trace.
-pub(crate) const SECANTS: [f64; 2] = [LARGEST_SECANT, 0.02];
+const SECANTS: [f64; 2] = [LARGEST_SECANT, 0.02];
 
 /// The largest: the only one of effects with corners, and of those whose partner is varied.
 pub(crate) const LARGEST_SECANT: f64 = 0.25;

@@ -7,34 +7,13 @@
 
 use std::ops::ControlFlow;
 
+use fixtures::bologna;
 use identify::{Fit, FitConfig, Rod, WienerModel, fit};
 use missing_physics::{
     DiagnoseConfig, EffectId, ScreenConfig, Setting, Verdict, diagnose_from, screen, setting_of_rod,
 };
 use recording::{Recording, read_csv};
 use wiener::hysteresis::Rule;
-
-const ROD: &str = r#"
-[rod]
-diameter_mm = 0.5
-length_mm = 1000.0
-density_kg_per_m3 = 6450.0
-specific_heat_j_per_kg_k = 500.0
-resistance_ohm_per_m = 4.3
-
-[surroundings]
-ambient_degc = 24.0
-
-[drive]
-kind = "duty"
-supply_v = 24.0
-
-[load]
-lever = 1.0
-
-[columns]
-output = { name = "position_mm", unit = "mm" }
-"#;
 
 struct Bologna {
     base: WienerModel,
@@ -45,17 +24,17 @@ struct Bologna {
 }
 
 /// The fitted baseline; `None` where the recordings are not there.
-fn bologna() -> Option<Bologna> {
-    let folder = fixtures::shared::path("recordings/bologna")?;
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+fn measured() -> Option<Bologna> {
+    let folder = fixtures::shared::path(bologna::FOLDER)?;
+    let rod = Rod::parse("rod.toml", bologna::ROD).unwrap();
     let read = |name: &str| read_csv(folder.join(name), &rod.read_options()).unwrap();
-    let training: Vec<Recording> = ["ramp01.csv", "step01.csv", "step02.csv"].map(read).into();
+    let training: Vec<Recording> = bologna::TRAINING.map(read).into();
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let fit = fit(&base, &training, &FitConfig::default(), go_on).unwrap();
     Some(Bologna {
         setting: setting_of_rod(&rod, "mm"),
-        unseen: read("ramp02.csv"),
+        unseen: read(bologna::UNSEEN),
         base,
         fit,
         training,
@@ -64,7 +43,7 @@ fn bologna() -> Option<Bologna> {
 
 #[test]
 fn screening_points_at_heat_and_at_the_ends_of_the_stroke() {
-    let Some(rig) = bologna() else { return };
+    let Some(rig) = measured() else { return };
     let config = ScreenConfig {
         setting: rig.setting,
         seed: 1,
@@ -99,7 +78,7 @@ fn screening_points_at_heat_and_at_the_ends_of_the_stroke() {
 
 #[test]
 fn latent_heat_and_thermal_expansion_are_named() {
-    let Some(rig) = bologna() else { return };
+    let Some(rig) = measured() else { return };
     let config = DiagnoseConfig {
         setting: rig.setting,
         ..DiagnoseConfig::default()

@@ -212,6 +212,30 @@ impl Recording {
         drives.fold(0.0, |largest, drive| largest.max(drive.abs()))
     }
 
+    /// The drive at `n_samples` even times, `dt_s` seconds apart from the first time stamp on: held between samples, and
+    /// after the last. Empty for static data.
+    ///
+    /// Unlike [`resample`](crate::resample) it averages nothing: for set points, and steps no longer than its own.
+    #[must_use]
+    pub fn held_drive(&self, dt_s: f64, n_samples: usize) -> Vec<f64> {
+        /// Share of a step by which time stamps are rounded.
+        const ROUNDED: f64 = 1e-6;
+        let (time_s, drive) = (self.time_s(), self.drive());
+        let Some(first_s) = time_s.first() else {
+            return Vec::new();
+        };
+        let mut at = 0;
+        (0..n_samples)
+            .map(|k| {
+                let now_s = first_s + (k as f64 + ROUNDED) * dt_s;
+                while at + 1 < time_s.len() && time_s[at + 1] <= now_s {
+                    at += 1;
+                }
+                drive[at]
+            })
+            .collect()
+    }
+
     /// What the drive is.
     #[must_use]
     pub fn drive_quantity(&self) -> Quantity {

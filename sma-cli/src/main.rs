@@ -17,6 +17,7 @@ mod sink;
 mod specific_heat;
 mod terminal;
 mod track;
+mod tuning;
 mod turned;
 
 use std::process::ExitCode;

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use blind_trial::TrialError;
+use blind_trial::{LikeError, TrialError};
 use identify::IdentifyError;
 use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
@@ -71,6 +71,7 @@ fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
         || error.is::<TaskError<PhysicsError>>()
         || error.is::<PhysicsError>()
         || error.is::<TrialError>()
+        || error.is::<LikeError>()
         || error.is::<WienerError>()
 }
 

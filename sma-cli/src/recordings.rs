@@ -1,9 +1,9 @@
 //! The recordings of a call: read, and what is odd about them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use identify::Rod;
-use recording::Recording;
+use recording::{ReadOptions, Recording, RecordingError};
 
 /// Reads recordings as a rod file describes them.
 pub(crate) fn read_all(rod: &Rod, paths: &[PathBuf]) -> anyhow::Result<Vec<Recording>> {
@@ -12,6 +12,20 @@ pub(crate) fn read_all(rod: &Rod, paths: &[PathBuf]) -> anyhow::Result<Vec<Recor
         .iter()
         .map(|path| Ok(recording::read_csv(path, &options)?))
         .collect()
+}
+
+/// Reads a recording, or a drive alone where there is no output; whether there is.
+pub(crate) fn read_perhaps_without_output(
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<(Recording, bool), RecordingError> {
+    match recording::read_csv(path, options) {
+        Ok(recording) => Ok((recording, true)),
+        Err(RecordingError::MissingColumn { role: "output", .. }) => {
+            Ok((recording::read_drive_csv(path, options)?, false))
+        }
+        Err(other) => Err(other),
+    }
 }
 
 /// Whether a recording holds the data of a training recording.

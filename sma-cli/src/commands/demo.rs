@@ -9,14 +9,13 @@ use comfy_table::{Cell, Table};
 use identify::{Identification, Provenance, RigModel, Rod, SavedModel, WienerModel};
 use missing_physics::{DiagnoseConfig, Diagnosis, RestoredModel, diagnose, setting_of_rod};
 use pid_tune::{
-    AntiWindup, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances, DriveLimits,
-    PidGains, PidParams, Reference, Task, TunerConfig, tune,
+    ClosedLoop, ClosedLoopParams, CostWeights, Disturbances, PidGains, Reference, Task,
+    TunerConfig, tune,
 };
 use truth_plant::{Shape, Traces, TruthPlant};
 
 use crate::commands::diagnose::{Rig as Files, before_and_after, show};
 use crate::commands::on_threads;
-use crate::commands::tune::{FILTER_SAMPLES, PAPER};
 use crate::demo_rig::{self, DT_S};
 use crate::figure::{Drawn, Figure, Series, Style};
 use crate::kept::{self, Kept};
@@ -32,6 +31,11 @@ use crate::report::verdict::verdict;
 use crate::rig::Rig;
 use crate::sink::Sink;
 use crate::terminal::{bar, write_stdout};
+use crate::tuning::{controller, of_paper};
+use crate::turned::Turned;
+
+/// The paper's memory of reversals, which the wire has.
+const MEMORY: Memory = Memory::LastReversal;
 
 /// Set points of the controllers, mm, and how long each is held, s.
 const LEVELS_MM: [f64; 4] = [3.0, 1.5, 4.0, 2.5];
@@ -88,7 +92,7 @@ fn demo(args: &DemoArgs) -> anyhow::Result<Outcome> {
     let known = Known::read(&paths)?;
     let diagnosis = known.diagnosed(args.quiet)?;
     write_stdout(&format!("\n{}", verdict(&diagnosis)))?;
-    let made = provenance(known.config().seed, &paths.inputs())?;
+    let made = provenance(known.config.seed, &paths.inputs())?;
     let runs = known.controlled(&diagnosis, &made, &truth)?;
     write_stdout(&format!(
         "\n{}\n{}",
@@ -149,6 +153,7 @@ impl Paths {
 struct Known {
     files: Files,
     model: RigModel,
+    config: DiagnoseConfig,
 }
 
 impl Known {
@@ -158,6 +163,11 @@ impl Known {
         let unseen = read_all(&rod, std::slice::from_ref(&paths.unseen))?;
         Ok(Self {
             model: RigModel::new(&rod, MEMORY.rule(), &training)?,
+            config: DiagnoseConfig {
+                setting: setting_of_rod(&rod, training[0].output_unit()),
+                limits: rod.limits,
+                ..DiagnoseConfig::default()
+            },
             files: Files {
                 rod,
                 training,
@@ -165,15 +175,6 @@ impl Known {
                 notes: Vec::new(),
             },
         })
-    }
-
-    fn config(&self) -> DiagnoseConfig {
-        let Files { rod, training, .. } = &self.files;
-        DiagnoseConfig {
-            setting: setting_of_rod(rod, training[0].output_unit()),
-            limits: rod.limits,
-            ..DiagnoseConfig::default()
-        }
     }
 
     fn plain(&self) -> &WienerModel {
@@ -187,10 +188,10 @@ impl Known {
         let Files {
             training, unseen, ..
         } = &self.files;
-        let config = self.config();
+        let config = &self.config;
         let bar = bar(quiet, config.baseline.starts, "diagnose {bar:20}  {msg}");
         let progress = &mut |progress| show(&bar, progress);
-        let diagnosis = diagnose(self.plain(), training, unseen, &config, progress)?;
+        let diagnosis = diagnose(self.plain(), training, unseen, config, progress)?;
         bar.finish_and_clear();
         Ok(diagnosis)
     }
@@ -226,32 +227,32 @@ impl Known {
                 rod,
                 plain: &self.model,
                 rule: MEMORY.rule(),
-                setting: &self.config().setting,
+                setting: &self.config.setting,
                 training,
                 unseen,
                 diagnosis,
             },
             made.clone(),
         );
-        let models = [
-            ("plain model", Style::Plain, Some(plain)),
-            ("mended model", Style::Extended, mended.model),
-        ];
-        let mut weights = None;
-        let mut runs = Vec::new();
-        for (tuned_on, style, model) in models {
-            if let Some(model) = model {
-                let controller = tuned(&model, &mut weights)?;
-                let traces = demo_rig::controlled(truth, controller, &setpoints_mm(), SEEDS[2])?;
-                runs.push(Run {
-                    tuned_on,
-                    style,
-                    gains: controller.1,
-                    traces,
-                });
-            }
+        let mut jobs = vec![("plain model", Style::Plain, Job::of(&plain)?)];
+        if let Some(mended) = &mended.model {
+            jobs.push(("mended model", Style::Extended, Job::of(mended)?));
         }
-        Ok(runs)
+        let (_, _, of_plain) = &jobs[0];
+        let weights = CostWeights::balancing(&of_paper(&of_plain.task, &of_plain.rig)?);
+        jobs.iter()
+            .map(|(tuned_on, style, job)| {
+                let gains = job.tuned(&weights)?;
+                let pid = *job.task.pid();
+                let traces = demo_rig::controlled(truth, (pid, gains), &setpoints_mm(), SEEDS[2])?;
+                Ok(Run {
+                    tuned_on,
+                    style: *style,
+                    gains,
+                    traces,
+                })
+            })
+            .collect()
     }
 
     /// The diagnosis, and what the mended model is worth.
@@ -277,9 +278,6 @@ impl Known {
     }
 }
 
-/// The paper's memory of reversals, which the wire has.
-const MEMORY: Memory = Memory::LastReversal;
-
 fn setpoints_mm() -> Vec<f64> {
     let held = samples(HELD_S);
     let levels = LEVELS_MM.iter();
@@ -290,42 +288,36 @@ fn samples(length_s: f64) -> usize {
     (length_s / DT_S) as usize
 }
 
-/// A controller for a model, tuned for the first set point; both models with the same weights.
-fn tuned(
-    saved: &SavedModel,
-    weights: &mut Option<CostWeights>,
-) -> anyhow::Result<(PidParams, PidGains)> {
-    let rig = Rig::of(saved, &RestoredModel::new(saved)?, None)?;
-    let pid = PidParams {
-        dt_s: DT_S,
-        limits: DriveLimits {
-            lower: 0.0,
-            upper: rig.drive_max,
-        },
-        anti_windup: AntiWindup::Clamping,
-        derivative_of: DerivativeOf::Measurement,
-        derivative_filter_s: FILTER_SAMPLES * DT_S,
-    };
-    let closed_loop = ClosedLoop::new(ClosedLoopParams {
-        reference: Reference::Step {
-            from: rig.rest_output()?,
-            to: LEVELS_MM[0],
-            at_s: 0.0,
-        },
-        n_samples: samples(HELD_S),
-        ambient_degc: rig.ambient_degc,
-        feed_forward: None,
-        disturbances: Disturbances::default(),
-    })?;
-    let task = Task::new(rig.fleet, closed_loop, pid)?;
-    let [of_paper] = task.evaluate(&[(rig.member, PAPER)])?[..] else {
-        unreachable!("one case has one response");
-    };
-    let weights = weights.get_or_insert(CostWeights::balancing(&of_paper));
-    let config = TunerConfig::for_task(&task, rig.stroke())?;
-    let progress = |_: &_| ControlFlow::Continue(());
-    let found = tune(&task, rig.member, weights, &config, progress)?;
-    Ok((pid, found.gains))
+/// A model, and the step to the first set point that a controller is tuned for.
+#[derive(Debug)]
+struct Job {
+    rig: Rig,
+    task: Task<'static, Turned>,
+}
+
+impl Job {
+    fn of(saved: &SavedModel) -> anyhow::Result<Self> {
+        let rig = Rig::of(saved, &RestoredModel::new(saved)?, None)?;
+        let closed_loop = ClosedLoop::new(ClosedLoopParams {
+            reference: Reference::Step {
+                from: rig.rest_output()?,
+                to: LEVELS_MM[0],
+                at_s: 0.0,
+            },
+            n_samples: samples(HELD_S),
+            ambient_degc: rig.ambient_degc,
+            feed_forward: None,
+            disturbances: Disturbances::default(),
+        })?;
+        let task = Task::new(rig.fleet, closed_loop, controller(&rig, DT_S))?;
+        Ok(Self { rig, task })
+    }
+
+    fn tuned(&self, weights: &CostWeights) -> anyhow::Result<PidGains> {
+        let config = TunerConfig::for_task(&self.task, self.rig.stroke())?;
+        let progress = |_: &_| ControlFlow::Continue(());
+        Ok(tune(&self.task, self.rig.member, weights, &config, progress)?.gains)
+    }
 }
 
 /// The true rig under a controller.
@@ -399,20 +391,17 @@ impl Worth<'_> {
     }
 
     fn figure(&self) -> Figure {
-        let points = |values: &[f64]| {
-            let values = values.iter().enumerate();
-            values.map(|(k, &y)| [k as f64 * DT_S, y]).collect()
-        };
-        let setpoint = Series {
-            label: "set point".to_owned(),
-            style: Style::Recorded,
-            points: points(&setpoints_mm()),
-        };
-        let runs = self.0.iter().map(|run| Series {
-            label: format!("PID tuned on the {}", run.tuned_on),
-            style: run.style,
-            points: points(&run.traces.quiet_displacement_mm),
+        let runs = self.0.iter().map(|run| {
+            let label = format!("PID tuned on the {}", run.tuned_on);
+            let Traces {
+                time_s,
+                quiet_displacement_mm,
+                ..
+            } = &run.traces;
+            Series::over(label, run.style, time_s, quiet_displacement_mm)
         });
+        let time_s = &self.0[0].traces.time_s;
+        let setpoint = Series::over("set point", Style::Recorded, time_s, &setpoints_mm());
         Figure {
             name: "controllers",
             caption:
@@ -421,8 +410,7 @@ impl Worth<'_> {
             across: "time, s".to_owned(),
             up: "displacement, mm".to_owned(),
             series: std::iter::once(setpoint).chain(runs).collect(),
-            shaded: Vec::new(),
-            words: Vec::new(),
+            ..Figure::default()
         }
     }
 }

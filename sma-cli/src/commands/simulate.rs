@@ -5,12 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use identify::{IdentifyError, SavedModel, predict};
 use missing_physics::{EffectId, RestoredModel, read_model};
-use recording::{
-    Quantity, Recording, RecordingError, RecordingParts, Sampling, read_csv, read_drive_csv,
-    write_csv,
-};
+use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
 
 use crate::outcome::Outcome;
+use crate::recordings::read_perhaps_without_output;
 use crate::report::number::significant;
 use crate::rig::BEYOND;
 use crate::sink::Sink;
@@ -43,27 +41,24 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let options = saved.rod().read_options();
-    let (recording, point, met) = match read_csv(&args.drive, &options) {
-        Ok(recording) => {
-            let validated = saved.validate_by(&model, &model.point(), &recording)?;
-            let met = format!(
-                "{} has an output too: the prediction meets it to {} {} RMS",
-                recording.name(),
-                significant(validated.rmse),
-                saved.output_unit(),
-            );
-            (recording, validated.point, met)
-        }
-        Err(RecordingError::MissingColumn { role: "output", .. }) => {
-            let recording = read_drive_csv(&args.drive, &options)?;
-            let first = saved.recordings().first();
-            let met = format!(
-                "start and offset are those of {}",
-                first.map_or("the model", |one| one.name.as_str())
-            );
-            (recording, model.point(), met)
-        }
-        Err(other) => return Err(IdentifyError::from(other).into()),
+    let (recording, has_output) =
+        read_perhaps_without_output(&args.drive, &options).map_err(IdentifyError::from)?;
+    let (point, met) = if has_output {
+        let validated = saved.validate_by(&model, &model.point(), &recording)?;
+        let met = format!(
+            "{} has an output too: the prediction meets it to {} {} RMS",
+            recording.name(),
+            significant(validated.rmse),
+            saved.output_unit(),
+        );
+        (validated.point, met)
+    } else {
+        let first = saved.recordings().first();
+        let met = format!(
+            "start and offset are those of {}",
+            first.map_or("the model", |one| one.name.as_str())
+        );
+        (model.point(), met)
     };
     let prediction = predict(&model, &point, &recording)?;
     let predicted = Recording::new(RecordingParts {

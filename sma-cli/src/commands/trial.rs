@@ -9,11 +9,11 @@ use blind_trial::scores::Scores;
 use blind_trial::{CaseLine, Family, Like, Plan, Progress, RunConfig, Trial};
 use clap::Args;
 use identify::Rod;
-use recording::{RecordingError, read_csv, read_drive_csv};
 
 use crate::outcome::{Outcome, with_sources};
 use crate::page;
 use crate::provenance::call;
+use crate::recordings::read_perhaps_without_output;
 use crate::report::trial::Tried;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
@@ -137,13 +137,8 @@ impl TrialArgs {
         };
         let rod = Rod::read(rod)?;
         let options = rod.read_options();
-        let recording = match read_csv(drive, &options) {
-            Err(RecordingError::MissingColumn { role: "output", .. }) => {
-                read_drive_csv(drive, &options)
-            }
-            other => other,
-        };
-        Ok(Some(Like::new(&rod, &recording?)?))
+        let (recording, _) = read_perhaps_without_output(drive, &options)?;
+        Ok(Some(Like::new(&rod, &recording)?))
     }
 
     fn run_cases(&self, trial: &mut Trial) -> anyhow::Result<usize> {

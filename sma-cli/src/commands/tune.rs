@@ -1,15 +1,15 @@
 //! `sma tune`: a controller for an identified model.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use identify::SavedModel;
 use missing_physics::{RestoredModel, read_model};
 use pid_tune::{
-    AntiWindup, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances, DriveLimits,
-    LoopAnalysis, Pace, Pid, PidGains, PidParams, Reference, RodLoop, RodLoopParams, Task, Terms,
-    TunerConfig, front, robustness, second_opinion, sensitivities, tune,
+    ClosedLoop, ClosedLoopParams, CostWeights, Disturbances, LoopAnalysis, Pace, Pid, PidGains,
+    PidParams, Reference, RodLoop, RodLoopParams, Task, Terms, TunerConfig, front, robustness,
+    second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
 
@@ -17,27 +17,19 @@ use crate::commands::on_threads;
 use crate::outcome::Outcome;
 use crate::page;
 use crate::provenance::provenance;
+use crate::recordings::read_perhaps_without_output;
 use crate::report::tuned::{Candidate, TunedReport};
 use crate::rig::{Rig, RigError};
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
 use crate::track::{Followed, Track, track};
-
-/// Gains that ran on the rig of the paper: A/mm, A/(mm s), A s/mm there.
-pub(crate) const PAPER: PidGains = PidGains {
-    kp: 200.0,
-    ki: 0.01,
-    kd: 0.0,
-};
+use crate::tuning::{PAPER, controller, of_paper};
 
 /// Length of a run in time constants, where none is given.
 const TIME_CONSTANTS: f64 = 20.0;
 
 /// Longest run, samples: some minutes of search.
 const MOST_SAMPLES: f64 = 1e6;
-
-/// Time constant of the derivative's filter, in samples: short beside the rod, long beside the noise.
-pub(crate) const FILTER_SAMPLES: f64 = 4.0;
 
 /// Periods of a sine that are followed; the errors of the last one count.
 const SINE_PERIODS: f64 = 3.0;
@@ -163,9 +155,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let task = Task::new(rig.fleet, closed_loop, job.pid)?;
     let member = rig.member;
     // Fixed beforehand: each term of the response to the paper's gains counts one.
-    let [of_paper] = task.evaluate(&[(member, PAPER)])?[..] else {
-        unreachable!("one case has one response");
-    };
+    let of_paper = of_paper(&task, &rig)?;
     let weights = Pace::new(args.pace)?.weigh(&args.weights(&of_paper));
     let config = TunerConfig {
         seed: args.seed,
@@ -261,16 +251,7 @@ impl TuneArgs {
                 why: "no recording of the model has one",
             });
         };
-        Ok(PidParams {
-            dt_s,
-            limits: DriveLimits {
-                lower: 0.0,
-                upper: rig.drive_max,
-            },
-            anti_windup: AntiWindup::Clamping,
-            derivative_of: DerivativeOf::Measurement,
-            derivative_filter_s: FILTER_SAMPLES * dt_s,
-        })
+        Ok(controller(rig, dt_s))
     }
 
     fn weights(&self, of_paper: &Terms) -> CostWeights {
@@ -424,22 +405,15 @@ impl Job<'_> {
 
     /// A reference from a file. Where the rig's output was recorded beside it, the rod starts from the same
     /// rest position.
-    fn recorded(&self, path: &PathBuf, tuned: PidGains) -> anyhow::Result<Vec<Track>> {
+    fn recorded(&self, path: &Path, tuned: PidGains) -> anyhow::Result<Vec<Track>> {
         let file = self.read_reference(path)?;
         let dt_s = self.pid.dt_s;
-        let (time_s, levels) = (file.recording.time_s(), file.recording.drive());
+        let time_s = file.recording.time_s();
         let lasts_s = time_s[time_s.len() - 1] - time_s[0];
         let n_samples = self.n_samples("length of the reference, s", lasts_s + dt_s)?;
         // Held between its samples, if the controller has others.
-        let mut held = Vec::with_capacity(n_samples);
-        let mut at = 0;
-        for k in 0..n_samples {
-            let now_s = time_s[0] + (k as f64 + 1e-6) * dt_s;
-            while at + 1 < time_s.len() && time_s[at + 1] <= now_s {
-                at += 1;
-            }
-            held.push(self.rig.signed(levels[at]));
-        }
+        let levels = file.recording.held_drive(dt_s, n_samples).into_iter();
+        let held: Vec<f64> = levels.map(|level| self.rig.signed(level)).collect();
         let rig = if file.has_output {
             self.rig.resting_at(file.recording.output()[0])?
         } else {
@@ -454,7 +428,7 @@ impl Job<'_> {
         Ok(tracks)
     }
 
-    fn read_reference(&self, path: &PathBuf) -> Result<ReferenceFile, RecordingError> {
+    fn read_reference(&self, path: &Path) -> Result<ReferenceFile, RecordingError> {
         let columns = &self.saved.rod().columns;
         let unit = self.rig.output_unit.as_str();
         // A reference is an input like that of a static loop: a number in a unit of its own.
@@ -467,13 +441,7 @@ impl Job<'_> {
             },
             ..ReadOptions::new(Quantity::Temperature)
         };
-        let (recording, has_output) = match recording::read_csv(path, &options) {
-            Ok(recording) => (recording, true),
-            Err(RecordingError::MissingColumn { role: "output", .. }) => {
-                (recording::read_drive_csv(path, &options)?, false)
-            }
-            Err(other) => return Err(other),
-        };
+        let (recording, has_output) = read_perhaps_without_output(path, &options)?;
         if recording.time_s().is_empty() {
             return Err(RecordingError::NoTime {
                 file: recording.name().to_owned(),

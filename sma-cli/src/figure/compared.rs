@@ -35,14 +35,9 @@ impl Compared<'_> {
         let (time, unit) = time(self.recording);
         let models = self.models.iter().zip(STYLES).map(|(one, style)| {
             let label = format!("{} model", one.model);
-            series(label, style, &time, &one.prediction.output)
+            Series::over(label, style, &time, &one.prediction.output)
         });
-        let recorded = series(
-            "recorded".to_owned(),
-            Style::Recorded,
-            &time,
-            self.recording.output(),
-        );
+        let recorded = Series::over("recorded", Style::Recorded, &time, self.recording.output());
         let says = if self.models.len() > 1 {
             "what the models say"
         } else {
@@ -60,7 +55,7 @@ impl Compared<'_> {
             up: self.output(),
             series: std::iter::once(recorded).chain(models).collect(),
             shaded: self.spans_s.clone(),
-            words: Vec::new(),
+            ..Figure::default()
         }
     }
 
@@ -68,7 +63,7 @@ impl Compared<'_> {
         let (time, unit) = time(self.recording);
         let series = self.models.iter().zip(STYLES).map(|(one, style)| {
             let label = format!("recorded - {} model", one.model);
-            series(label, style, &time, &left(self.recording, &one.prediction))
+            Series::over(label, style, &time, &left(self.recording, &one.prediction))
         });
         let leaves = if self.models.len() > 1 {
             "the models leave"
@@ -82,7 +77,7 @@ impl Compared<'_> {
             up: format!("recorded - model, {}", self.recording.output_unit()),
             series: series.collect(),
             shaded: self.spans_s.clone(),
-            words: Vec::new(),
+            ..Figure::default()
         }
     }
 
@@ -103,30 +98,17 @@ impl Compared<'_> {
                 )
             };
             let label = format!("{} model", one.model);
-            let model = series(label, style, input, &one.prediction.output);
-            let recorded = series(
-                "recorded".to_owned(),
-                Style::Recorded,
-                input,
-                self.recording.output(),
-            );
+            let model = Series::over(label, style, input, &one.prediction.output);
+            let recorded =
+                Series::over("recorded", Style::Recorded, input, self.recording.output());
             Figure {
                 name,
                 caption: format!("{}: the loop over {over}", self.name),
                 across,
                 up: self.output(),
                 series: vec![recorded, model],
-                shaded: Vec::new(),
-                words: Vec::new(),
+                ..Figure::default()
             }
         })
-    }
-}
-
-fn series(label: String, style: Style, across: &[f64], up: &[f64]) -> Series {
-    Series {
-        label,
-        style,
-        points: across.iter().zip(up).map(|(&x, &y)| [x, y]).collect(),
     }
 }

@@ -59,11 +59,6 @@ impl Drawn<'_> {
         let unseen = over(&|k| Validated::rmse_of_all(&stages[k].validated));
         let noise = diagnosis.noise_floor;
         let floor = noise.upper.unwrap_or(noise.lower);
-        let curve = |label: &str, style, points| Series {
-            label: label.to_owned(),
-            style,
-            points,
-        };
         let found: Vec<&str> = diagnosis
             .extended
             .iter()
@@ -77,14 +72,14 @@ impl Drawn<'_> {
             caption += &format!(", and with {}", found.join(", "));
         }
         let end = stages.len() as f64 - 0.5;
-        let mut all = vec![curve("training", Style::Training, training)];
+        let mut all = vec![Series::new("training", Style::Training, training)];
         if !unseen.is_empty() {
-            all.push(curve("unseen", Style::Unseen, unseen));
+            all.push(Series::new("unseen", Style::Unseen, unseen));
         }
-        all.push(curve(
+        all.push(Series::new(
             "noise",
             Style::Noise,
-            vec![[-0.5, floor], [end, floor]],
+            [[-0.5, floor], [end, floor]],
         ));
         Figure {
             name: "ladder",
@@ -92,8 +87,8 @@ impl Drawn<'_> {
             across: String::new(),
             up: format!("RMSE, {}", self.compared.recording.output_unit()),
             series: all,
-            shaded: Vec::new(),
             words: words.into_iter().map(str::to_owned).collect(),
+            ..Figure::default()
         }
     }
 }

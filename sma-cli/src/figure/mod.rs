@@ -19,7 +19,7 @@ pub(crate) use tracks::tracks;
 use crate::sink::Sink;
 
 /// Curves over one axis.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Figure {
     /// Its files' name without an ending.
     pub(crate) name: &'static str,
@@ -41,6 +41,25 @@ pub(crate) struct Series {
     pub(crate) label: String,
     pub(crate) style: Style,
     pub(crate) points: Vec<[f64; 2]>,
+}
+
+impl Series {
+    pub(crate) fn new(
+        label: impl Into<String>,
+        style: Style,
+        points: impl IntoIterator<Item = [f64; 2]>,
+    ) -> Self {
+        Self {
+            label: label.into(),
+            style,
+            points: points.into_iter().collect(),
+        }
+    }
+
+    /// Values over others, one each.
+    pub(crate) fn over(label: impl Into<String>, style: Style, across: &[f64], up: &[f64]) -> Self {
+        Self::new(label, style, across.iter().zip(up).map(|(&x, &y)| [x, y]))
+    }
 }
 
 /// How a curve is drawn.

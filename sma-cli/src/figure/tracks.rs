@@ -12,7 +12,7 @@ pub(crate) fn tracks(tuned: &TunedReport<'_>) -> Vec<Figure> {
         .chunk_by(|one, another| one.name == another.name);
     let figures = by_reference.filter_map(|tracks| {
         let first = tracks.first()?;
-        let reference = curve("reference", Style::Recorded, &first.time_s, &first.setpoint);
+        let reference = Series::over("reference", Style::Recorded, &first.time_s, &first.setpoint);
         let outputs = tracks.iter().map(|track| under(track, &track.output));
         let drives = tracks.iter().map(|track| under(track, &track.drive));
         let figure = |name, caption, up, series| Figure {
@@ -21,8 +21,7 @@ pub(crate) fn tracks(tuned: &TunedReport<'_>) -> Vec<Figure> {
             across: "time, s".to_owned(),
             up,
             series,
-            shaded: Vec::new(),
-            words: Vec::new(),
+            ..Figure::default()
         };
         Some([
             figure(
@@ -51,18 +50,10 @@ fn under(track: &Track, values: &[f64]) -> Series {
     } else {
         Style::Plain
     };
-    curve(
-        &format!("{} gains", track.controller),
+    Series::over(
+        format!("{} gains", track.controller),
         style,
         &track.time_s,
         values,
     )
-}
-
-fn curve(label: &str, style: Style, time_s: &[f64], values: &[f64]) -> Series {
-    Series {
-        label: label.to_owned(),
-        style,
-        points: time_s.iter().zip(values).map(|(&x, &y)| [x, y]).collect(),
-    }
 }

@@ -149,12 +149,8 @@ fn played(run: &Run) -> Figure {
         ),
         across: "time, s".to_owned(),
         up: "drive".to_owned(),
-        series: vec![Series {
-            label: "drive".to_owned(),
-            style: Style::Extended,
-            points: points.collect(),
-        }],
+        series: vec![Series::new("drive", Style::Extended, points)],
         shaded: vec![[from, to]],
-        words: Vec::new(),
+        ..Figure::default()
     }
 }

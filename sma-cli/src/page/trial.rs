@@ -83,11 +83,11 @@ fn power(power: &Power) -> Figure {
         across: "oracle score from".to_owned(),
         up: "of the cases, %".to_owned(),
         series: vec![
-            curve("in the stated set", Style::Training, stated),
-            curve("named first", Style::Unseen, top),
+            Series::new("in the stated set", Style::Training, stated),
+            Series::new("named first", Style::Unseen, top),
         ],
-        shaded: Vec::new(),
         words: bins.map(|bin| bin.from_t.to_string()).collect(),
+        ..Figure::default()
     }
 }
 
@@ -101,18 +101,9 @@ fn calibration(calibration: &Calibration) -> Figure {
         across: "stated probability, %".to_owned(),
         up: "right, %".to_owned(),
         series: vec![
-            curve("names", Style::Extended, right),
-            curve("as stated", Style::Noise, [[0.0, 0.0], [100.0, 100.0]].into_iter()),
+            Series::new("names", Style::Extended, right),
+            Series::new("as stated", Style::Noise, [[0.0, 0.0], [100.0, 100.0]]),
         ],
-        shaded: Vec::new(),
-        words: Vec::new(),
-    }
-}
-
-fn curve(label: &str, style: Style, points: impl Iterator<Item = [f64; 2]>) -> Series {
-    Series {
-        label: label.to_owned(),
-        style,
-        points: points.collect(),
+        ..Figure::default()
     }
 }

@@ -7,38 +7,13 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use blind_trial::{Journal, Line, Named, Verdict};
+use fixtures::bologna;
 use identify::{Rod, WienerModel};
 use missing_physics::{DiagnoseConfig, diagnose, setting_of_rod};
 use recording::{Recording, read_csv};
 use serde::{Deserialize, Serialize};
 use studies::Injected;
 use wiener::hysteresis::Rule;
-
-/// What is known of the wire, from the paper that recorded it.
-const ROD: &str = r#"
-[rod]
-diameter_mm = 0.5
-length_mm = 1000.0
-density_kg_per_m3 = 6450.0
-specific_heat_j_per_kg_k = 500.0
-resistance_ohm_per_m = 4.3
-
-[surroundings]
-ambient_degc = 24.0
-
-[drive]
-kind = "duty"
-supply_v = 24.0
-
-[load]
-lever = 1.0
-
-[columns]
-output = { name = "position_mm", unit = "mm" }
-"#;
-
-/// Recordings that decide, then the unseen one.
-const RECORDINGS: [&str; 4] = ["ramp01.csv", "step01.csv", "step02.csv", "ramp02.csv"];
 
 /// Where results go unless told otherwise, from the workspace's root.
 const RESULTS: &str = "dev/studies/results/injected.jsonl";
@@ -65,15 +40,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::args()
         .nth(1)
         .unwrap_or_else(|| RESULTS.to_owned());
-    let Some(folder) = fixtures::shared::path("recordings/bologna") else {
+    let Some(folder) = fixtures::shared::path(bologna::FOLDER) else {
         return Ok(());
     };
-    let rod = Rod::parse("rod.toml", ROD)?;
+    let rod = Rod::parse("rod.toml", bologna::ROD)?;
     let read = |name: &str| read_csv(folder.join(name), &rod.read_options());
-    let recorded = RECORDINGS
-        .map(read)
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?;
+    let names = bologna::TRAINING.into_iter().chain([bologna::UNSEEN]);
+    let recorded = names.map(read).collect::<Result<Vec<_>, _>>()?;
     let stroke = stroke(&recorded);
     let mut journal = Journal::open(&PathBuf::from(out))?;
     let injections = std::iter::once(None).chain(Injected::all().into_iter().map(Some));
