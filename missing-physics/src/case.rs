@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use identify::{
-    Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig, Refined,
-    WienerModel, refine, validate_at,
+    Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
+    ParameterVector, RefineConfig, Refined, WienerModel, refine, validate_at,
 };
 use rayon::prelude::*;
 use recording::Recording;
@@ -341,21 +341,29 @@ impl<'a> Case<'a> {
         })
     }
 
+    fn has_thermometer(&self) -> bool {
+        let mut thermometers = self.layout.of_channel(Channel::Temperature);
+        thermometers.next().is_some()
+    }
+
+    /// The partner of an effect that screening varies, and the values to try.
+    pub(crate) fn screened_partner(&self, effect: Candidate) -> Option<(usize, &'static [f64])> {
+        let info = effect.info();
+        let told =
+            |&(k, _): &(usize, _)| self.has_thermometer() || !info.parameters[k].needs_thermometer;
+        info.screened_partner().filter(told)
+    }
+
     /// What an effect needs and is not known.
     pub(crate) fn missing(&self, effect: Candidate) -> Option<Need> {
         let setting = &self.setting;
         let electrical = !matches!(self.base.drive(), wiener::Drive::Power { .. });
-        let thermometer = self
-            .layout
-            .of_channel(Channel::Temperature)
-            .next()
-            .is_some();
         effect.info().needs.iter().copied().find(|need| match need {
             Need::MassPerMeter => setting.mass_kg_per_m.is_none(),
             Need::SurfacePerMeter => setting.surface_m2_per_m.is_none(),
             Need::Length => setting.length_output.is_none(),
             Need::ElectricalDrive => !electrical,
-            Need::TemperatureChannel => !thermometer,
+            Need::TemperatureChannel => !self.has_thermometer(),
             // Each recording has its length, and without a load the loop shifts all the same.
             Need::RunLength | Need::Load => false,
             Need::AbsoluteTemperature => !self.base.knows_temperature(),
@@ -369,9 +377,25 @@ impl Node {
         self.noise.output.variance
     }
 
-    /// Free parameters: coordinates and an offset a recording.
+    /// Free parameters: coordinates and an offset a recording, but for partners on a bound, which adjust nothing.
     pub(crate) fn n_free(&self) -> usize {
-        self.coordinates.len() + self.points.len()
+        let is_idle = |&(parameter, info): &(usize, &ParameterInfo)| {
+            let is_partner = self.model.slot(parameter).is_some_and(|(effect, k)| {
+                matches!(effect.info().parameters[k].role, Role::Partner { .. })
+            });
+            let ends = [info.bounds.lower, info.bounds.upper];
+            is_partner
+                && info.state == ParameterState::Free
+                && ends.contains(&self.points[0][parameter])
+        };
+        let idle = self
+            .model
+            .parameters()
+            .iter()
+            .enumerate()
+            .filter(is_idle)
+            .count();
+        self.coordinates.len() + self.points.len() - idle
     }
 
     /// Values of an effect's parameters, if it is active.
@@ -395,18 +419,16 @@ impl Node {
             let is_size = parameter.role == Role::Size;
             // Nothing is nowhere less: without a size there is no effect, and a play has no softness.
             let at_lower = value <= lower + margin && lower != 0.0;
-            let at_upper = value >= upper - margin && !(is_size && ends_there);
+            // All of a delay may lie behind the rod.
+            let is_share = effect == EffectId::DeadTime && !is_size;
+            let at_upper = value >= upper - margin && !(is_size && ends_there || is_share);
             at_lower || at_upper
         })
     }
 
-    /// Whether the model may be chosen: none of its effects is pressed against a bound, and no flexible one helps
-    /// others to their names.
-    pub(crate) fn is_admitted(&self) -> bool {
-        let helps = self.effects.len() > 1;
-        self.effects
-            .iter()
-            .all(|effect| !(self.is_pressed(effect) || helps && effect.info().flexible))
+    /// Whether one of its effects is pressed against a bound.
+    pub(crate) fn is_held(&self) -> bool {
+        self.effects.iter().any(|effect| self.is_pressed(effect))
     }
 
     /// Whether a size of an effect is all but zero: it is there by name only.

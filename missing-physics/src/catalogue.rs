@@ -1,6 +1,6 @@
 //! What the recordings say of each effect, and of those that were found.
 
-use identify::IdentifyError;
+use identify::{FittedParameter, IdentifyError, ParameterState};
 
 use crate::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
 use crate::judge::{Judged, Named};
@@ -17,9 +17,14 @@ const HALF_95: f64 = 1.96;
 pub(crate) fn finding(named: &Named, extended: Option<&ExtendedStage>) -> Finding {
     let info = named.effect.info();
     let fitted = |name: &str| extended.and_then(|one| one.stage.fit.parameter(name));
+    let is_held = |name: &str| {
+        let held = |one: &FittedParameter| one.info.state != ParameterState::Free;
+        fitted(name).is_some_and(held)
+    };
     let parameters: Vec<Estimate> = info
         .parameters
         .iter()
+        .filter(|parameter| !is_held(parameter.name))
         .map(|parameter| {
             let fitted = fitted(parameter.name);
             let literature = parameter.literature.filter(|literature| literature.checked);

@@ -40,6 +40,9 @@ const MUCH: f64 = 5.0;
 /// Share of the explainable error of the unseen recordings below which names do not hold there.
 const HELD: f64 = 0.4;
 
+/// Error on unseen recordings over that on the training's up to which a model does there as well.
+const AS_NEAR: f64 = 1.2;
+
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
@@ -162,7 +165,7 @@ pub fn diagnose_from(
         .as_ref()
         .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
         .transpose()?;
-    let judged = if holds(&judged, explained.as_ref()) {
+    let judged = if holds(&judged, extended.as_ref(), explained.as_ref()) {
         judged
     } else {
         judged.demoted(Verdict::Unexplained)
@@ -212,7 +215,13 @@ pub fn diagnose_from(
 }
 
 /// Whether names hold on the unseen recordings. Drifts and fatigue need not: they stay with their recording.
-fn holds(judged: &Judged, explained: Option<&Explained>) -> bool {
+fn holds(judged: &Judged, extended: Option<&ExtendedStage>, explained: Option<&Explained>) -> bool {
+    // As far off as where the model was fitted: the noise is larger than it was measured.
+    let as_near = extended.is_some_and(|extended| {
+        let unseen = Validated::rmse_of_all(&extended.stage.validated);
+        let most = AS_NEAR * extended.stage.fit.train_rmse;
+        unseen.is_some_and(|rmse| rmse < most)
+    });
     let stays =
         |named: &Named| named.effect.info().flexible || named.effect == EffectId::FunctionalFatigue;
     let fails = explained.is_some_and(|shares| {
@@ -221,7 +230,7 @@ fn holds(judged: &Judged, explained: Option<&Explained>) -> bool {
         let interval = shares.validate_interval;
         is_low && interval.is_none_or(|[_, upper]| upper < GATE)
     });
-    !fails || judged.named.iter().any(stays)
+    !fails || as_near || judged.named.iter().any(stays)
 }
 
 /// What the noise lets be said of what was judged, and the noise.
@@ -329,7 +338,7 @@ fn in_its_place<'a>(
 /// The chosen model, or the most credible with effects, and the most credible others, each by an effect that the
 /// first does not have.
 fn nearest<'a>(search: &'a Search<'_>, chosen: CandidateSet) -> Vec<Rival<'a>> {
-    let with_effects = |node: &&Node| node.is_admitted() && !node.effects.is_empty();
+    let with_effects = |node: &&Node| search.admits(node) && !node.effects.is_empty();
     let mut nodes: Vec<&Node> = search.nodes().filter(with_effects).collect();
     let rank = |node: &Node| (node.effects == chosen, search.credit(node.effects));
     nodes.sort_by(|a, b| {

@@ -58,9 +58,14 @@ impl ExtendedModel {
             for (k, parameter) in effect.info().parameters.iter().enumerate() {
                 let [lower, upper] = parameter.bounds;
                 let bounds = Bounds { lower, upper };
+                let is_told = !parameter.needs_thermometer || fit.temperature_rmse_k.is_some();
                 parameters.push(ParameterInfo {
                     admissible: bounds,
-                    state: ParameterState::Free,
+                    state: if is_told {
+                        ParameterState::Free
+                    } else {
+                        ParameterState::Fixed(parameter.neutral())
+                    },
                     ..ParameterInfo::searched(parameter.name, parameter.unit, Scale::Linear, bounds)
                 });
                 slots.push((effect, k));

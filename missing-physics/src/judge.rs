@@ -11,7 +11,7 @@ use crate::scores::Score;
 use crate::search::{MOST_EFFECTS, Search, is_universal};
 use crate::series::Channel;
 use crate::tone::has_tone;
-use crate::trial::Trial;
+use crate::trial::{KNOWN, Trial};
 use crate::{Candidate, CandidateSet, EffectId};
 
 /// Share of the explainable error that an effect must bring to have a name.
@@ -44,6 +44,9 @@ const UNSTEADY: f64 = 9.0;
 /// Probability of a flexible effect where nothing of the catalogue does as well: a spline takes the place of whatever
 /// drifts, known or not.
 const OF_FLEXIBLE: f64 = 0.85;
+
+/// Mean square without a drift over that with it, from which others may stand beside it.
+const DRIFTED: f64 = 3.0;
 
 /// Losses that grow faster than the temperature.
 const ACT_ALIKE: [[EffectId; 2]; 1] = [[EffectId::Radiation, EffectId::NaturalConvection]];
@@ -96,16 +99,53 @@ impl Judged {
     }
 }
 
-/// Judges the models of a search.
+/// Judges the models of a search; where nothing accounts for the mismatch, with a drift beside the effects: what it
+/// helps to a name must leave nothing but noise, and most of what is left without it must be its own.
 pub(crate) fn judge(
     search: &mut Search<'_>,
     noise: &Measured,
     tau_s: f64,
 ) -> Result<Judged, IdentifyError> {
+    let without = judged(search, noise, tau_s)?;
+    if without.verdict != Verdict::Unexplained || !search.grow_beside_drifts()? {
+        search.part_from_drifts();
+        return Ok(without);
+    }
+    let beside = judged(search, noise, tau_s)?;
+    if !beside.named.is_empty() && drifts(search, noise, beside.effects)? {
+        return Ok(beside);
+    }
+    search.part_from_drifts();
+    Ok(without)
+}
+
+/// Whether a model with a drift leaves nothing but noise, and far more without the drift.
+fn drifts(
+    search: &mut Search<'_>,
+    noise: &Measured,
+    effects: CandidateSet,
+) -> Result<bool, IdentifyError> {
+    for drift in effects.iter().filter(|effect| effect.info().flexible) {
+        let Some(less) = search.exchanged(effects, drift, None) else {
+            continue;
+        };
+        let (Some(with), Some(without)) = (search.get(effects), search.get(less)) else {
+            unreachable!("both were visited");
+        };
+        let is_noise = !Trial::far_off(with, noise) && lack(search, with)?.p_value > LACK_OF_FIT;
+        if !is_noise || without.mean_square() < DRIFTED * with.mean_square() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Judges the models that are admitted.
+fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judged, IdentifyError> {
     let mut effects = settled(search)?;
     let trial = Trial::of(search, noise, tau_s)?;
     let mut contributions = pruned(search, &trial, &mut effects)?;
-    if !search.get(effects).is_some_and(Node::is_admitted) {
+    if !search.get(effects).is_some_and(|node| search.admits(node)) {
         // What is left of a larger model stands on a bound: another of its size may do.
         effects = chosen(search, effects.len());
         contributions = pruned(search, &trial, &mut effects)?;
@@ -196,7 +236,7 @@ fn chosen(search: &Search<'_>, most: usize) -> CandidateSet {
     let credible = search
         .nodes()
         .filter(|node| node.effects.len() <= most)
-        .filter(|node| node.is_admitted() && !search.is_outdone(node));
+        .filter(|node| search.admits(node) && !search.is_outdone(node));
     let best = credible
         .map(|node| (search.credit(node.effects), node.effects))
         .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -210,7 +250,7 @@ fn settled(search: &mut Search<'_>) -> Result<CandidateSet, IdentifyError> {
     let mut effects = chosen(search, usize::MAX);
     for _ in 0..ROUNDS {
         let is_elsewhere = !effects.is_empty() && search.settle(effects)?.is_elsewhere;
-        let is_admitted = search.get(effects).is_some_and(Node::is_admitted);
+        let is_admitted = search.get(effects).is_some_and(|node| search.admits(node));
         if !is_elsewhere && is_admitted && !search.is_misfit() {
             break;
         }
@@ -277,16 +317,42 @@ fn pruned(
 ) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
     loop {
         let contributions = contributions(search, trial, *effects)?;
-        let weakest = contributions.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let mut weak: Vec<(Candidate, f64)> = Vec::new();
+        for &(effect, share) in &contributions {
+            if share < OWN_SHARE && !completes(search, *effects, effect)? {
+                weak.push((effect, share));
+            }
+        }
+        let weakest = weak.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         match weakest {
-            Some(&(effect, share)) if share < OWN_SHARE => {
+            Some(&(effect, _)) => {
                 let less = search.exchanged(*effects, effect, None);
                 *effects = less.unwrap_or(CandidateSet::EMPTY);
             }
-            Some(_) if search.settle(*effects)?.is_elsewhere => {}
-            _ => return Ok(contributions),
+            None if search.settle(*effects)?.is_elsewhere => {}
+            None => return Ok(contributions),
         }
     }
+}
+
+/// Whether a model leaves noise alone, and without one of its effects more than that beyond doubt. One that acts like
+/// another of the model takes in what is only the other's form.
+fn completes(
+    search: &mut Search<'_>,
+    effects: CandidateSet,
+    effect: Candidate,
+) -> Result<bool, IdentifyError> {
+    let Some(less) = search.exchanged(effects, effect, None) else {
+        return Ok(true);
+    };
+    if acts_like(effect).any(|other| effects.contains(other)) {
+        return Ok(false);
+    }
+    let (Some(with), Some(without)) = (search.get(effects), search.get(less)) else {
+        unreachable!("both were visited");
+    };
+    let is_noise = lack(search, with)?.p_value > LACK_OF_FIT;
+    Ok(is_noise && lack(search, without)?.p_value < BEYOND_DOUBT)
 }
 
 /// Share of the explainable error that comes back without each effect.
@@ -307,7 +373,8 @@ fn contributions(
         };
         let share = if trial.is_resolved() {
             let lost = trial.left(search, without)? - trial.left(search, with)?;
-            lost / (trial.left(search, search.baseline())? - trial.noise)
+            let of_output = lost / (trial.left(search, search.baseline())? - trial.noise);
+            of_output.max(of_temperature(search, with, without))
         } else {
             let all = with.noise.nats() - search.baseline().noise.nats();
             (with.noise.nats() - without.noise.nats()) / all
@@ -317,12 +384,24 @@ fn contributions(
     Ok(shares)
 }
 
+/// What an effect brings to a recorded temperature, as a share of what there is to be explained.
+fn of_temperature(search: &Search<'_>, with: &Node, without: &Node) -> f64 {
+    let left = |node: &Node| node.noise.temperature.variance;
+    let least = search.nodes().map(left).fold(f64::INFINITY, f64::min);
+    let plain = left(search.baseline());
+    if plain > KNOWN * least {
+        (left(without) - left(with)) / (plain - least)
+    } else {
+        0.0
+    }
+}
+
 /// Effects that all models share which are nearly as credible as a model, where all leave more than noise.
 fn shared(search: &Search<'_>, effects: CandidateSet) -> CandidateSet {
     let least = search.credit(effects) - AS_WELL;
     let near = search
         .nodes()
-        .filter(|node| search.is_misfit() && node.is_admitted())
+        .filter(|node| search.is_misfit() && search.admits(node))
         .filter(|node| search.credit(node.effects) > least);
     near.fold(effects, |shared, node| {
         shared
@@ -377,9 +456,9 @@ fn passes(
     Ok(share.is_some_and(|share| share.lower >= GATE))
 }
 
-/// What acts like an effect in every rig, and could not be tried for want of what it needs: as likely.
-fn untried(search: &Search<'_>, effect: Candidate) -> impl Iterator<Item = Candidate> {
-    let others = ACT_ALIKE.into_iter().filter_map(move |[one, other]| {
+/// What acts like an effect in every rig.
+fn acts_like(effect: Candidate) -> impl Iterator<Item = Candidate> {
+    ACT_ALIKE.into_iter().filter_map(move |[one, other]| {
         if effect == one {
             Some(other.into())
         } else if effect == other {
@@ -387,8 +466,12 @@ fn untried(search: &Search<'_>, effect: Candidate) -> impl Iterator<Item = Candi
         } else {
             None
         }
-    });
-    others.filter(|&other| search.may_be(other) && search.case.missing(other).is_some())
+    })
+}
+
+/// What acts like an effect in every rig, and could not be tried for want of what it needs: as likely.
+fn untried(search: &Search<'_>, effect: Candidate) -> impl Iterator<Item = Candidate> {
+    acts_like(effect).filter(|&other| search.may_be(other) && search.case.missing(other).is_some())
 }
 
 /// Probability of an effect against those that would do as well in its place, and these.
@@ -405,7 +488,7 @@ fn alternatives(
         if let Some(set) = search.exchanged(effects, effect, Some(&rival)) {
             search.finish(&[set])?;
             let behind = search.behind(set, effects);
-            let is_credible = |node: &Node| node.is_admitted() && !search.is_outdone(node);
+            let is_credible = |node: &Node| search.admits(node) && !search.is_outdone(node);
             if behind < AS_WELL && search.get(set).is_some_and(is_credible) {
                 weights.push((rival.effect, (-behind).exp()));
             }

@@ -130,7 +130,7 @@ pub(crate) fn sift(
         .collect();
     let traces: Vec<Trace> = wanted
         .par_iter()
-        .map(|&effect| traces(case, node, effect, secants_of(effect), None))
+        .map(|&effect| traces(case, node, effect, secants_of(case, effect), None))
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()
         .flatten()

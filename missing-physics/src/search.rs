@@ -40,6 +40,9 @@ const UNIVERSAL: [EffectId; 4] = [
     EffectId::Radiation,
 ];
 
+/// What moves slowly and on its own.
+const DRIFTS: [EffectId; 2] = [EffectId::SensorDrift, EffectId::AmbientDrift];
+
 /// Odds against each other effect, in units of log-likelihood: 20 to 1.
 const ODDS: f64 = 3.0;
 
@@ -101,6 +104,8 @@ pub(crate) struct Search<'a> {
     visited: Vec<Visited>,
     /// The baseline at its other minima, until effects have been tried there.
     other_baselines: Vec<Node>,
+    /// Whether a drift may stand beside other effects.
+    beside_drifts: bool,
     /// Sets of effects that lead nowhere.
     dead: Vec<CandidateSet>,
     /// Models that were searched from where one with an effect more was fitted, after that one.
@@ -122,6 +127,7 @@ impl<'a> Search<'a> {
             seed,
             other_baselines: case.other_baselines()?,
             visited: vec![baseline.into()],
+            beside_drifts: false,
             dead: Vec::new(),
             lightened: Vec::new(),
         })
@@ -200,6 +206,41 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
+    /// Whether a model may be chosen: none of its effects is pressed against a bound, and no flexible one helps others to
+    /// their names; a drift may stand beside them once these have failed without.
+    pub(crate) fn admits(&self, node: &Node) -> bool {
+        let mut flexible = node.effects.iter().filter(|one| one.info().flexible);
+        let may_stand = match (flexible.next(), flexible.next()) {
+            (None, _) => true,
+            (Some(one), None) => {
+                node.effects.len() == 1
+                    || self.beside_drifts && DRIFTS.iter().any(|drift| one == *drift)
+            }
+            _ => false,
+        };
+        may_stand && !node.is_held()
+    }
+
+    /// Tries effects beside a drift, from now on admitted; whether there were any.
+    pub(crate) fn grow_beside_drifts(&mut self) -> Result<bool, IdentifyError> {
+        self.beside_drifts = true;
+        let mut grown = Vec::new();
+        for drift in DRIFTS {
+            let alone = CandidateSet::EMPTY.with(drift);
+            if self.get(alone).is_some_and(|node| !node.is_held()) {
+                grown.extend(self.children(alone)?);
+            }
+        }
+        let best = self.best_of(grown);
+        self.finish(&best)?;
+        Ok(!best.is_empty())
+    }
+
+    /// Drifts stand alone again.
+    pub(crate) fn part_from_drifts(&mut self) {
+        self.beside_drifts = false;
+    }
+
     /// Takes searches that were cut short to their ends.
     pub(crate) fn finish(&mut self, sets: &[CandidateSet]) -> Result<(), IdentifyError> {
         let finished = sets
@@ -244,7 +285,7 @@ impl<'a> Search<'a> {
 
     /// The most credible of some models, the best first, then those of the lowest error.
     fn best_of(&self, mut sets: Vec<CandidateSet>) -> Vec<CandidateSet> {
-        let admitted = |set: &CandidateSet| self.get(*set).is_some_and(|node| node.is_admitted());
+        let admitted = |set: &CandidateSet| self.get(*set).is_some_and(|node| self.admits(node));
         if sets.iter().any(admitted) {
             sets.retain(admitted);
         }
@@ -323,7 +364,7 @@ impl<'a> Search<'a> {
     pub(crate) fn is_outdone(&self, node: &Node) -> bool {
         let is_rigid = |other: &&Node| other.effects.iter().all(|one| !one.info().flexible);
         self.nodes()
-            .filter(|other| other.effects.len() <= node.effects.len() && other.is_admitted())
+            .filter(|other| other.effects.len() <= node.effects.len() && self.admits(other))
             .filter(is_rigid)
             .any(|other| OUTDONE * other.mean_square() < node.mean_square())
     }
@@ -478,8 +519,9 @@ impl<'a> Search<'a> {
         if let (true, [k]) = (node.effects.is_empty(), &sizes[..])
             && parameters[*k].sign() == Sign::Either
         {
-            let large = START[1] * parameters[*k].typical;
-            starts.extend([large, -large].map(|large| start(&[large], 1.0)));
+            let typical = parameters[*k].typical;
+            let sizes = [typical, START[1] * typical].into_iter();
+            starts.extend(sizes.flat_map(|size| [size, -size].map(|size| start(&[size], 1.0))));
         }
         let effects = node.effects.with(effect);
         self.case.refined(node, effects, &starts).ok()
@@ -517,10 +559,8 @@ impl<'a> Search<'a> {
         let is_fitted = from.fit.is_some();
         let is_needed = match self.index(less).map(|index| &self.visited[index]) {
             None => true,
-            Some(known) => {
-                let is_best = known.fit.is_some() || less.is_empty();
-                is_fitted && !is_best && !self.lightened.contains(&(effects, less))
-            }
+            // What was fitted from many places may still have missed where the larger model stands.
+            Some(_) => is_fitted && !less.is_empty() && !self.lightened.contains(&(effects, less)),
         };
         if !is_needed {
             return;

@@ -7,8 +7,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::Role;
 use crate::case::{Case, Node};
+use crate::{Role, Sign};
 
 /// Places from which a search could start.
 const PLACES: usize = 63;
@@ -18,6 +18,9 @@ const SEARCHES: usize = 15;
 
 /// Iterations of these searches, round by round, and how many of them go on.
 const RACE: [(usize, usize); 2] = [(3, 5), (6, 2)];
+
+/// Iterations in which the other parameters follow a size that was turned around.
+const TURNED: usize = 12;
 
 /// Deviance a sample by which the end of a race may be behind to be followed: a mean square 1 % larger.
 const BEHIND: f64 = 0.01;
@@ -35,6 +38,7 @@ const SIZES: [f64; 2] = [0.05, 2.0];
 pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, IdentifyError> {
     let vector = ParameterVector::new(node.model.parameters(), case.training.len());
     let mut ends = lowest(case, node, &vector, places(node, &vector, seed));
+    ends.extend(raced(case, node, &mirrored(node, &vector), TURNED));
     for (iterations, followed) in RACE {
         ends = raced(case, node, &ends, iterations);
         ends.truncate(followed);
@@ -51,6 +55,27 @@ pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Id
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     fit(&node.model, case.training, &config, go_on)
+}
+
+/// Where a model stands, with each size that has two signs at its opposite, and at a typical one: around the wrong
+/// sign the others may have found a minimum.
+fn mirrored(node: &Node, vector: &ParameterVector) -> Vec<End> {
+    let bounds = vector.bounds();
+    let signed = (0..node.coordinates.len()).filter_map(|j| {
+        let (effect, k) = node.model.slot(vector.parameter(j))?;
+        let parameter = &effect.info().parameters[k];
+        let is_signed = parameter.role == Role::Size && parameter.sign() == Sign::Either;
+        is_signed.then(|| (j, parameter.typical))
+    });
+    let opposite = |(j, typical): (usize, f64)| {
+        let at = node.coordinates[j];
+        [-at, typical.copysign(-at)].map(|size| {
+            let mut coordinates = node.coordinates.clone();
+            coordinates[j] = size.clamp(bounds[j].lower, bounds[j].upper);
+            (f64::INFINITY, coordinates)
+        })
+    };
+    signed.flat_map(opposite).collect()
 }
 
 /// The ends of some searches, the lowest first.

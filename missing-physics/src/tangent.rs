@@ -116,9 +116,9 @@ pub(crate) fn sensitivities(
 }
 
 /// Sizes of an effect's secants in screening, as shares of the typical size.
-pub(crate) fn secants_of(effect: Candidate) -> &'static [f64] {
-    let info = effect.info();
-    if info.smoothness == Smoothness::Smooth && info.screened_partner().is_none() {
+pub(crate) fn secants_of(case: &Case<'_>, effect: Candidate) -> &'static [f64] {
+    let is_smooth = effect.info().smoothness == Smoothness::Smooth;
+    if is_smooth && case.screened_partner(effect).is_none() {
         &SECANTS
     } else {
         &SECANTS[..1]
@@ -135,7 +135,7 @@ pub(crate) fn traces(
     partner: Option<f64>,
 ) -> Result<Vec<Trace>, IdentifyError> {
     let parameters = effect.info().parameters;
-    let partners: Vec<Option<f64>> = match effect.info().screened_partner() {
+    let partners: Vec<Option<f64>> = match case.screened_partner(effect) {
         Some((_, grid)) if partner.is_none() => grid.iter().copied().map(Some).collect(),
         _ => vec![partner],
     };

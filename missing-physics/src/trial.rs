@@ -13,7 +13,7 @@ use crate::folds::{Fold, HeldOut, folds, held_out, mean_square};
 use crate::search::Search;
 
 /// Factor by which the variance of the noise may differ between holds, repeats and the rest.
-const KNOWN: f64 = 1.1;
+pub(crate) const KNOWN: f64 = 1.1;
 
 /// Recordings from which whole ones are left out in turn.
 const FEWEST_RECORDINGS: usize = 3;

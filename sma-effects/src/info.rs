@@ -112,6 +112,9 @@ pub struct EffectParameter {
     pub role: Role,
     /// Range in the literature, if known.
     pub literature: Option<Literature>,
+    /// Whether a recorded temperature alone tells it: without, no value does better than another, and it is best held
+    /// as in the baseline.
+    pub needs_thermometer: bool,
 }
 
 /// What a parameter is in the baseline.
@@ -155,6 +158,7 @@ impl EffectParameter {
             bounds,
             role: Role::Size,
             literature: None,
+            needs_thermometer: false,
         }
     }
 
@@ -188,6 +192,13 @@ impl EffectParameter {
                 source,
                 checked: false,
             }),
+            ..self
+        }
+    }
+
+    pub(crate) const fn told_by_thermometer(self) -> Self {
+        Self {
+            needs_thermometer: true,
             ..self
         }
     }

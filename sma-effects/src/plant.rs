@@ -64,12 +64,14 @@ pub(crate) struct Path {
 }
 
 impl Path {
-    fn of<const L: usize>(active: EffectSet, own: &Own<L>) -> Self {
+    fn of<const L: usize>(effects: &Effects<L>, own: &Own<L>) -> Self {
+        let active = effects.active;
         Self {
             // The solution is written with a shift of the loop, the plain step is not.
             implicit: active.meets(Effects::<L>::IMPLICIT) | own.has(Place::Shift),
             in_parts: active.contains(EffectId::DeadTime),
-            wants_middle: active.meets(Effects::<L>::WANT_MIDDLE),
+            wants_middle: active.meets(Effects::<L>::WANT_MIDDLE)
+                | effects.dead_time.delays_output(),
             changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
             stands_in_zone: active.meets(Effects::<L>::STAND_IN_ZONE),
             has_ends: active.contains(EffectId::EndConduction),
@@ -124,6 +126,7 @@ impl<const L: usize> ExtendedPlant<L> {
             ),
         };
         let own = Own::new(setting.hypotheses, values);
+        let effects = Effects::new(values, &base);
         let heat = params.map(|lane| lane.heat);
         Ok(Self {
             drive: setting.drive,
@@ -132,8 +135,8 @@ impl<const L: usize> ExtendedPlant<L> {
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),
             offset: params.map(|lane| lane.offset),
-            effects: Effects::new(values, &base),
-            path: Path::of(setting.active, &own),
+            path: Path::of(&effects, &own),
+            effects,
             own,
             newton_iterations: setting.newton_iterations,
             sub_steps: setting.sub_steps,

@@ -373,6 +373,39 @@ fn dead_time_is_a_shift_of_the_drive() {
 }
 
 #[test]
+fn a_delay_behind_the_rod_shifts_the_output_and_leaves_the_temperature() {
+    for (delay_s, share) in [(0.4, 1.0), (0.8, 0.5), (0.5, 0.6), (0.9, 1.0)] {
+        let mut values = EffectValues::default();
+        values.dead_time.dead_time_s = delay_s;
+        values.dead_time.dead_time_output_share = share;
+        let shown = with_effect(EffectId::DeadTime, &values, DT_S);
+        values.dead_time.dead_time_s = delay_s * (1.0 - share);
+        values.dead_time.dead_time_output_share = 0.0;
+        let of_drive = with_effect(EffectId::DeadTime, &values, DT_S);
+        assert_eq!(shown.temperature_degc, of_drive.temperature_degc);
+        let fine = with_effect(EffectId::DeadTime, &values, 0.1 * DT_S).displacement;
+        let samples = (10.0 * delay_s * share / DT_S).round() as usize;
+        let gap = (samples / 10 + 1..shown.displacement.len())
+            .map(|k| (shown.displacement[k] - fine[10 * k - samples]).abs())
+            .fold(0.0, f64::max);
+        assert!(gap < 1e-5 * params().gain, "{delay_s} {share}: {gap:e}");
+    }
+}
+
+#[test]
+fn a_lag_behind_a_delay_is_a_delayed_lag() {
+    let mut values = EffectValues::default();
+    values.output_lag.output_lag_s = 0.3;
+    let lagging = with_effect(EffectId::OutputLag, &values, DT_S).displacement;
+    values.dead_time.dead_time_s = 0.4;
+    values.dead_time.dead_time_output_share = 1.0;
+    let both = EffectSet::of(EffectId::OutputLag).with(EffectId::DeadTime);
+    let shown = trace(&setting(both), &params(), &values, &current_a(DT_S), DT_S).displacement;
+    let gap = largest(&shown[2..], &lagging[..lagging.len() - 2]) / params().gain;
+    assert!(gap < 1e-4, "{gap:e}");
+}
+
+#[test]
 fn dead_time_of_whole_samples_is_exact_and_bounded() {
     for (delay_s, samples) in [(0.4, 2), (0.6, 3), (1.0, 5)] {
         let mut values = EffectValues::default();

@@ -1,5 +1,5 @@
 use crate::EffectValues;
-use crate::effect::{Base, Effect, Moment, without_memory_in_zones};
+use crate::effect::{Base, Effect, Instant, Moment, Seen, without_memory_in_zones};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
 use crate::part::{progress, unit};
 
@@ -7,21 +7,27 @@ use crate::part::{progress, unit};
 const LONGEST_SAMPLES: usize = 64;
 
 parameters! {
-    /// The drive reaches the rod late.
+    /// What is recorded follows the drive late: the heat reaches the rod late, or its motion the record.
     ///
     /// ```text
-    /// P(t) = P_drive(t - D)     (a pure delay of the heating power)
+    /// P(t) = P_drive(t - (1 - b) D),   y'(t) = y(t - b D)     (pure delays of the heating power and of the output)
     /// ```
     ///
-    /// Exact for a drive that is constant over samples of one length: where the delayed power changes
+    /// The first is exact for a drive that is constant over samples of one length: where the delayed power changes
     /// within a sample, the sample is computed in two parts, because the rod may turn from heating to cooling
     /// there. If more than one change falls into a sample (samples of very different lengths), the
     /// powers before the last change count by what they leave at the end of it. Before the first
-    /// sample the drive counts as off. A delay of more than 64 samples acts as one of 64.
+    /// sample the drive counts as off, and the output as still. The second is exact for a displacement whose course
+    /// within a sample is a parabola; the hysteresis is asked for its middle.
+    /// A delay of more than 64 samples acts as one of 64. The displacement alone does not tell b.
     DeadTime {
         /// Delay D, s; 0 to 1.
         dead_time_s: EffectParameter::size("s", 0.05, [0.0, 1.0])
             .unchecked([0.001, 0.1], "logger and amplifier, half a sample and more"),
+        /// Share b of it between the rod and the recorded output, 0 to 1; told by a thermometer alone, which sees the
+        /// delay of the drive, but not that of the output.
+        dead_time_output_share: EffectParameter::partner("1", 0.0, [0.0, 1.0], &[0.0, 0.25, 0.5, 0.75, 1.0])
+            .told_by_thermometer(),
     }
 }
 
@@ -33,22 +39,29 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
-    equation: "P(t) = P_drive(t - D)",
-    sentence: "the drive reaches the rod {value} late",
+    equation: "P(t) = P_drive(t - (1-b) D), y'(t) = y(t - b D)",
+    sentence: "what is recorded follows the drive {value} late",
 };
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
+    /// Of the power.
     delay_s: [f64; L],
     longest_s: f64,
+    /// Of the output.
+    output_delay_s: [f64; L],
     tau_s: [f64; L],
     capacity: usize,
 }
 
-/// Powers of the last samples and how long each lasted: a ring.
+/// Powers and outputs of the last samples and how long each lasted: a ring.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Past<const L: usize> {
     power_w_per_m: Vec<[f64; L]>,
+    /// Displacements in their middles and at their ends, and the last that was shown.
+    middles: Vec<[f64; L]>,
+    ends: Vec<[f64; L]>,
+    shown: [f64; L],
     length_s: Vec<f64>,
     newest: usize,
     /// Share of the current sample before the delayed power last changes, 0 to 1.
@@ -57,16 +70,27 @@ pub(crate) struct Past<const L: usize> {
     pub(crate) earlier_w_per_m: [f64; L],
 }
 
+impl<const L: usize> Lanes<L> {
+    /// Whether there is a delay behind the rod.
+    pub(crate) fn delays_output(&self) -> bool {
+        self.output_delay_s.iter().any(|&delay_s| delay_s > 0.0)
+    }
+}
+
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory_in_zones!();
     type Rod = Past<L>;
+    const SHOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
-        let delay_s = values.map(|lane| lane.dead_time.dead_time_s);
+        let of_output =
+            |lane: EffectValues| lane.dead_time.dead_time_s * lane.dead_time.dead_time_output_share;
+        let delay_s = values.map(|lane| lane.dead_time.dead_time_s - of_output(lane));
         let active = base.setting.active.contains(crate::EffectId::DeadTime);
         Self {
             delay_s,
             longest_s: delay_s.into_iter().fold(0.0, f64::max),
+            output_delay_s: values.map(of_output),
             tau_s: base.tau_s(),
             capacity: if active {
                 LONGEST_SAMPLES * base.setting.sub_steps + 1
@@ -80,6 +104,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         // Off since ever.
         Past {
             power_w_per_m: vec![[0.0; L]; self.capacity],
+            middles: vec![[0.0; L]; self.capacity],
+            ends: vec![[0.0; L]; self.capacity],
+            shown: [0.0; L],
             length_s: vec![f64::INFINITY; self.capacity],
             newest: 0,
             earlier_share: [0.0; L],
@@ -135,6 +162,54 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         past.earlier_share = share;
         past.earlier_w_per_m = older;
     }
+
+    #[inline(always)]
+    fn displacement(
+        &self,
+        past: &mut Past<L>,
+        moment: &Moment,
+        seen: &Seen<L>,
+        displacement: &mut [f64; L],
+    ) {
+        match seen.instant {
+            Instant::Turn => {}
+            Instant::Middle => past.middles[past.newest] = *displacement,
+            Instant::End => past.ends[past.newest] = *displacement,
+        }
+        let middle_s = 0.5 * moment.dt_s;
+        for l in 0..L {
+            let delay_s = self.output_delay_s[l];
+            if delay_s <= 0.0 {
+                continue;
+            }
+            displacement[l] = match seen.instant {
+                // A corner of what is not shown yet.
+                Instant::Turn => past.shown[l],
+                Instant::Middle if delay_s < middle_s => {
+                    let before = past.moved_at(l, 0.0, 1);
+                    displacement[l] + (delay_s / middle_s) * (before - displacement[l])
+                }
+                Instant::Middle => past.moved_at(l, delay_s - middle_s, 1),
+                Instant::End => past.moved_at(l, delay_s, 0),
+            };
+        }
+        if seen.instant == Instant::End {
+            past.shown = *displacement;
+        }
+    }
+
+    fn settle(
+        &self,
+        past: &mut Past<L>,
+        _: &Moment,
+        _: &Seen<L>,
+        _: &[f64; L],
+        displacement: &mut [f64; L],
+    ) {
+        past.middles.fill(*displacement);
+        past.ends.fill(*displacement);
+        past.shown = *displacement;
+    }
 }
 
 impl<const L: usize> Past<L> {
@@ -143,5 +218,23 @@ impl<const L: usize> Past<L> {
         self.newest = (self.newest + 1) % self.length_s.len();
         self.power_w_per_m[self.newest] = power_w_per_m;
         self.length_s[self.newest] = length_s;
+    }
+
+    /// The displacement `age_s` before the end of the sample that was the newest `back` samples ago.
+    #[inline(always)]
+    fn moved_at(&self, l: usize, mut age_s: f64, back: usize) -> f64 {
+        let count = self.length_s.len();
+        let place = |back: usize| (self.newest + 2 * count - back) % count;
+        for back in back..count - 1 {
+            let length_s = self.length_s[place(back)];
+            if age_s < length_s {
+                let [end, start] = [back, back + 1].map(|back| self.ends[place(back)][l]);
+                let bend = self.middles[place(back)][l] - 0.5 * (start + end);
+                let share = age_s / length_s;
+                return end + share * (start - end) + 4.0 * bend * share * (1.0 - share);
+            }
+            age_s -= length_s;
+        }
+        self.ends[place(count - 1)][l]
     }
 }
