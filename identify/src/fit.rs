@@ -14,7 +14,7 @@ use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
 use crate::moments::BATCH;
 use crate::problem::{Problem, Residuals};
 use crate::uncertainty::covariance;
-use crate::{Fit, ForwardModel, IdentifyError, TrainedRecording};
+use crate::{EndedStart, Fit, ForwardModel, IdentifyError, TrainedRecording};
 
 /// What is made small.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -46,6 +46,9 @@ pub struct FitConfig {
     /// Coordinates of earlier results, from [`SavedModel::coordinates`](crate::SavedModel::coordinates) say:
     /// a least-squares search from each is one more start.
     pub from: Vec<Vec<f64>>,
+    /// Starts that an interrupted fit of the same model, recordings and settings has made: these are not made again. Those
+    /// of another seed are passed over.
+    pub ended: Vec<EndedStart>,
 }
 
 impl FitConfig {
@@ -80,12 +83,13 @@ impl Default for FitConfig {
             loss: Loss::Squares,
             seed: 1,
             from: Vec::new(),
+            ended: Vec::new(),
         }
     }
 }
 
 /// How far a fit is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FitProgress {
     /// Starts done.
     pub starts: u64,
@@ -93,6 +97,8 @@ pub struct FitProgress {
     pub of: u64,
     /// Lowest root mean square so far, in the output unit.
     pub lowest_rmse: f64,
+    /// Where the last of them ended: for [`FitConfig::ended`], if the fit is interrupted.
+    pub ended: EndedStart,
 }
 
 /// Fits a model to several recordings together.
@@ -129,21 +135,34 @@ pub fn fit(
     let mut search = Search::default();
     let points = config.from.iter().map(|point| Start::Point(point));
     let swarms = config.starts.max(u64::from(config.from.is_empty()));
-    let starts: Vec<Start<'_>> = points.chain((0..swarms).map(Start::Swarm)).collect();
+    let starts: Vec<(u64, Start<'_>)> = (0..)
+        .zip(points.chain((0..swarms).map(Start::Swarm)))
+        .collect();
     // Starts that take longer than others should not leave threads idle.
     'all: for group in starts.chunks(2 * rayon::current_num_threads()) {
         let ended = group
             .par_iter()
-            .map(|start| start.search(&problem, config))
-            .collect::<Result<Vec<Ended>, _>>()?;
-        for (start, ended) in group.iter().zip(ended) {
-            search.take(ended);
+            .map(|&(number, start)| {
+                let is_it = |ended: &&EndedStart| {
+                    (ended.seed, ended.start) == (config.seed, number)
+                        && ended.minimum.point.len() == problem.vector().len()
+                };
+                match config.ended.iter().find(is_it) {
+                    Some(known) => Ok(known.clone()),
+                    None => start.search(number, &problem, config),
+                }
+            })
+            .collect::<Result<Vec<EndedStart>, _>>()?;
+        for ((_, start), ended) in group.iter().zip(ended) {
+            search.take(&ended);
             let so_far = FitProgress {
                 starts: search.ends.len() as u64,
                 of: starts.len() as u64,
                 lowest_rmse: (search.lowest() / n).sqrt(),
+                ended,
             };
-            if matches!(start, Start::Swarm(_)) && progress(&so_far).is_break() {
+            let is_over = progress(&so_far).is_break();
+            if is_over && matches!(start, Start::Swarm(_)) {
                 break 'all;
             }
         }
@@ -233,20 +252,17 @@ enum Start<'a> {
     Swarm(u64),
 }
 
-/// One search from one start.
-#[derive(Debug)]
-struct Ended {
-    minimum: Minimum,
-    rejected_costs: u64,
-    simulations: u64,
-}
-
 impl Start<'_> {
     /// Searches on a problem of its own: what one start has solved is nothing to the others, so that all of them
     /// count the same on any number of threads.
-    fn search(&self, problem: &Problem<'_>, config: &FitConfig) -> Result<Ended, IdentifyError> {
+    fn search(
+        self,
+        number: u64,
+        problem: &Problem<'_>,
+        config: &FitConfig,
+    ) -> Result<EndedStart, IdentifyError> {
         let problem = problem.apart();
-        let (point, rejected_costs) = match *self {
+        let (point, rejected_costs) = match self {
             Start::Point(point) if point.len() != problem.vector().len() => {
                 return Err(IdentifyError::StartLength {
                     found: point.len(),
@@ -256,7 +272,9 @@ impl Start<'_> {
             Start::Point(point) => (point.to_vec(), 0),
             Start::Swarm(stream) => swarm_start(&problem, config, stream)?,
         };
-        Ok(Ended {
+        Ok(EndedStart {
+            seed: config.seed,
+            start: number,
             minimum: minimize(&problem, problem.bounds(), &point, &config.least_squares)?,
             rejected_costs,
             simulations: problem.simulations(),
@@ -274,10 +292,10 @@ struct Search {
 }
 
 impl Search {
-    fn take(&mut self, ended: Ended) {
+    fn take(&mut self, ended: &EndedStart) {
         self.rejected_costs += ended.rejected_costs;
         self.simulations += ended.simulations;
-        self.ends.push(ended.minimum);
+        self.ends.push(ended.minimum.clone());
     }
 
     fn lowest(&self) -> f64 {

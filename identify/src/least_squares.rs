@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use pso::Bound;
+use serde::{Deserialize, Serialize};
 
 use crate::IdentifyError;
 use crate::factor::solve;
@@ -26,7 +27,7 @@ impl Default for LeastSquaresConfig {
 }
 
 /// Why a least-squares search ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 #[must_use]
 pub enum Termination {
@@ -93,7 +94,8 @@ pub(crate) trait SumOfSquares {
     }
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Minimum {
     pub(crate) point: Vec<f64>,
     pub(crate) sum_of_squares: f64,

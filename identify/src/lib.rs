@@ -3,6 +3,7 @@
 mod cascade;
 mod cross_check;
 mod draws;
+mod ended;
 mod error;
 mod factor;
 mod fit;
@@ -33,6 +34,7 @@ mod wiener_model;
 
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
+pub use ended::EndedStart;
 pub use error::IdentifyError;
 pub use fit::{FitConfig, FitProgress, Loss, fit};
 pub use fitted::{Fit, FittedParameter, ParameterCovariance, TrainedRecording};

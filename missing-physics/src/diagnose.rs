@@ -77,7 +77,7 @@ impl Default for DiagnoseConfig {
 const HARDER: u64 = 4;
 
 /// How far a diagnosis is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum DiagnoseProgress {
     /// The baseline is being fitted.
     Baseline(FitProgress),
@@ -109,7 +109,7 @@ pub fn diagnose(
     };
     let mut fitted = |config: &FitConfig| {
         fit(base, training, config, &mut |so_far| {
-            progress(DiagnoseProgress::Baseline(*so_far));
+            progress(DiagnoseProgress::Baseline(so_far.clone()));
             ControlFlow::Continue(())
         })
     };

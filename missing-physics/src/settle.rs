@@ -65,7 +65,7 @@ fn mirrored(node: &Node, vector: &ParameterVector) -> Vec<End> {
         let (effect, k) = node.model.slot(vector.parameter(j))?;
         let parameter = &effect.info().parameters[k];
         let is_signed = parameter.role == Role::Size && parameter.sign() == Sign::Either;
-        is_signed.then(|| (j, parameter.typical))
+        is_signed.then_some((j, parameter.typical))
     });
     let opposite = |(j, typical): (usize, f64)| {
         let at = node.coordinates[j];

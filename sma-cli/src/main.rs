@@ -12,6 +12,7 @@ mod page;
 mod provenance;
 mod recordings;
 mod report;
+mod resume;
 mod rig;
 mod sink;
 mod specific_heat;

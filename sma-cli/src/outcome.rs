@@ -11,6 +11,7 @@ use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
 use wiener::WienerError;
 
+use crate::resume::ResumeError;
 use crate::rig::RigError;
 
 /// How a command that did its work ends.
@@ -26,6 +27,8 @@ const DONE: u8 = 0;
 const FAILED: u8 = 1;
 const BAD_INPUT: u8 = 3;
 const NOT_CONVERGED: u8 = 4;
+/// Interrupted by Ctrl-C, as shells have it.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Says on stderr why a command failed, and maps how it ended to the exit code.
 pub(crate) fn report(result: &anyhow::Result<Outcome>) -> ExitCode {
@@ -67,6 +70,7 @@ fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
     error.is::<IdentifyError>()
         || error.is::<RecordingError>()
         || error.is::<RigError>()
+        || error.is::<ResumeError>()
         || error.is::<TuneError>()
         || error.is::<TaskError<PhysicsError>>()
         || error.is::<PhysicsError>()

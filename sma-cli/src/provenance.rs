@@ -30,13 +30,22 @@ pub(crate) fn provenance(seed: u64, inputs: &[&Path]) -> anyhow::Result<Provenan
     })
 }
 
-/// The call of this program.
+/// The call of this program, but for what it was resumed from: the result is the same.
 pub(crate) fn call() -> String {
-    let arguments = std::env::args().skip(1).map(|argument| quoted(&argument));
-    std::iter::once("sma".to_owned())
-        .chain(arguments)
-        .collect::<Vec<_>>()
-        .join(" ")
+    spelled(std::env::args().skip(1))
+}
+
+fn spelled(mut arguments: impl Iterator<Item = String>) -> String {
+    let mut call = "sma".to_owned();
+    while let Some(argument) = arguments.next() {
+        if argument == "--resume" {
+            arguments.next();
+        } else if !argument.starts_with("--resume=") {
+            call += " ";
+            call += &quoted(&argument);
+        }
+    }
+    call
 }
 
 /// An argument as a shell would take it.
@@ -81,6 +90,21 @@ mod tests {
         assert_eq!(quoted("run 2.csv"), "'run 2.csv'");
         assert_eq!(quoted("it's"), "'it'\\''s'");
         assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn a_call_is_the_same_where_it_goes_on() {
+        let spell = |call: &str| spelled(call.split(' ').map(str::to_owned));
+        let whole = spell("identify rod.toml --train a.csv --quiet");
+        assert_eq!(whole, "sma identify rod.toml --train a.csv --quiet");
+        assert_eq!(
+            spell("identify --resume x rod.toml --train a.csv --quiet"),
+            whole
+        );
+        assert_eq!(
+            spell("identify rod.toml --train a.csv --resume=x --quiet"),
+            whole
+        );
     }
 
     #[test]

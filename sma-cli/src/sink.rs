@@ -1,7 +1,7 @@
 //! Where a result goes: a file that appears whole or not at all, or stdout.
 
 use std::fs::{OpenOptions, Permissions};
-use std::io::Write;
+use std::io::{self, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
@@ -19,11 +19,8 @@ const ANY_FILE: u32 = 0o666;
 pub(crate) enum Sink {
     /// "-".
     Stdout,
-    /// A file: written beside its place, then renamed into it.
-    File {
-        temporary: NamedTempFile,
-        place: PathBuf,
-    },
+    /// A file: written beside its place, in this folder, then renamed into it.
+    File { folder: PathBuf, place: PathBuf },
     /// What is no regular file (a device, a pipe): written to as it is.
     Special(PathBuf),
 }
@@ -65,13 +62,10 @@ impl Sink {
                 folder.display()
             );
         }
-        let temporary = Builder::new()
-            .permissions(Permissions::from_mode(ANY_FILE))
-            .tempfile_in(folder)
-            .map_err(|error| error.kind())
-            .map_err(std::io::Error::from)
-            .with_context(cannot)?;
-        Ok(Self::File { temporary, place })
+        // Not kept: a program that is interrupted would leave it behind.
+        temporary_in(folder).with_context(cannot)?;
+        let folder = folder.to_owned();
+        Ok(Self::File { folder, place })
     }
 
     /// Opens a place that may not be wanted.
@@ -83,11 +77,9 @@ impl Sink {
     pub(crate) fn write(self, text: &str) -> anyhow::Result<()> {
         match self {
             Self::Stdout => write_stdout(text)?,
-            Self::File {
-                mut temporary,
-                place,
-            } => {
+            Self::File { folder, place } => {
                 let cannot = || format!("{}: cannot be written", place.display());
+                let mut temporary = temporary_in(&folder).with_context(cannot)?;
                 temporary.write_all(text.as_bytes()).with_context(cannot)?;
                 temporary
                     .persist(&place)
@@ -105,6 +97,14 @@ impl Sink {
         }
         Ok(())
     }
+}
+
+fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
+    let temporary = Builder::new()
+        .permissions(Permissions::from_mode(ANY_FILE))
+        .tempfile_in(folder);
+    // Without the name of a file that nobody has asked for.
+    temporary.map_err(|error| io::Error::from(error.kind()))
 }
 
 /// Gives the result to people on stdout and to programs where they want it; both on stdout is the latter.

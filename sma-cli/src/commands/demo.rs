@@ -190,7 +190,7 @@ impl Known {
         } = &self.files;
         let config = &self.config;
         let bar = bar(quiet, config.baseline.starts, "diagnose {bar:20}  {msg}");
-        let progress = &mut |progress| show(&bar, progress);
+        let progress = &mut |progress| show(&bar, &progress);
         let diagnosis = diagnose(self.plain(), training, unseen, config, progress)?;
         bar.finish_and_clear();
         Ok(diagnosis)

@@ -25,6 +25,7 @@ use crate::recordings::{input_notes, is_trained_on, read_all};
 use crate::report::diagnosed::Diagnosed;
 use crate::report::plot::{self, Left};
 use crate::report::static_diagnosed::StaticDiagnosed;
+use crate::resume::Starts;
 use crate::sink::{Sink, deliver};
 use crate::specific_heat;
 use crate::terminal::{bar, say};
@@ -54,7 +55,7 @@ use crate::terminal::{bar, say};
     Effects: supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
     end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge")]
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge, 130 interrupted")]
 pub(crate) struct DiagnoseArgs {
     /// What is known of the rig.
     rod: PathBuf,
@@ -97,6 +98,10 @@ pub(crate) struct DiagnoseArgs {
     /// Threads; 0 takes all. The result does not depend on it.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
     threads: u16,
+    /// Keep what the search has found in this file, and go on from what is in it. The result has the same bytes as that of
+    /// a run that was not interrupted; then the file is removed.
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     /// Write the result as JSON to a file, or to stdout instead of the text if it is "-".
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -169,7 +174,9 @@ fn with_time(
     places: Places,
 ) -> anyhow::Result<Outcome> {
     let earlier = Earlier::read(args.from_model.as_deref(), model, &rig.training)?;
-    let config = args.config(earlier.from, &rig)?;
+    let mut config = args.config(earlier.from, &rig)?;
+    let starts = Starts::open(args.resume.as_deref(), "diagnose", &args.inputs())?;
+    config.baseline.ended = starts.ended();
     let bar = bar(
         args.quiet,
         config.baseline.starts,
@@ -181,7 +188,10 @@ fn with_time(
         &rig.unseen,
         &config,
         &mut |progress| {
-            show(&bar, progress);
+            show(&bar, &progress);
+            if let DiagnoseProgress::Baseline(so_far) = &progress {
+                starts.keep(&so_far.ended);
+            }
         },
     )?;
     bar.finish_and_clear();
@@ -253,6 +263,7 @@ fn with_time(
         sink.write(&next_run::csv(run, &rig.rod))?;
     }
     deliver(&text, &diagnosed.json(), places.json)?;
+    starts.finish()?;
     Ok(if has_converged {
         Outcome::Done
     } else {
@@ -261,8 +272,10 @@ fn with_time(
 }
 
 fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result<Outcome> {
+    let starts = Starts::open(args.resume.as_deref(), "diagnose", &args.inputs())?;
     let config = FitConfig {
         seed: args.seed,
+        ended: starts.ended(),
         ..FitConfig::default()
     };
     let bar = bar(args.quiet, config.starts, "diagnose {bar:20}  {msg}");
@@ -272,7 +285,8 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         &rig.training,
         &config,
         &mut |progress| {
-            fitting(&bar, *progress);
+            fitting(&bar, progress);
+            starts.keep(&progress.ended);
             ControlFlow::Continue(())
         },
     )?;
@@ -306,6 +320,7 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
     };
     say(args.quiet, &diagnosed.notes)?;
     deliver(&diagnosed.text(), &diagnosed.json(), places.json)?;
+    starts.finish()?;
     Ok(match diagnosed.verdict() {
         Some(Verdict::NotConverged) => Outcome::NotConverged,
         _ => Outcome::Done,
@@ -356,7 +371,7 @@ impl DiagnoseArgs {
     }
 }
 
-pub(crate) fn show(bar: &ProgressBar, progress: DiagnoseProgress) {
+pub(crate) fn show(bar: &ProgressBar, progress: &DiagnoseProgress) {
     match progress {
         DiagnoseProgress::Baseline(so_far) => fitting(bar, so_far),
         DiagnoseProgress::Search => bar.set_message("trying effects"),
@@ -365,7 +380,7 @@ pub(crate) fn show(bar: &ProgressBar, progress: DiagnoseProgress) {
     }
 }
 
-fn fitting(bar: &ProgressBar, progress: FitProgress) {
+fn fitting(bar: &ProgressBar, progress: &FitProgress) {
     bar.set_length(progress.of);
     bar.set_position(progress.starts);
     bar.set_message(format!("plain model, RMSE {:.4}", progress.lowest_rmse));

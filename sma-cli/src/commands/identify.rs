@@ -20,6 +20,7 @@ use crate::provenance::provenance;
 use crate::recordings::{input_notes, is_trained_on, read_all};
 use crate::report::identified::Identified;
 use crate::report::plot::{self, Left};
+use crate::resume::Starts;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
 
@@ -30,7 +31,7 @@ use crate::terminal::{bar, say};
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma identify rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-model model.toml\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged")]
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged, 130 interrupted")]
 pub(crate) struct IdentifyArgs {
     /// What is known of the rig.
     rod: PathBuf,
@@ -73,6 +74,10 @@ pub(crate) struct IdentifyArgs {
     /// Threads; 0 takes all. The result does not depend on it.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
     threads: u16,
+    /// Keep what the search has found in this file, and go on from what is in it. The result has the same bytes as that of
+    /// a run that was not interrupted; then the file is removed.
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     /// Write the result as JSON to a file, or to stdout instead of the text if it is "-".
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -119,8 +124,12 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
     let earlier = Earlier::read(args.from_model.as_deref(), &model, &training)?;
-    let config = args.config(earlier.from);
-    let mut fit = fitted(args, &model, &training, &config)?;
+    let starts = Starts::open(args.resume.as_deref(), "identify", &inputs)?;
+    let config = FitConfig {
+        ended: starts.ended(),
+        ..args.config(earlier.from)
+    };
+    let mut fit = fitted(args, &model, &training, &config, &starts)?;
     let heat_carried = model.carry_specific_heat(&mut fit);
     let validated = unseen
         .iter()
@@ -186,6 +195,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         sink.write(&SavedModel::of(&identification, made).to_toml()?)?;
     }
     deliver(&text, &identified.json(), json)?;
+    starts.finish()?;
     let beaten = checked.is_some_and(|one| one.verdict == CrossVerdict::EndedLower);
     Ok(if fit.converged() && !beaten {
         Outcome::Done
@@ -228,6 +238,7 @@ fn fitted(
     model: &RigModel,
     training: &[Recording],
     config: &FitConfig,
+    starts: &Starts,
 ) -> anyhow::Result<Fit> {
     let template = "identify {bar:20} start {pos}/{len}  {msg}";
     let bar = bar(args.quiet, config.starts, template);
@@ -235,6 +246,7 @@ fn fitted(
         bar.set_length(progress.of);
         bar.set_position(progress.starts);
         bar.set_message(format!("RMSE {:.4}", progress.lowest_rmse));
+        starts.keep(&progress.ended);
         ControlFlow::Continue(())
     })?;
     bar.finish_and_clear();

@@ -15,6 +15,7 @@ use crate::page;
 use crate::provenance::call;
 use crate::recordings::read_perhaps_without_output;
 use crate::report::trial::Tried;
+use crate::resume::on_interrupt;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
 
@@ -108,6 +109,8 @@ pub(crate) fn run(args: &TrialArgs) -> anyhow::Result<Outcome> {
     for folder in &args.merge {
         trial.merge(folder)?;
     }
+    let out = args.out.display().to_string();
+    on_interrupt(move || format!("the cases that have ended are in {out}; the same call goes on"))?;
     let n_failed = args.run_cases(&mut trial)?;
     let times_s = trial.times_alone_s()?;
     let lines = trial.finished()?;
