@@ -32,6 +32,9 @@ const STALLED: f64 = 0.9;
 /// Residual over noise, squared, of the best model from which all are misfits.
 const MISFIT: f64 = 2.0;
 
+/// Swarms from which a chosen model is fitted, if it is still such a misfit: what is bent far leads nowhere from nearby.
+const SWARMS: u64 = 4;
+
 /// Effects that physics knows in every rod, whatever their size.
 const UNIVERSAL: [EffectId; 4] = [
     EffectId::LatentHeat,
@@ -270,7 +273,13 @@ impl<'a> Search<'a> {
                 is_elsewhere: false,
             });
         }
-        let fit = Arc::new(settled(self.case, &before.node, self.seed)?);
+        let is_costly = effects.contains(EffectId::EndConduction);
+        let swarms = if self.error(effects) > MISFIT * self.noise && !is_costly {
+            SWARMS
+        } else {
+            0
+        };
+        let fit = Arc::new(settled(self.case, &before.node, swarms, self.seed)?);
         let node = self.case.fitted(&before.node, &fit)?;
         let is_elsewhere = node.noise.nats() - before.node.noise.nats() > BEYOND_DOUBT;
         self.visited[index] = Visited {

@@ -34,8 +34,14 @@ const NEARBY: f64 = 0.05;
 /// Sizes, as multiples of the typical one: up to, and from where there is no other sign.
 const SIZES: [f64; 2] = [0.05, 2.0];
 
-/// The fit of a node's model from where it stands and from the lowest ends of short searches from other places.
-pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, IdentifyError> {
+/// The fit of a node's model from where it stands, from the lowest ends of short searches from other places, and from
+/// as many swarms.
+pub(crate) fn settled(
+    case: &Case<'_>,
+    node: &Node,
+    swarms: u64,
+    seed: u64,
+) -> Result<Fit, IdentifyError> {
     let vector = ParameterVector::new(node.model.parameters(), case.training.len());
     let mut ends = lowest(case, node, &vector, places(node, &vector, seed));
     ends.extend(raced(case, node, &mirrored(node, &vector), TURNED));
@@ -49,7 +55,7 @@ pub(crate) fn settled(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Id
         from: std::iter::once(node.coordinates.clone())
             .chain(ends.map(|(_, end)| end))
             .collect(),
-        starts: 0,
+        starts: swarms,
         seed,
         ..FitConfig::default()
     };
