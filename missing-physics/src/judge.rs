@@ -150,15 +150,15 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
         effects = chosen(search, effects.len());
         contributions = pruned(search, &trial, &mut effects)?;
     }
-    let mut named = Vec::new();
-    for (effect, contribution) in contributions {
-        let (probability, others) = alternatives(search, effects, effect)?;
-        named.push(Named {
-            effect,
-            others,
-            probability,
-            contribution,
-        });
+    let mut named = names(search, effects, contributions)?;
+    for _ in 0..ROUNDS {
+        // What was refitted in a name's place may have come out ahead.
+        let Some(better) = ahead(search, effects) else {
+            break;
+        };
+        effects = better;
+        let contributions = pruned(search, &trial, &mut effects)?;
+        named = names(search, effects, contributions)?;
     }
     let upheld = upheld(search, &trial, noise, effects)?;
     let shared = shared(search, effects);
@@ -202,6 +202,37 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
         suspects,
         explained: explained.or((!effects.is_empty()).then_some(by_lack)),
     })
+}
+
+/// The effects of a model with what else they could be.
+fn names(
+    search: &mut Search<'_>,
+    effects: CandidateSet,
+    contributions: Vec<(Candidate, f64)>,
+) -> Result<Vec<Named>, IdentifyError> {
+    let mut named = Vec::new();
+    for (effect, contribution) in contributions {
+        let (probability, others) = alternatives(search, effects, effect)?;
+        named.push(Named {
+            effect,
+            others,
+            probability,
+            contribution,
+        });
+    }
+    Ok(named)
+}
+
+/// A model of as many effects that is far more credible.
+fn ahead(search: &Search<'_>, effects: CandidateSet) -> Option<CandidateSet> {
+    let best = search
+        .nodes()
+        .filter(|node| node.effects.len() == effects.len())
+        .filter(|node| search.admits(node) && !search.is_outdone(node))
+        .map(|node| (search.credit(node.effects), node.effects))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let (credit, better) = best?;
+    (credit > search.credit(effects) + AS_WELL).then_some(better)
 }
 
 /// The verdict where no effect helps, with the probability that noise alone leaves as much.
