@@ -129,10 +129,8 @@ fn drifts(
         let Some(less) = search.exchanged(effects, drift, None) else {
             continue;
         };
-        let (Some(with), Some(without)) = (search.get(effects), search.get(less)) else {
-            unreachable!("both were visited");
-        };
-        let is_noise = !Trial::far_off(with, noise) && lack(search, with)?.p_value > LACK_OF_FIT;
+        let [with, without] = [effects, less].map(|set| visited(search, set));
+        let is_noise = !Trial::far_off(with, noise) && leaves_noise(search, effects)?;
         if !is_noise || without.mean_square() < DRIFTED * with.mean_square() {
             return Ok(false);
         }
@@ -169,9 +167,7 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
             let is_held = search.get(effects).is_none_or(is_pressed);
             is_shared && upheld.contains(named.effect) && !is_held
         });
-    let Some(best) = search.get(effects) else {
-        unreachable!("a chosen model was visited");
-    };
+    let best = visited(search, effects);
     let explained = trial.explained(search, best)?;
     let lack = lack(search, best)?;
     let gained = 2.0 * (best.noise.nats() - search.baseline().noise.nats());
@@ -225,14 +221,28 @@ fn names(
 
 /// A model of as many effects that is far more credible.
 fn ahead(search: &Search<'_>, effects: CandidateSet) -> Option<CandidateSet> {
-    let best = search
+    let least = search.credit(effects) + AS_WELL;
+    let best = most_credible(search, |node| node.effects.len() == effects.len())?;
+    (search.credit(best) > least).then_some(best)
+}
+
+/// The most credible of some models.
+fn most_credible(search: &Search<'_>, is_one: impl Fn(&Node) -> bool) -> Option<CandidateSet> {
+    let credible = search
         .nodes()
-        .filter(|node| node.effects.len() == effects.len())
-        .filter(|node| search.admits(node) && !search.is_outdone(node))
+        .filter(|node| is_one(node) && search.admits(node) && !search.is_outdone(node));
+    credible
         .map(|node| (search.credit(node.effects), node.effects))
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    let (credit, better) = best?;
-    (credit > search.credit(effects) + AS_WELL).then_some(better)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, effects)| effects)
+}
+
+/// A model that was visited.
+fn visited<'a>(search: &'a Search<'_>, effects: CandidateSet) -> &'a Node {
+    let Some(node) = search.get(effects) else {
+        unreachable!("only models that were visited are judged");
+    };
+    node
 }
 
 /// The verdict where no effect helps, with the probability that noise alone leaves as much.
@@ -264,14 +274,8 @@ pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, p_value: f6
 
 /// The most credible model of so many effects at most.
 fn chosen(search: &Search<'_>, most: usize) -> CandidateSet {
-    let credible = search
-        .nodes()
-        .filter(|node| node.effects.len() <= most)
-        .filter(|node| search.admits(node) && !search.is_outdone(node));
-    let best = credible
-        .map(|node| (search.credit(node.effects), node.effects))
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or(CandidateSet::EMPTY, |(_, effects)| effects)
+    let best = most_credible(search, |node| node.effects.len() <= most);
+    best.unwrap_or(CandidateSet::EMPTY)
 }
 
 /// The most credible model, fitted from many places; where much is left, or was until then, or the fit ends on a
@@ -348,15 +352,19 @@ fn pruned(
 ) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
     loop {
         let contributions = contributions(search, trial, *effects)?;
-        let mut weak: Vec<(Candidate, f64)> = Vec::new();
-        for &(effect, share) in &contributions {
-            if share < OWN_SHARE && !completes(search, *effects, effect)? {
-                weak.push((effect, share));
+        let mut weak: Vec<(Candidate, f64)> = contributions.clone();
+        weak.retain(|&(_, share)| share < OWN_SHARE);
+        if !weak.is_empty() && leaves_noise(search, *effects)? {
+            let mut dispensable = Vec::new();
+            for (effect, share) in weak {
+                if !is_needed(search, *effects, effect)? {
+                    dispensable.push((effect, share));
+                }
             }
+            weak = dispensable;
         }
-        let weakest = weak.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        match weakest {
-            Some(&(effect, _)) => {
+        match weak.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((effect, _)) => {
                 let less = search.exchanged(*effects, effect, None);
                 *effects = less.unwrap_or(CandidateSet::EMPTY);
             }
@@ -366,24 +374,25 @@ fn pruned(
     }
 }
 
-/// Whether a model leaves noise alone, and without one of its effects more than that beyond doubt. One that acts like
-/// another of the model takes in what is only the other's form.
-fn completes(
+/// Whether a model that was visited leaves noise alone.
+fn leaves_noise(search: &Search<'_>, effects: CandidateSet) -> Result<bool, IdentifyError> {
+    Ok(lack(search, visited(search, effects))?.p_value > LACK_OF_FIT)
+}
+
+/// Whether a model leaves more than noise beyond doubt without one of its effects. One that acts like another of the model
+/// takes in what is only the other's form.
+fn is_needed(
     search: &mut Search<'_>,
     effects: CandidateSet,
     effect: Candidate,
 ) -> Result<bool, IdentifyError> {
-    let Some(less) = search.exchanged(effects, effect, None) else {
-        return Ok(true);
-    };
     if acts_like(effect).any(|other| effects.contains(other)) {
         return Ok(false);
     }
-    let (Some(with), Some(without)) = (search.get(effects), search.get(less)) else {
-        unreachable!("both were visited");
+    let Some(less) = search.exchanged(effects, effect, None) else {
+        return Ok(true);
     };
-    let is_noise = lack(search, with)?.p_value > LACK_OF_FIT;
-    Ok(is_noise && lack(search, without)?.p_value < BEYOND_DOUBT)
+    Ok(lack(search, visited(search, less))?.p_value < BEYOND_DOUBT)
 }
 
 /// Share of the explainable error that comes back without each effect.
@@ -399,9 +408,7 @@ fn contributions(
             shares.push((effect, 1.0));
             continue;
         };
-        let (Some(with), Some(without)) = (search.get(effects), search.get(less)) else {
-            unreachable!("both were visited");
-        };
+        let [with, without] = [effects, less].map(|set| visited(search, set));
         let share = if trial.is_resolved() {
             let lost = trial.left(search, without)? - trial.left(search, with)?;
             let of_output = lost / (trial.left(search, search.baseline())? - trial.noise);
@@ -480,10 +487,7 @@ fn passes(
         };
         set = less;
     }
-    let Some(node) = search.get(set) else {
-        unreachable!("it was just visited");
-    };
-    let share = trial.explained(search, node)?;
+    let share = trial.explained(search, visited(search, set))?;
     Ok(share.is_some_and(|share| share.lower >= GATE))
 }
 

@@ -23,7 +23,7 @@ const BRANCHES: usize = 2;
 const BY_PLAIN: usize = 9;
 const BY_WHITENED: usize = 5;
 
-/// The same where the rod has several zones: a simulation takes as long as ten.
+/// The same where a simulation is costly.
 const COSTLY: [usize; 2] = [4, 3];
 
 /// Mean square over that with an effect less from which, far from the noise, further effects lead nowhere either.
@@ -273,8 +273,7 @@ impl<'a> Search<'a> {
                 is_elsewhere: false,
             });
         }
-        let is_costly = effects.contains(EffectId::EndConduction);
-        let swarms = if self.error(effects) > MISFIT * self.noise && !is_costly {
+        let swarms = if self.error(effects) > MISFIT * self.noise && !is_costly(effects) {
             SWARMS
         } else {
             0
@@ -414,7 +413,6 @@ impl<'a> Search<'a> {
         if !effects.is_empty() {
             let first = shortlist(&sifted.found.scores, least, COSTLY);
             let is_first = |score: &Score| first.iter().any(|one| one.effect == score.effect);
-            let is_costly = |set: CandidateSet| set.contains(EffectId::EndConduction);
             list.retain(|score| is_first(score) || !is_costly(effects.with(score.effect)));
         }
         let mut added: Vec<Candidate> = list.iter().map(|score| score.effect).collect();
@@ -592,6 +590,11 @@ impl<'a> Search<'a> {
 /// Whether every rod has an effect, whatever its size.
 pub(crate) fn is_universal(effect: Candidate) -> bool {
     UNIVERSAL.iter().any(|universal| effect == *universal)
+}
+
+/// Whether the rod has several zones: a simulation takes as long as ten.
+fn is_costly(effects: CandidateSet) -> bool {
+    effects.contains(EffectId::EndConduction)
 }
 
 /// Number of effects that not every rod has.

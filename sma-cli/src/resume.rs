@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Context;
-use identify::{EndedStart, InputFile};
+use identify::{EndedStart, InputFile, Provenance};
 use serde::{Deserialize, Serialize};
 
 use crate::outcome::INTERRUPTED;
-use crate::provenance::{call, provenance};
 
 /// At Ctrl-C says how to go on, and ends the program.
 pub(crate) fn on_interrupt(said: impl Fn() -> String + Send + 'static) -> anyhow::Result<()> {
@@ -68,9 +67,9 @@ impl Starts {
     pub(crate) fn open(
         path: Option<&Path>,
         command: &str,
-        inputs: &[&Path],
+        made: &Provenance,
     ) -> anyhow::Result<Self> {
-        let of = Of::this(inputs)?;
+        let of = Of::from(made);
         let kept = match path {
             Some(path) => Kept::open(path, of)?,
             None => Kept {
@@ -122,15 +121,14 @@ impl Starts {
     }
 }
 
-impl Of {
-    fn this(inputs: &[&Path]) -> anyhow::Result<Self> {
-        let made = provenance(0, inputs)?;
-        let pair = |input: InputFile| (input.file, input.sha256);
-        Ok(Self {
-            version: made.version,
-            command: call(),
-            inputs: made.input.into_iter().map(pair).collect(),
-        })
+impl From<&Provenance> for Of {
+    fn from(made: &Provenance) -> Self {
+        let pair = |input: &InputFile| (input.file.clone(), input.sha256.clone());
+        Self {
+            version: made.version.clone(),
+            command: made.command.clone(),
+            inputs: made.input.iter().map(pair).collect(),
+        }
     }
 }
 
@@ -142,8 +140,8 @@ impl Kept {
             Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
             Err(error) => return Err(error).with_context(cannot),
         };
-        // A last line without its end is from a run that was cut off.
-        let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
+        // A last line without its end is from a run that was cut off; the first was written at once.
+        let whole = &text[..text.rfind('\n').map_or(text.len(), |end| end + 1)];
         let mut lines = (1..).zip(whole.lines());
         let no_line = |line, source| ResumeError::Line {
             path: path.to_owned(),

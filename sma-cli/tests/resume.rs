@@ -160,6 +160,10 @@ fn a_file_of_another_call_is_refused() {
         "kept:1: no line of a file that --resume wrote",
     );
     refusal(
+        "an only line without its end",
+        "kept:1: no line of a file that --resume wrote",
+    );
+    refusal(
         "{\"version\":\"0\",\"command\":\"sma identify\",\"inputs\":[]}\n",
         "kept: is of another call, sma identify; give that one, or another file",
     );

@@ -66,17 +66,18 @@ pub(crate) struct Path {
 impl Path {
     fn of<const L: usize>(effects: &Effects<L>, own: &Own<L>) -> Self {
         let active = effects.active;
+        let delays_output = effects.dead_time.delays_output();
         Self {
             // The solution is written with a shift of the loop, the plain step is not.
             implicit: active.meets(Effects::<L>::IMPLICIT) | own.has(Place::Shift),
             in_parts: active.contains(EffectId::DeadTime),
-            wants_middle: active.meets(Effects::<L>::WANT_MIDDLE)
-                | effects.dead_time.delays_output(),
+            wants_middle: active.meets(Effects::<L>::WANT_MIDDLE) | delays_output,
             changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
             stands_in_zone: active.meets(Effects::<L>::STAND_IN_ZONE),
             has_ends: active.contains(EffectId::EndConduction),
             shows: active.meets(Effects::<L>::SHOW.with(EffectId::EndConduction))
-                | own.has(Place::Displacement),
+                | own.has(Place::Displacement)
+                | delays_output,
             records: active.meets(Effects::<L>::RECORD),
         }
     }

@@ -175,7 +175,8 @@ fn with_time(
 ) -> anyhow::Result<Outcome> {
     let earlier = Earlier::read(args.from_model.as_deref(), model, &rig.training)?;
     let mut config = args.config(earlier.from, &rig)?;
-    let starts = Starts::open(args.resume.as_deref(), "diagnose", &args.inputs())?;
+    let made = provenance(args.seed, &args.inputs())?;
+    let starts = Starts::open(args.resume.as_deref(), "diagnose", &made)?;
     config.baseline.ended = starts.ended();
     let bar = bar(
         args.quiet,
@@ -211,10 +212,8 @@ fn with_time(
         unseen: &rig.unseen,
         diagnosis: &diagnosis,
     };
-    let kept = match &places.model {
-        None => None,
-        Some(_) => Some(Kept::of(&diagnosed, provenance(args.seed, &args.inputs())?)),
-    };
+    let kept = places.model.as_ref();
+    let kept = kept.map(|_| Kept::of(&diagnosed, made.clone()));
     notes.extend(kept.as_ref().map(|kept| kept.note.clone()));
     if places.next.is_some() && run.is_none() {
         notes.push("no next run is proposed: --save-next writes nothing".to_owned());
@@ -251,7 +250,6 @@ fn with_time(
         }
     }
     if let Some(sink) = places.report {
-        let made = provenance(args.seed, &args.inputs())?;
         let mut page = page::diagnosed(&diagnosed, drawn.as_ref())?;
         page.notes(&diagnosed.notes());
         sink.write(&page.made_by(&made))?;
@@ -272,7 +270,8 @@ fn with_time(
 }
 
 fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result<Outcome> {
-    let starts = Starts::open(args.resume.as_deref(), "diagnose", &args.inputs())?;
+    let made = provenance(args.seed, &args.inputs())?;
+    let starts = Starts::open(args.resume.as_deref(), "diagnose", &made)?;
     let config = FitConfig {
         seed: args.seed,
         ended: starts.ended(),

@@ -124,7 +124,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
     let earlier = Earlier::read(args.from_model.as_deref(), &model, &training)?;
-    let starts = Starts::open(args.resume.as_deref(), "identify", &inputs)?;
+    let made = provenance(args.seed, &inputs)?;
+    let starts = Starts::open(args.resume.as_deref(), "identify", &made)?;
     let config = FitConfig {
         ended: starts.ended(),
         ..args.config(earlier.from)
@@ -176,7 +177,6 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
                 }],
                 spans_s: Vec::new(),
             };
-            let made = provenance(fit.seed, &inputs)?;
             sink.write(&page::identified(&identified, &worst)?.made_by(&made))?;
         }
     }
@@ -191,7 +191,6 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             unseen: &unseen,
             validated: &validated,
         };
-        let made = provenance(fit.seed, &inputs)?;
         sink.write(&SavedModel::of(&identification, made).to_toml()?)?;
     }
     deliver(&text, &identified.json(), json)?;

@@ -39,7 +39,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
-    equation: "P(t) = P_drive(t - (1-b) D), y'(t) = y(t - b D)",
+    equation: "P(t) = P_drive(t - D), or in part y'(t) = y(t - D)",
     sentence: "what is recorded follows the drive {value} late",
 };
 
@@ -80,7 +80,6 @@ impl<const L: usize> Lanes<L> {
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory_in_zones!();
     type Rod = Past<L>;
-    const SHOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let of_output =
@@ -101,11 +100,16 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     }
 
     fn rod(&self) -> Past<L> {
+        let shown = if self.delays_output() {
+            self.capacity
+        } else {
+            0
+        };
         // Off since ever.
         Past {
             power_w_per_m: vec![[0.0; L]; self.capacity],
-            middles: vec![[0.0; L]; self.capacity],
-            ends: vec![[0.0; L]; self.capacity],
+            middles: vec![[0.0; L]; shown],
+            ends: vec![[0.0; L]; shown],
             shown: [0.0; L],
             length_s: vec![f64::INFINITY; self.capacity],
             newest: 0,
@@ -171,6 +175,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         seen: &Seen<L>,
         displacement: &mut [f64; L],
     ) {
+        if past.ends.is_empty() {
+            return;
+        }
         match seen.instant {
             Instant::Turn => {}
             Instant::Middle => past.middles[past.newest] = *displacement,
