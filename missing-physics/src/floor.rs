@@ -11,6 +11,9 @@ const COARSE: f64 = 2.0;
 /// Exponent of the spectrum at low frequencies from which noise has no level.
 const STEEP: f64 = -0.7;
 
+/// Noise in motion over noise at rest, squared, from which it is not the sensor's.
+const UNSTEADY: f64 = 9.0;
+
 /// Residual over the measured noise up to which the residual tells what the noise is like.
 const ALL_NOISE: f64 = 1.5;
 
@@ -87,6 +90,12 @@ impl Measured {
     /// Variance that there is at most.
     pub(crate) fn highest(&self) -> f64 {
         self.upper.unwrap_or(self.lower).powi(2).max(self.gate)
+    }
+
+    /// Whether an error of this mean square neither rests nor repeats, far beyond the noise at rest: no noise of the sensor
+    /// does that.
+    pub(crate) fn is_unsteady(&self, mean_square: f64) -> bool {
+        self.highest().min(mean_square) > UNSTEADY * self.gate
     }
 
     /// Whether noise of a class forbids names for what lowers the mean square of the residual by `gained`: what

@@ -38,9 +38,6 @@ const ALIKE: f64 = 0.5;
 /// Residual of the plain model over noise, squared, that cannot be noise.
 pub(crate) const LARGE: f64 = 1.5;
 
-/// Noise in motion over noise at rest, squared, from which it is not the sensor's.
-const UNSTEADY: f64 = 9.0;
-
 /// Probability of a flexible effect where nothing of the catalogue does as well: a spline takes the place of whatever
 /// drifts, known or not.
 const OF_FLEXIBLE: f64 = 0.85;
@@ -257,9 +254,7 @@ pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, p_value: f6
     // Slow errors look like noise with a long memory: where the noise was measured, their size tells.
     let is_large = noise.upper.is_some() && plain.mean_square() > LARGE * search.noise();
     let is_far = Trial::far_off(plain, noise) && (is_left || is_large);
-    // What neither rests nor repeats, far beyond the noise at rest, is no noise of the sensor.
-    let is_unsteady = noise.highest() > UNSTEADY * noise.gate;
-    let is_unsteady = is_unsteady && plain.mean_square() > UNSTEADY * noise.gate;
+    let is_unsteady = noise.is_unsteady(plain.mean_square());
     let mut segments = search.case.layout.segments.iter();
     let has_tone = !noise.is_coarse(plain.mean_square())
         && segments.any(|segment| {

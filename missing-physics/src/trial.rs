@@ -180,6 +180,6 @@ impl Trial {
     /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more
     /// than noise, and the model does, too.
     pub(crate) fn tells(&self, node: &Node, noise: &Measured) -> bool {
-        self.is_resolved() && Self::far_off(node, noise)
+        self.is_resolved() && (Self::far_off(node, noise) || noise.is_unsteady(node.mean_square()))
     }
 }
