@@ -38,9 +38,12 @@ const ALIKE: f64 = 0.5;
 /// Residual of the plain model over noise, squared, that cannot be noise.
 pub(crate) const LARGE: f64 = 1.5;
 
-/// Probability of a flexible effect where nothing of the catalogue does as well: a spline takes the place of whatever
-/// drifts, known or not.
-const OF_FLEXIBLE: f64 = 0.85;
+/// Probability of an effect where nothing of the catalogue does as well: something that nobody has listed may. Of such names
+/// 190 of 195 were right in concealed cases with one effect (blind-trial, seed e78453f0).
+const OF_CATALOGUE: f64 = 0.97;
+
+/// The same of a flexible one, 22 of 24: a spline takes the place of whatever drifts.
+const OF_FLEXIBLE: f64 = 0.9;
 
 /// Mean square without a drift over that with it, from which others may stand beside it.
 const DRIFTED: f64 = 3.0;
@@ -526,12 +529,14 @@ fn alternatives(
     }
     weights.extend(untried(search, effect).map(|other| (other, 1.0)));
     let total = 1.0 + weights.iter().map(|(_, weight)| weight).sum::<f64>();
-    weights.iter_mut().for_each(|(_, weight)| *weight /= total);
-    weights.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let certain = if effect.info().flexible {
+    let listed = if effect.info().flexible {
         OF_FLEXIBLE
     } else {
-        1.0
+        OF_CATALOGUE
     };
-    Ok((certain / total, weights))
+    weights
+        .iter_mut()
+        .for_each(|(_, weight)| *weight *= listed / total);
+    weights.sort_by(|a, b| b.1.total_cmp(&a.1));
+    Ok((listed / total, weights))
 }
