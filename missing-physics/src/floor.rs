@@ -174,3 +174,26 @@ fn low_exponent(case: &Case<'_>, node: &Node) -> f64 {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Measured;
+
+    #[test]
+    fn what_moves_and_does_not_rest_is_no_noise() {
+        let among_repeats = |upper| Measured {
+            gate: 1.0,
+            lower: 1.0,
+            upper,
+            rounding: None,
+            has_repeats: true,
+            relative_error: 0.1,
+        };
+        assert!(among_repeats(Some(4.0)).is_unsteady(16.0));
+        // Repeats as quiet as the holds: the model is wrong in every cycle alike.
+        assert!(!among_repeats(Some(2.0)).is_unsteady(16.0));
+        // A model that leaves little more than there is at rest.
+        assert!(!among_repeats(Some(4.0)).is_unsteady(4.0));
+        assert!(!among_repeats(None).is_unsteady(16.0));
+    }
+}
