@@ -30,7 +30,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     needs: &[Need::TemperatureChannel],
     parameters: PARAMETERS,
     equation: "dT'/dt = (T - T')/θ - g (T' - T_a)",
-    sentence: "the thermocouple follows the rod with a time constant of {value}, cooled by the air at {partner}",
+    sentence: "the thermocouple follows the rod with a time constant of {value}",
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,54 @@
+//! A measured limb whose thermocouple lags far behind the wire: that is found, and not taken for slow physics.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking wherever it reads its data"
+)]
+
+use identify::{Rod, WienerModel};
+use missing_physics::{DiagnoseConfig, EffectId, diagnose, setting_of_rod};
+use recording::read_csv;
+use wiener::hysteresis::Rule;
+
+/// Nothing is known of the wire; the supply's voltage scales what is not known.
+const ROD: &str = r#"
+[surroundings]
+ambient_degc = 22
+
+[drive]
+kind = "duty"
+supply_v = 12
+
+[columns]
+time = "t_s"
+drive = "pwm_duty_limb0_rev"
+output = { name = "limb0_angle_deg", unit = "deg" }
+temperature = { name = "MCPtemp_0", unit = "degc" }
+"#;
+
+#[test]
+fn the_lag_of_the_thermocouple_is_named() {
+    let Some(path) = fixtures::shared::path("recordings/boston/c1.csv") else {
+        return;
+    };
+    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let training = [read_csv(path, &rod.read_options()).unwrap()];
+    let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
+    let config = DiagnoseConfig {
+        setting: setting_of_rod(&rod, "deg"),
+        ..DiagnoseConfig::default()
+    };
+    let found = diagnose(&base, &training, &[], &config, &mut |_| ()).unwrap();
+    let [lag] = &found.findings[..] else {
+        panic!("{:?}", found.findings);
+    };
+    assert_eq!(lag.effect, EffectId::ThermocoupleLag);
+    assert!(lag.could_also_be.is_empty(), "{:?}", lag.could_also_be);
+    let interval = lag.parameters[0].ci95.unwrap();
+    // The wire answers in 4 s; a thermocouple of one time constant would be more than twice as slow.
+    assert!(interval[0] > 5.0 && interval[1] < 20.0, "{interval:?}");
+    // 1.74 to 0.27 degrees.
+    let extended = found.extended.unwrap().stage;
+    let left = extended.fit.train_rmse / found.baseline.fit.train_rmse;
+    assert!(left < 0.2, "{left}");
+}
