@@ -390,7 +390,11 @@ fn level(value: f64, unit: &str) -> String {
 }
 
 fn range(levels: Levels, unit: &str) -> String {
-    format!("{} to {}", short(levels.low), level(levels.high, unit))
+    format!(
+        "drive {} to {}",
+        short(levels.low),
+        level(levels.high, unit)
+    )
 }
 
 fn periods(n: usize) -> String {

@@ -451,8 +451,8 @@ fn names(effects: &[Candidate]) -> String {
 
 fn play(run: &Run, separates: &[Candidate]) -> String {
     format!(
-        "Play this run of {} (as CSV with --save-next): {}. It would put {} standard deviations between {}; these \
-         recordings again: {}.",
+        "Play this run of {} from rest (--save-next next.csv writes it), and diagnose again with its recording as one more \
+         of the training: {}. It would put {} standard deviations between {}; these recordings again: {}.",
         seconds(run.duration_s()),
         run.name,
         short(run.separation),

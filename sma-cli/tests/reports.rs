@@ -72,7 +72,7 @@ fn an_identified_model_shows_what_it_meets_worst() {
         captions,
         [
             "validate.csv: recorded, and what the model says",
-            "validate.csv: what the model leaves; noise has no shape",
+            "validate.csv: what the model leaves; where nothing is missing that is noise, without shape",
             "validate.csv: the loop over the temperature of the identified model",
         ]
     );

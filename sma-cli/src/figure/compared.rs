@@ -72,7 +72,10 @@ impl Compared<'_> {
         };
         Figure {
             name: "what-is-left",
-            caption: format!("{}: what {leaves}; noise has no shape", self.name),
+            caption: format!(
+                "{}: what {leaves}; where nothing is missing that is noise, without shape",
+                self.name
+            ),
             across: format!("time, {unit}"),
             up: format!("recorded - model, {}", self.recording.output_unit()),
             series: series.collect(),
@@ -92,8 +95,8 @@ impl Compared<'_> {
                 ("the input".to_owned(), across, self.recording.drive())
             } else {
                 (
-                    format!("the temperature of the {} model", one.model),
-                    "temperature of the rod, °C".to_owned(),
+                    format!("the temperature that the {} model computes", one.model),
+                    "computed temperature of the rod, °C".to_owned(),
                     one.prediction.temperature_degc.as_slice(),
                 )
             };

@@ -134,6 +134,7 @@ fn draw(
         .y_desc(&figure.up)
         .light_line_style(TRANSPARENT)
         .bold_line_style(RGBColor(230, 230, 230));
+    mesh.x_label_formatter(&tick).y_label_formatter(&tick);
     if !figure.words.is_empty() {
         mesh.x_label_formatter(&words)
             .x_labels(2 * figure.words.len() + 1);
@@ -247,6 +248,17 @@ fn word(words: &[String], at: f64) -> String {
     let is_whole = (at - nearest).abs() < 1e-6 && nearest >= 0.0;
     let word = is_whole.then(|| words.get(nearest as usize)).flatten();
     word.cloned().unwrap_or_default()
+}
+
+/// A value on an axis, without zeros that say nothing.
+fn tick(at: &f64) -> String {
+    let text = format!("{at:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text {
+        "0" | "-0" if at.abs() > 1e-12 => format!("{at:.1e}"),
+        "-0" => "0".to_owned(),
+        text => text.to_owned(),
+    }
 }
 
 /// Not all of a long curve.

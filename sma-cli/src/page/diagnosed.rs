@@ -103,8 +103,8 @@ fn blocks(mismatch: &Mismatch, findings: &[Finding]) -> String {
         )
     });
     format!(
-        "<ol class=\"blocks\">{}</ol>\n<p class=\"soft\">The model from drive to sensor; the block that something is missing from is \
-         marked, with what is added to it. Percentages: how likely the mismatch arises there.</p>",
+        "<ol class=\"blocks\">{}</ol>\n<p class=\"soft\">The model from drive to sensor; blocks that something is missing from are \
+         marked, with what is added to them. Percentages: how likely the mismatch arises there.</p>",
         items.concat()
     )
 }
@@ -115,6 +115,12 @@ fn equation(text: &str) -> String {
 
 fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) {
     let tables = [regimes(mismatch), diagnosed.stretches(mismatch)];
+    if tables.iter().any(Option::is_some) {
+        page.line(
+            "<p class=\"soft\">On the training recordings. Regimes overlap, so that shares add up to more than 100 %; p: how \
+             often noise alone gathers as much in one of them.</p>",
+        );
+    }
     for table in tables.iter().flatten() {
         page.table(table);
     }

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use comfy_table::{Cell, Table};
 use identify::{Bounds, Validated};
 use missing_physics::{
-    Curve, Diagnosis, EffectId, Entry, Finding, Mismatch, Need, NextExperiment, Remainder, Role,
-    Shape, Status, Verdict,
+    Candidate, Curve, Diagnosis, EffectId, Entry, Finding, Mismatch, Need, NextExperiment,
+    Remainder, Role, Shape, Status, Verdict,
 };
 
 use super::label::label;
@@ -191,7 +191,7 @@ impl Diagnosed<'_> {
                 "suspected",
                 "helps, and is not licensed as a name".to_owned(),
             ),
-            Status::Detected => ("detected", String::new()),
+            Status::Detected => ("detected", self.or_else(entry.effect)),
             Status::Ambiguous => ("possible", "may be there under another name".to_owned()),
             Status::Excluded { upper } => ("excluded", format!("above {}", size(upper))),
             Status::NotTestable => {
@@ -208,6 +208,21 @@ impl Diagnosed<'_> {
                 ("not testable", said)
             }
             Status::Unknown { need } => ("not testable", format!("needs {}", self.needed(need))),
+        }
+    }
+
+    /// What else a finding could be.
+    fn or_else(&self, effect: Candidate) -> String {
+        let findings = &self.diagnosis.findings;
+        let found = findings.iter().find(|one| one.effect == effect);
+        let others = found.map_or(&[][..], |one| &one.could_also_be);
+        if others.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "or {}: these recordings cannot tell which",
+                named(others, "or")
+            )
         }
     }
 

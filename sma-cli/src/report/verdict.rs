@@ -248,7 +248,7 @@ fn remains(left: &Remainder, unit: &str) -> String {
         (None, None) => String::new(),
     };
     format!(
-        "What remains: {}{unit} beyond the noise, {} of what could be explained{place}.",
+        "What remains on the training recordings: {}{unit} beyond the noise, {} of what could be explained{place}.",
         spoken(left.rms),
         spoken_percent(left.share)
     )
