@@ -461,7 +461,7 @@ mod tests {
     #[test]
     fn names_are_words_of_a_lab_and_differ() {
         let mut names: Vec<String> = all(&bench(), 1.0).into_iter().map(|one| one.name).collect();
-        let wanted = "square wave, 20 s period, 0 to 2.4 A, 12 periods";
+        let wanted = "square wave, 20 s period, drive 0 to 2.4 A, 12 periods";
         assert!(names.iter().any(|name| name == wanted), "{names:?}");
         let n = names.len();
         names.sort();
