@@ -89,6 +89,10 @@ fn stroke(recordings: &[Recording]) -> [f64; 2] {
 
 /// A line a diagnosis: what was put on, what is said of it, and what else.
 fn said(lines: &BTreeMap<usize, &Diagnosed>) -> String {
+    let states = |line: &Diagnosed, id: &str| {
+        let mut findings = line.verdict.findings.iter();
+        findings.any(|one| one.set().any(|other| other == id))
+    };
     let mut text = String::new();
     for line in lines.values() {
         let what = line
@@ -96,15 +100,12 @@ fn said(lines: &BTreeMap<usize, &Diagnosed>) -> String {
             .map_or("as recorded".to_owned(), |one| one.to_string());
         let names: Vec<String> = line.verdict.findings.iter().map(name).collect();
         let own = line.injected.map(|one| one.effect.effect().id());
-        let is_found = |id: &str| {
-            line.verdict
-                .findings
-                .iter()
-                .any(|one| one.set().any(|other| other == id))
-        };
         let found = match own {
             None => "",
-            Some(id) if is_found(id) => "FOUND",
+            Some(id) if states(line, id) && lines.get(&0).is_some_and(|bare| states(bare, id)) => {
+                "as without it"
+            }
+            Some(id) if states(line, id) => "FOUND",
             Some(id) if line.verdict.suspects.iter().any(|other| other == id) => "suspected",
             Some(_) => "missed",
         };
@@ -123,7 +124,7 @@ fn said(lines: &BTreeMap<usize, &Diagnosed>) -> String {
 
 fn name(named: &Named) -> String {
     let first = named.parameters.first();
-    let size = first.map_or(String::new(), |one| format!(" {:.3}", one.value));
+    let size = first.map_or(String::new(), |one| format!(" {:.2e}", one.value));
     let others = if named.could_also_be.is_empty() {
         String::new()
     } else {
