@@ -73,7 +73,7 @@ fn an_identified_model_shows_what_it_meets_worst() {
         [
             "validate.csv: recorded, and what the model says",
             "validate.csv: what the model leaves; where nothing is missing that is noise, without shape",
-            "validate.csv: the loop over the temperature of the identified model",
+            "validate.csv: the loop over the temperature that the identified model computes",
         ]
     );
     assert!(page.contains("and what it has not seen to 0.00"));
