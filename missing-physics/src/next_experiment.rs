@@ -452,11 +452,11 @@ fn names(effects: &[Candidate]) -> String {
 fn play(run: &Run, separates: &[Candidate]) -> String {
     format!(
         "Play this run of {} from rest (--save-next next.csv writes it), and diagnose again with its recording as one more \
-         of the training: {}. It would put {} standard deviations between {}; these recordings again: {}.",
+         of the training: {}. It should tell {} apart ({} standard deviations; these recordings again: {}).",
         seconds(run.duration_s()),
         run.name,
-        short(run.separation),
         names(separates),
+        short(run.separation),
         short(run.separation_now),
     )
 }
@@ -599,7 +599,7 @@ mod tests {
     #[test]
     fn dead_time_is_told_from_a_lag_of_the_output() {
         let found = settles(EffectId::DeadTime, 0.15, EffectId::OutputLag);
-        let wanted = "standard deviations between dead time and lag of the output; these";
+        let wanted = "It should tell dead time and lag of the output apart (";
         assert!(found.sentence.starts_with("Play this run of "));
         assert!(found.sentence.contains(wanted), "{}", found.sentence);
     }

@@ -76,16 +76,7 @@ impl Range {
             let [lower, upper] = self.widened(effect, parameter.unit, interval);
             if power(effect, parameter.unit) != 0 {
                 parameter.ci95 = Some([lower, upper]);
-                let unit = if parameter.unit == "1" {
-                    ""
-                } else {
-                    parameter.unit
-                };
-                said.push(
-                    format!("{} … {} {unit}", spoken(lower), spoken(upper))
-                        .trim_end()
-                        .to_owned(),
-                );
+                said.push(ends([lower, upper], parameter.unit));
             }
         }
         if said.is_empty() {
@@ -106,6 +97,26 @@ impl Range {
             said.join(", ")
         );
     }
+}
+
+/// An interval in words, small numbers by their power of a thousand: "(6.6 to 21)·10⁻⁶/K".
+fn ends(ends: [f64; 2], unit: &str) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let largest = ends.map(f64::abs).into_iter().fold(0.0, f64::max);
+    let unit = match unit.strip_prefix('1') {
+        Some(per) => per.to_owned(),
+        None => format!(" {unit}"),
+    };
+    if largest <= 0.0 || largest >= 1e-3 {
+        let [lower, upper] = ends.map(spoken);
+        return format!("{lower} to {upper}{unit}");
+    }
+    let thousandths = (-largest.log10() / 3.0).ceil() as i32;
+    let [lower, upper] = ends.map(|end| spoken(end * 1e3_f64.powi(thousandths)));
+    let power = (3 * thousandths).to_string();
+    let digits = power.chars().filter_map(|digit| digit.to_digit(10));
+    let raised: String = digits.map(|digit| RAISED[digit as usize]).collect();
+    format!("({lower} to {upper})·10⁻{raised}{unit}")
 }
 
 /// Power of C_p with which a parameter scales at the same displacement.
@@ -176,7 +187,7 @@ mod tests {
         assert!(one.plausible);
         assert_eq!(
             one.sentence,
-            "It is so; for a specific heat of 450 to 840 J/(kg K): 9.9e-6 … 2.2e-5 1/K."
+            "It is so; for a specific heat of 450 to 840 J/(kg K): (9.9 to 22)·10⁻⁶/K."
         );
     }
 
