@@ -19,6 +19,7 @@ use crate::elsewhere::without_drifts;
 use crate::explained::explained;
 use crate::floor::{Measured, measured};
 use crate::judge::{GATE, Judged, LARGE, Named, judge, without_effects};
+use crate::ladder::ladder;
 use crate::locate::{Located, locate, remainder_shape};
 use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
@@ -196,12 +197,18 @@ pub fn diagnose_from(
         None
     };
     let next_experiment = next(&search, &judged, &config.limits)?;
+    // Last: it may visit models that are no rivals.
+    let ladder = match &extended {
+        Some(extended) => ladder(&mut search, judged.effects, &extended.stage, unseen)?,
+        None => Vec::new(),
+    };
     let simulations = plain.simulations + search.simulations();
     Ok(Diagnosis {
         verdict: judged.verdict,
         noise_floor: floor,
         baseline,
         extended,
+        ladder,
         explained,
         mismatch,
         findings,
@@ -434,6 +441,7 @@ fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Diagnosis {
         simulations: baseline.fit.simulations,
         baseline,
         extended: None,
+        ladder: Vec::new(),
         explained: None,
         mismatch: Mismatch::default(),
         findings: Vec::new(),

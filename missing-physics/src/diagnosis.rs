@@ -50,6 +50,8 @@ pub struct Diagnosis {
     /// The model with what was found; that with the suspects, where there is no finding but some; `None` if
     /// there is neither.
     pub extended: Option<ExtendedStage>,
+    /// From the plain model to the extended one, an effect at a time; empty without one.
+    pub ladder: Vec<Rung>,
     /// How much of what could be explained is; `None` without an extended model.
     pub explained: Option<Explained>,
     /// Where the plain model and the recordings part.
@@ -126,6 +128,17 @@ pub struct ExtendedStage {
     pub model: ExtendedModel,
     /// Its fit and validation.
     pub stage: Stage,
+}
+
+/// A model on the way from the plain to the extended one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rung {
+    /// The effect that it has more than the one before.
+    pub effect: Candidate,
+    /// Error on the training recordings, in the unit of the output.
+    pub train_rmse: f64,
+    /// Error on all recordings that it has not seen; `None` without one. A drift is not carried there.
+    pub unseen_rmse: Option<f64>,
 }
 
 /// Share of the explainable error that the extended model explains.

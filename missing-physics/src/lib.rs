@@ -17,6 +17,7 @@ mod floor;
 mod folds;
 mod judge;
 mod lack;
+mod ladder;
 mod local_terms;
 mod locate;
 mod next_experiment;
@@ -46,7 +47,8 @@ pub use candidate::{Candidate, CandidateSet};
 pub use diagnose::{DiagnoseConfig, DiagnoseProgress, diagnose, diagnose_from};
 pub use diagnosis::{
     Band, Cell, Curve, Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Floor,
-    Mismatch, NextExperiment, NoiseClass, Remainder, Run, Shape, Span, Stage, Status, Verdict,
+    Mismatch, NextExperiment, NoiseClass, Remainder, Run, Rung, Shape, Span, Stage, Status,
+    Verdict,
 };
 pub use extended_model::ExtendedModel;
 pub use rig::setting_of_rod;

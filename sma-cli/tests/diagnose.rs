@@ -306,7 +306,7 @@ fn figures_are_drawn_and_their_numbers_stand_beside_them() {
     );
     // Error of the plain model and with what was found, on both recordings, and the noise.
     assert_eq!(lines("ladder.csv"), 1 + 2 + 2 + 2);
-    assert!(figures["ladder.svg"].contains("Error of the plain model, and with latent heat"));
+    assert!(figures["ladder.svg"].contains("Error of the plain model, and with 1 latent heat"));
     let drawn = |name: &str, color: &str| {
         let lines = figures[name].lines();
         let of_color = |line: &&str| line.starts_with("<polyline") && line.contains(color);

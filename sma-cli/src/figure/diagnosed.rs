@@ -42,36 +42,43 @@ pub(crate) fn figures(drawn: &Drawn<'_>) -> Vec<Figure> {
 }
 
 impl Drawn<'_> {
-    /// Errors of the models, and the noise.
+    /// Errors from the plain model down to the noise, an effect at a time.
     fn ladder(&self) -> Figure {
-        let diagnosis = self.diagnosis;
-        let extended = diagnosis.extended.as_ref().map(|one| &one.stage);
-        let stages: Vec<_> = std::iter::once(&diagnosis.baseline)
-            .chain(extended)
-            .collect();
-        let over = |error: &dyn Fn(usize) -> Option<f64>| -> Vec<[f64; 2]> {
-            let errors = (0..stages.len()).map(error).enumerate();
+        let Diagnosis {
+            baseline, ladder, ..
+        } = self.diagnosis;
+        let plain = [(
+            baseline.fit.train_rmse,
+            Validated::rmse_of_all(&baseline.validated),
+        )];
+        let rungs = ladder
+            .iter()
+            .map(|rung| (rung.train_rmse, rung.unseen_rmse));
+        let errors: Vec<(f64, Option<f64>)> = plain.into_iter().chain(rungs).collect();
+        let over = |of: fn(&(f64, Option<f64>)) -> Option<f64>| -> Vec<[f64; 2]> {
+            let errors = errors.iter().map(of).enumerate();
             errors
                 .filter_map(|(k, error)| Some([k as f64, error?]))
                 .collect()
         };
-        let training = over(&|k| Some(stages[k].fit.train_rmse));
-        let unseen = over(&|k| Validated::rmse_of_all(&stages[k].validated));
-        let noise = diagnosis.noise_floor;
+        let (training, unseen) = (over(|one| Some(one.0)), over(|one| one.1));
+        let noise = self.diagnosis.noise_floor;
         let floor = noise.upper.unwrap_or(noise.lower);
-        let found: Vec<&str> = diagnosis
-            .extended
-            .iter()
-            .flat_map(|one| &one.effects)
-            .map(|effect| effect.info().name)
-            .collect();
-        let mut words = vec!["plain model"];
+        let mut words = vec!["plain model".to_owned()];
+        words.extend((1..errors.len()).map(|rung| format!("+ {rung}")));
+        let names = ladder.iter().zip(1..);
+        let names = names.map(|(rung, number)| format!("{number} {}", rung.effect.info().name));
         let mut caption = "Error of the plain model".to_owned();
-        if !found.is_empty() {
-            words.push("extended model");
-            caption += &format!(", and with {}", found.join(", "));
+        if !ladder.is_empty() {
+            let names: Vec<String> = names.collect();
+            let beside = if names.len() > 1 {
+                ": each beside those before"
+            } else {
+                ""
+            };
+            caption += &format!(", and with {}{beside}", names.join(", "));
         }
-        let end = stages.len() as f64 - 0.5;
+        let end = errors.len() as f64 - 0.5;
         let mut all = vec![Series::new("training", Style::Training, training)];
         if !unseen.is_empty() {
             all.push(Series::new("unseen", Style::Unseen, unseen));
@@ -87,7 +94,7 @@ impl Drawn<'_> {
             across: String::new(),
             up: format!("RMSE, {}", self.compared.recording.output_unit()),
             series: all,
-            words: words.into_iter().map(str::to_owned).collect(),
+            words,
             ..Figure::default()
         }
     }

@@ -70,24 +70,19 @@ impl Diagnosed<'_> {
         let diagnosis = self.diagnosis;
         let rmse = format!("RMSE{}, training", unit(diagnosis));
         let mut table = table(["model", rmse.as_str(), "unseen"]);
-        let mut row = |name: &str, train_rmse: f64, validated: &[Validated]| {
-            let unseen = Validated::rmse_of_all(validated).map_or("-".to_owned(), significant);
+        let mut row = |name: &str, train_rmse: f64, unseen_rmse: Option<f64>| {
             table.add_row([
                 Cell::new(name),
                 right(significant(train_rmse)),
-                right(unseen),
+                right(unseen_rmse.map_or("-".to_owned(), significant)),
             ]);
         };
         let baseline = &diagnosis.baseline;
-        row("plain", baseline.fit.train_rmse, &baseline.validated);
-        if let Some(extended) = &diagnosis.extended {
-            let stage = &extended.stage;
-            let name = if diagnosis.findings.is_empty() {
-                "with the suspects"
-            } else {
-                "with the findings"
-            };
-            row(name, stage.fit.train_rmse, &stage.validated);
+        let unseen_rmse = Validated::rmse_of_all(&baseline.validated);
+        row("plain", baseline.fit.train_rmse, unseen_rmse);
+        for rung in &diagnosis.ladder {
+            let name = format!("+ {}", rung.effect.info().name);
+            row(&name, rung.train_rmse, rung.unseen_rmse);
         }
         let floor = diagnosis.noise_floor;
         let size = match floor.upper {
