@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use identify::{
     Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, Limits, ParameterVector, Validated,
-    WienerModel, fit, validate, validate_at,
+    WienerModel, fit, validate,
 };
 use recording::Recording;
 
@@ -13,9 +13,9 @@ use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
     Diagnosis, Explained, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass,
-    Remainder, Stage, Verdict,
+    Remainder, Rung, Stage, Verdict,
 };
-use crate::elsewhere::without_drifts;
+use crate::elsewhere::validated;
 use crate::explained::explained;
 use crate::floor::{Measured, measured};
 use crate::judge::{GATE, Judged, LARGE, Named, judge, without_effects};
@@ -198,10 +198,7 @@ pub fn diagnose_from(
     };
     let next_experiment = next(&search, &judged, &config.limits)?;
     // Last: it may visit models that are no rivals.
-    let ladder = match &extended {
-        Some(extended) => ladder(&mut search, judged.effects, &extended.stage, unseen)?,
-        None => Vec::new(),
-    };
+    let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
     let simulations = plain.simulations + search.simulations();
     Ok(Diagnosis {
         verdict: judged.verdict,
@@ -439,9 +436,9 @@ fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Diagnosis {
             class: NoiseClass::Colored,
         },
         simulations: baseline.fit.simulations,
+        ladder: vec![Rung::plain(&baseline)],
         baseline,
         extended: None,
-        ladder: Vec::new(),
         explained: None,
         mismatch: Mismatch::default(),
         findings: Vec::new(),
@@ -464,11 +461,7 @@ fn extended(
     }
     let fit = Arc::unwrap_or_clone(search.settle(effects)?.fit);
     let model = search.case.model(effects);
-    let point = without_drifts(&model, &fit.point(0));
-    let validated = unseen
-        .iter()
-        .map(|recording| validate_at(&model, &point, recording))
-        .collect::<Result<Vec<Validated>, _>>()?;
+    let validated = validated(&model, &fit.point(0), unseen)?;
     Ok(Some(ExtendedStage {
         effects: effects.iter().collect(),
         model,

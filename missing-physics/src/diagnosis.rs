@@ -50,7 +50,7 @@ pub struct Diagnosis {
     /// The model with what was found; that with the suspects, where there is no finding but some; `None` if
     /// there is neither.
     pub extended: Option<ExtendedStage>,
-    /// From the plain model to the extended one, an effect at a time; empty without one.
+    /// From the plain model to the extended one, an effect at a time.
     pub ladder: Vec<Rung>,
     /// How much of what could be explained is; `None` without an extended model.
     pub explained: Option<Explained>,
@@ -131,10 +131,11 @@ pub struct ExtendedStage {
 }
 
 /// A model on the way from the plain to the extended one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// The effect that it has more than the one before.
-    pub effect: Candidate,
+    /// What it has more than the one before: an effect, none in the plain model, several where none of them can be
+    /// fitted without the others.
+    pub added: Vec<Candidate>,
     /// Error on the training recordings, in the unit of the output.
     pub train_rmse: f64,
     /// Error on all recordings that it has not seen; `None` without one. A drift is not carried there.

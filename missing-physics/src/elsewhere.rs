@@ -1,6 +1,7 @@
 //! A model where it was not fitted: in another recording.
 
-use identify::{ForwardModel, ParameterInfo};
+use identify::{ForwardModel, IdentifyError, ParameterInfo, Validated, validate_at};
+use recording::Recording;
 
 use crate::{Candidate, EffectId, ExtendedModel};
 
@@ -40,4 +41,17 @@ pub(crate) fn drifts_dropped(
         point[center] -= warmer_k;
     }
     point
+}
+
+/// A model at a point on recordings that it has not seen; drifts are not carried there.
+pub(crate) fn validated(
+    model: &ExtendedModel,
+    point: &[f64],
+    unseen: &[Recording],
+) -> Result<Vec<Validated>, IdentifyError> {
+    let point = without_drifts(model, point);
+    let unseen = unseen.iter();
+    unseen
+        .map(|recording| validate_at(model, &point, recording))
+        .collect()
 }

@@ -1,55 +1,62 @@
 //! From the plain to the extended model, an effect at a time.
 
-use identify::{IdentifyError, Validated, validate_at};
+use identify::{IdentifyError, Validated};
 use recording::Recording;
 
 use crate::CandidateSet;
-use crate::case::Node;
-use crate::diagnosis::{Rung, Stage};
-use crate::elsewhere::without_drifts;
+use crate::diagnosis::{ExtendedStage, Rung, Stage};
+use crate::elsewhere::validated;
 use crate::search::Search;
 
-/// The effects of the extended model in the order in which each adds most to those before, with the errors with it; the
-/// last has those of the extended model.
+impl Rung {
+    fn new(added: CandidateSet, train_rmse: f64, unseen: &[Validated]) -> Self {
+        Self {
+            added: added.iter().collect(),
+            train_rmse,
+            unseen_rmse: Validated::rmse_of_all(unseen),
+        }
+    }
+
+    /// The plain model.
+    pub(crate) fn plain(stage: &Stage) -> Self {
+        Self::new(CandidateSet::EMPTY, stage.fit.train_rmse, &stage.validated)
+    }
+}
+
+/// The plain model, and the effects of the extended one in the order in which each adds most to those before.
 pub(crate) fn ladder(
     search: &mut Search<'_>,
-    effects: CandidateSet,
-    extended: &Stage,
+    plain: &Stage,
+    extended: Option<&ExtendedStage>,
     unseen: &[Recording],
 ) -> Result<Vec<Rung>, IdentifyError> {
     let mut rungs = Vec::new();
-    let mut errors = (
-        extended.fit.train_rmse,
-        Validated::rmse_of_all(&extended.validated),
-    );
-    let mut set = effects;
-    while !set.is_empty() {
-        // What is left out first is missed least.
-        let lesser = set.iter().filter_map(|effect| {
-            let less = search.exchanged(set, effect, None)?;
-            Some((effect, less, search.get(less)?.mean_square()))
-        });
-        let Some((effect, less, _)) = lesser.min_by(|a, b| a.2.total_cmp(&b.2)) else {
-            break;
-        };
-        rungs.push(Rung {
-            effect,
-            train_rmse: errors.0,
-            unseen_rmse: errors.1,
-        });
-        let Some(node) = search.get(less) else { break };
-        errors = (node.mean_square().sqrt(), unseen_rmse(node, unseen)?);
-        set = less;
+    if let Some(extended) = extended {
+        let effects: CandidateSet = extended.effects.iter().copied().collect();
+        let mut set = effects;
+        while !set.is_empty() {
+            // What is left out first is missed least; where nothing can be, the rest came together.
+            let lesser = set.iter().filter_map(|effect| {
+                let less = search.exchanged(set, effect, None)?;
+                Some((less, search.get(less)?.mean_square()))
+            });
+            let least = lesser.min_by(|a, b| a.1.total_cmp(&b.1));
+            let less = least.map_or(CandidateSet::EMPTY, |(less, _)| less);
+            let added = set.iter().filter(|&one| !less.contains(one)).collect();
+            rungs.push(match search.get(set) {
+                Some(node) if set != effects => {
+                    let unseen = validated(&node.model, &node.points[0], unseen)?;
+                    Rung::new(added, node.mean_square().sqrt(), &unseen)
+                }
+                _ => {
+                    let stage = &extended.stage;
+                    Rung::new(added, stage.fit.train_rmse, &stage.validated)
+                }
+            });
+            set = less;
+        }
     }
+    rungs.push(Rung::plain(plain));
     rungs.reverse();
     Ok(rungs)
-}
-
-fn unseen_rmse(node: &Node, unseen: &[Recording]) -> Result<Option<f64>, IdentifyError> {
-    let point = without_drifts(&node.model, &node.points[0]);
-    let validated = unseen
-        .iter()
-        .map(|recording| validate_at(&node.model, &point, recording))
-        .collect::<Result<Vec<Validated>, _>>()?;
-    Ok(Validated::rmse_of_all(&validated))
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::diagnosis::Estimate;
+use crate::drives::short;
 use crate::{EffectInfo, Role};
 
 /// A quantity as people say it: value, half of its interval, unit.
@@ -91,7 +92,7 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         let said = Said::of(size, is_share(info.sentence, "{value}"));
         text = text.replace("{value}", &quantity(&said));
         if let Some([lower, upper]) = size.literature {
-            let ends = [lower, upper].map(|end| round(said.factor * end));
+            let ends = [lower, upper].map(|end| short(said.factor * end));
             let _ = write!(text, " (literature {}-{})", ends[0], ends[1]);
         }
     }
@@ -100,22 +101,6 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         text = text.replace("{partner}", &quantity(&said));
     }
     text + "."
-}
-
-/// With three digits at most.
-fn round(value: f64) -> String {
-    let exponent = if value == 0.0 {
-        0.0
-    } else {
-        value.abs().log10().floor()
-    };
-    let decimals = (2.0 - exponent).clamp(0.0, 6.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
 }
 
 fn capitalized(text: &str) -> String {

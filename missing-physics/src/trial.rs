@@ -178,7 +178,7 @@ impl Trial {
     }
 
     /// Whether the share by the noise floor says more than that by the lack of fit: the baseline leaves much more
-    /// than noise, and the model does, too.
+    /// than noise, and the model does, too, or what it leaves is no noise.
     pub(crate) fn tells(&self, node: &Node, noise: &Measured) -> bool {
         self.is_resolved() && (Self::far_off(node, noise) || noise.is_unsteady(node.mean_square()))
     }

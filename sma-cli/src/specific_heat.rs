@@ -99,24 +99,17 @@ impl Range {
     }
 }
 
-/// An interval in words, small numbers by their power of a thousand: "(6.6 to 21)·10⁻⁶/K".
+/// An interval in words, in the unit that the sentence has.
 fn ends(ends: [f64; 2], unit: &str) -> String {
-    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let largest = ends.map(f64::abs).into_iter().fold(0.0, f64::max);
-    let unit = match unit.strip_prefix('1') {
-        Some(per) => per.to_owned(),
-        None => format!(" {unit}"),
+    let between = |factor: f64| {
+        let [lower, upper] = ends.map(|end| spoken(factor * end));
+        format!("{lower} to {upper}")
     };
-    if largest <= 0.0 || largest >= 1e-3 {
-        let [lower, upper] = ends.map(spoken);
-        return format!("{lower} to {upper}{unit}");
+    match unit {
+        "1" => between(1.0),
+        "1/K" => format!("({})·10⁻⁶/K", between(1e6)),
+        unit => format!("{} {unit}", between(1.0)),
     }
-    let thousandths = (-largest.log10() / 3.0).ceil() as i32;
-    let [lower, upper] = ends.map(|end| spoken(end * 1e3_f64.powi(thousandths)));
-    let power = (3 * thousandths).to_string();
-    let digits = power.chars().filter_map(|digit| digit.to_digit(10));
-    let raised: String = digits.map(|digit| RAISED[digit as usize]).collect();
-    format!("({lower} to {upper})·10⁻{raised}{unit}")
 }
 
 /// Power of C_p with which a parameter scales at the same displacement.

@@ -1,11 +1,11 @@
 //! The figures of a diagnosis.
 
-use identify::Validated;
-use missing_physics::Diagnosis;
+use missing_physics::{Diagnosis, Rung};
 use recording::Recording;
 
 use super::{Compared, Figure, Series, Style};
 use crate::report::plot::Left;
+use crate::report::verdict::named;
 
 /// A diagnosis, and the recording that the plain model meets worst with what the models say of it.
 #[derive(Debug)]
@@ -44,41 +44,31 @@ pub(crate) fn figures(drawn: &Drawn<'_>) -> Vec<Figure> {
 impl Drawn<'_> {
     /// Errors from the plain model down to the noise, an effect at a time.
     fn ladder(&self) -> Figure {
-        let Diagnosis {
-            baseline, ladder, ..
-        } = self.diagnosis;
-        let plain = [(
-            baseline.fit.train_rmse,
-            Validated::rmse_of_all(&baseline.validated),
-        )];
-        let rungs = ladder
-            .iter()
-            .map(|rung| (rung.train_rmse, rung.unseen_rmse));
-        let errors: Vec<(f64, Option<f64>)> = plain.into_iter().chain(rungs).collect();
-        let over = |of: fn(&(f64, Option<f64>)) -> Option<f64>| -> Vec<[f64; 2]> {
-            let errors = errors.iter().map(of).enumerate();
+        let rungs = &self.diagnosis.ladder;
+        let over = |of: fn(&Rung) -> Option<f64>| -> Vec<[f64; 2]> {
+            let errors = rungs.iter().map(of).enumerate();
             errors
                 .filter_map(|(k, error)| Some([k as f64, error?]))
                 .collect()
         };
-        let (training, unseen) = (over(|one| Some(one.0)), over(|one| one.1));
+        let training = over(|rung| Some(rung.train_rmse));
+        let unseen = over(|rung| rung.unseen_rmse);
         let noise = self.diagnosis.noise_floor;
         let floor = noise.upper.unwrap_or(noise.lower);
         let mut words = vec!["plain model".to_owned()];
-        words.extend((1..errors.len()).map(|rung| format!("+ {rung}")));
-        let names = ladder.iter().zip(1..);
-        let names = names.map(|(rung, number)| format!("{number} {}", rung.effect.info().name));
+        words.extend((1..rungs.len()).map(|number| format!("+ {number}")));
+        let added = rungs.iter().enumerate().skip(1);
+        let names: Vec<String> = added
+            .map(|(number, rung)| format!("{number} {}", named(&rung.added, "and")))
+            .collect();
         let mut caption = "Error of the plain model".to_owned();
-        if !ladder.is_empty() {
-            let names: Vec<String> = names.collect();
-            let beside = if names.len() > 1 {
-                ": each beside those before"
-            } else {
-                ""
-            };
-            caption += &format!(", and with {}{beside}", names.join(", "));
+        if !names.is_empty() {
+            caption += &format!(", and with {}", names.join(", "));
         }
-        let end = errors.len() as f64 - 0.5;
+        if names.len() > 1 {
+            caption += ": each beside those before";
+        }
+        let end = rungs.len() as f64 - 0.5;
         let mut all = vec![Series::new("training", Style::Training, training)];
         if !unseen.is_empty() {
             all.push(Series::new("unseen", Style::Unseen, unseen));

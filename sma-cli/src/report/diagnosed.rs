@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
-use identify::{Bounds, Validated};
+use identify::Bounds;
 use missing_physics::{
     Candidate, Curve, Diagnosis, EffectId, Entry, Finding, Mismatch, Need, NextExperiment,
     Remainder, Role, Shape, Status, Verdict,
@@ -70,19 +70,20 @@ impl Diagnosed<'_> {
         let diagnosis = self.diagnosis;
         let rmse = format!("RMSE{}, training", unit(diagnosis));
         let mut table = table(["model", rmse.as_str(), "unseen"]);
-        let mut row = |name: &str, train_rmse: f64, unseen_rmse: Option<f64>| {
+        for rung in &diagnosis.ladder {
+            let is_suspect = |one: &Finding| rung.added.contains(&one.effect);
+            let name = match named(&rung.added, "and") {
+                name if name.is_empty() => "plain".to_owned(),
+                name if diagnosis.suspects.iter().any(is_suspect) => {
+                    format!("+ {name} (suspected)")
+                }
+                name => format!("+ {name}"),
+            };
             table.add_row([
                 Cell::new(name),
-                right(significant(train_rmse)),
-                right(unseen_rmse.map_or("-".to_owned(), significant)),
+                right(significant(rung.train_rmse)),
+                right(rung.unseen_rmse.map_or("-".to_owned(), significant)),
             ]);
-        };
-        let baseline = &diagnosis.baseline;
-        let unseen_rmse = Validated::rmse_of_all(&baseline.validated);
-        row("plain", baseline.fit.train_rmse, unseen_rmse);
-        for rung in &diagnosis.ladder {
-            let name = format!("+ {}", rung.effect.info().name);
-            row(&name, rung.train_rmse, rung.unseen_rmse);
         }
         let floor = diagnosis.noise_floor;
         let size = match floor.upper {
