@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use toml::Spanned;
+use wiener::hysteresis::LoopFamily;
 
 use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
+use crate::saved_model::LOOP_SHAPE;
 use crate::source::Source;
 use crate::{
     Bounds, Enters, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance,
@@ -62,12 +64,34 @@ impl Reading<'_> {
         Ok(infos)
     }
 
+    /// Curves of the loop: those of another family are for who knows the effect that they are, as `of_effect` tells.
+    pub(crate) fn loop_family(
+        &self,
+        id: Option<&Spanned<String>>,
+        of_effect: &dyn Fn(&str) -> Result<Vec<ParameterInfo>, String>,
+    ) -> Result<LoopFamily, IdentifyError> {
+        let Some(id) = id else {
+            return Ok(LoopFamily::Proximity);
+        };
+        let what = || format!("loop_family = \"{}\"", id.get_ref());
+        let Some(family) = LoopFamily::parse(id.get_ref()) else {
+            let known = LoopFamily::ALL.map(LoopFamily::id).join(", ");
+            return Err(self.fault(id.span(), what(), format!("must be one of {known}")));
+        };
+        if family != LoopFamily::Proximity && of_effect(LOOP_SHAPE).is_err() {
+            let accepted = "must be left out: only plain models are read here";
+            return Err(self.fault(id.span(), what(), accepted));
+        }
+        Ok(family)
+    }
+
     pub(crate) fn effects(
         &self,
         ids: Vec<Spanned<String>>,
+        loop_family: LoopFamily,
         integration: &Spanned<IntegrationTable>,
     ) -> Result<Option<SavedEffects>, IdentifyError> {
-        if ids.is_empty() {
+        if ids.is_empty() && loop_family == LoopFamily::Proximity {
             return Ok(None);
         }
         let &IntegrationTable {
@@ -81,6 +105,7 @@ impl Reading<'_> {
         };
         Ok(Some(SavedEffects {
             ids: ids.into_iter().map(Spanned::into_inner).collect(),
+            loop_family,
             sub_steps: substeps,
             newton_iterations,
         }))

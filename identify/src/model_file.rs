@@ -5,7 +5,7 @@ use std::path::Path;
 use recording::Columns;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
-use wiener::hysteresis::{REVERSAL_DEAD_BAND_K, Rule};
+use wiener::hysteresis::{LoopFamily, REVERSAL_DEAD_BAND_K, Rule};
 
 use crate::model_entries::Reading;
 use crate::rod::{DriveTable, LimitsTable, LoadTable, RodFile, RodTable, Surroundings};
@@ -56,6 +56,8 @@ struct Head<'a> {
     temperature_scale: TemperatureScale,
     output_unit: &'a str,
     drive_unit: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    loop_family: Option<&'a str>,
     effects: &'a [String],
 }
 
@@ -80,6 +82,8 @@ struct ModelFile {
     temperature_scale: TemperatureScale,
     output_unit: String,
     drive_unit: String,
+    /// The paper's where nothing is said.
+    loop_family: Option<Spanned<String>>,
     #[serde(default)]
     effects: Vec<Spanned<String>>,
     #[serde(default)]
@@ -270,9 +274,16 @@ impl SavedModel {
                 }),
                 _ => Err("only a model = \"wiener\" may have effects".to_owned()),
             })?;
+        let loop_family = reading.loop_family(parsed.loop_family.as_ref(), &|id| {
+            known(&NamedEffect {
+                id,
+                rod: &rod,
+                output_unit: &parsed.output_unit,
+            })
+        })?;
         let parameters = reading.parameters(&parsed.parameter, &trained, &mut model, of_effects)?;
         Ok(Self {
-            effects: reading.effects(parsed.effects, &parsed.integration)?,
+            effects: reading.effects(parsed.effects, loop_family, &parsed.integration)?,
             covariance: reading.covariance(parsed.covariance)?,
             rod,
             model,
@@ -310,6 +321,10 @@ impl SavedModel {
             },
             output_unit: &self.output_unit,
             drive_unit: &self.drive_unit,
+            loop_family: self.effects.as_ref().and_then(|effects| {
+                let family = effects.loop_family;
+                (family != LoopFamily::Proximity).then(|| family.id())
+            }),
             effects: self.effects.as_ref().map_or(&[], |effects| &effects.ids),
         };
         let names: Vec<&str> = self

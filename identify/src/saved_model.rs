@@ -3,7 +3,7 @@
 use recording::{Recording, Sampling};
 use serde::{Deserialize, Serialize};
 use wiener::WienerParams;
-use wiener::hysteresis::Rule;
+use wiener::hysteresis::{LoopFamily, Rule};
 
 use crate::fitted::point;
 use crate::problem::{Quantities, same_quantities};
@@ -12,6 +12,9 @@ use crate::{
     Fit, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance, ParameterVector,
     RigModel, Rod, Scope, Validated,
 };
+
+/// Id of the effect that a loop of another family is.
+pub(crate) const LOOP_SHAPE: &str = "loop-shape";
 
 /// An identified model with all that is needed to use it later: `model.toml`.
 ///
@@ -35,15 +38,31 @@ pub struct SavedModel {
     pub(crate) provenance: Provenance,
 }
 
-/// Effects that a saved model has beyond its plain part, and how its samples are solved with them.
+/// What a saved model has beyond its plain part, and how its samples are solved with it: effects, or a loop of another
+/// family, or both.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SavedEffects {
-    /// Their ids, in the order of their parameters; at least one.
+    /// Their ids, in the order of their parameters.
     pub ids: Vec<String>,
+    /// Curves of the loop.
+    pub loop_family: LoopFamily,
     /// Parts into which every sample is divided; ≥ 1.
     pub sub_steps: usize,
     /// Newton iterations of each part; ≥ 1.
     pub newton_iterations: usize,
+}
+
+impl SavedEffects {
+    /// Ids for people: a loop of another family is another shape of the loop.
+    #[must_use]
+    pub fn names(&self) -> Vec<&str> {
+        let is_other = self.loop_family != LoopFamily::Proximity;
+        let shape = is_other.then_some(LOOP_SHAPE);
+        shape
+            .into_iter()
+            .chain(self.ids.iter().map(String::as_str))
+            .collect()
+    }
 }
 
 /// How well a saved model did.

@@ -11,7 +11,7 @@ use recording::Recording;
 
 use crate::folds::HeldOut;
 use crate::series::{Channel, Layout, Noise};
-use crate::{Candidate, CandidateSet, EffectId, ExtendedModel, Need, Role, Setting};
+use crate::{Candidate, CandidateSet, EffectId, ExtendedModel, LoopFamily, Need, Role, Setting};
 
 /// Iterations of a refinement that is only to be compared with others.
 const ITERATIONS: usize = 8;
@@ -77,6 +77,15 @@ impl<'a> Case<'a> {
             setting,
             layout,
         }
+    }
+
+    /// The same rig with a loop of another family, and the plain fit of that.
+    pub(crate) fn of_family(&self, loop_family: LoopFamily, fit: &'a Fit) -> Self {
+        let setting = Setting {
+            loop_family,
+            ..self.setting
+        };
+        Self::new(self.base, fit, self.training, setting)
     }
 
     /// The model with these effects.

@@ -8,7 +8,7 @@ use crate::scores::Score;
 use crate::screening::{POWER, at_their_sizes};
 use crate::search::Search;
 use crate::sentence;
-use crate::{Candidate, CandidateSet, Role};
+use crate::{Candidate, CandidateSet, EffectId, LoopFamily, Role};
 
 /// Standard errors of half a 95 % interval.
 const HALF_95: f64 = 1.96;
@@ -16,6 +16,18 @@ const HALF_95: f64 = 1.96;
 /// An effect of the chosen model with its numbers.
 pub(crate) fn finding(named: &Named, extended: Option<&ExtendedStage>) -> Finding {
     let info = named.effect.info();
+    let family = extended.map_or(LoopFamily::Proximity, |one| one.model.loop_family());
+    if named.effect == EffectId::LoopShape && family != LoopFamily::Proximity {
+        return Finding {
+            effect: named.effect,
+            could_also_be: Vec::new(),
+            probability: named.probability,
+            plausible: true,
+            contribution: named.contribution,
+            sentence: sentence::of_family(info, family),
+            parameters: Vec::new(),
+        };
+    }
     let fitted = |name: &str| extended.and_then(|one| one.stage.fit.parameter(name));
     let is_held = |name: &str| {
         let held = |one: &FittedParameter| one.info.state != ParameterState::Free;

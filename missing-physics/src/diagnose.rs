@@ -9,6 +9,7 @@ use identify::{
 };
 use recording::Recording;
 
+use crate::attempt::{Attempt, Terms};
 use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
@@ -17,26 +18,21 @@ use crate::diagnosis::{
 };
 use crate::elsewhere::validated;
 use crate::explained::explained;
+use crate::families::{self, Tried};
 use crate::floor::{Measured, measured};
-use crate::judge::{GATE, Judged, LARGE, Named, judge, without_effects};
+use crate::judge::{GATE, Judged, Named};
 use crate::ladder::ladder;
 use crate::locate::{Located, locate, remainder_shape};
 use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
 use crate::whiten::Whitener;
-use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, Setting};
+use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, LoopFamily, Setting};
 
 /// Most explanations that a run is sought for.
 const RIVALS: usize = 3;
 
 /// Factor by which a run must part models that are all far off more than the recordings at hand do.
 const FURTHER: f64 = 2.0;
-
-/// Factor by which a drift must lower the mean square to be told from noise with a memory.
-const LOWERED: f64 = 2.0;
-
-/// Mean square over that of the noise at rest from which a law from cycle to cycle leaves too much to be it.
-const MUCH: f64 = 5.0;
 
 /// Share of the explainable error of the unseen recordings below which names do not hold there.
 const HELD: f64 = 0.4;
@@ -153,24 +149,57 @@ pub fn diagnose_from(
     }
     let case = Case::new(base, &plain, training, config.setting);
     progress(DiagnoseProgress::Search);
-    let start = case.baseline()?;
-    let may_be = CandidateSet::all(config.catalogue, config.setting.hypotheses);
-    let mut search = Search::new(&case, start, may_be, noise.highest(), config.seed)?;
-    search.grow()?;
-    let judged = judge(&mut search, &noise, tau_s)?;
-    let (judged, floor) = licensed(&search, judged, &noise);
-    progress(DiagnoseProgress::Refit);
-    let extended = extended(&mut search, judged.effects, unseen)?;
-    progress(DiagnoseProgress::Locate);
-    let explained = extended
-        .as_ref()
-        .map(|extended| explained(&baseline, extended, &judged, unseen, &noise, base))
-        .transpose()?;
-    let judged = if holds(&judged, extended.as_ref(), explained.as_ref()) {
-        judged
-    } else {
-        judged.demoted(Verdict::Unexplained)
+    let terms = Terms {
+        noise: &noise,
+        tau_s,
+        catalogue: CandidateSet::all(config.catalogue, config.setting.hypotheses),
+        seed: config.seed,
     };
+    let mut papers = terms.grown(&case)?;
+    let at = (noise.gate.sqrt(), config.seed);
+    let mut mismatch = located(&mut papers, CandidateSet::EMPTY, at, locate)?;
+    let explainable = papers.baseline().mean_square() - noise.gate;
+    // Far from the noise a loop of another family may account for all at once: the long search waits.
+    let mut judged = if papers.is_misfit() {
+        None
+    } else {
+        Some(terms.judged(&mut papers)?)
+    };
+    let is_open = judged.as_ref().is_none_or(|(judged, _)| judged.is_open());
+    let fits = if is_open && config.catalogue.contains(EffectId::LoopShape) {
+        families::fits(&case, config.seed)?
+    } else {
+        Vec::new()
+    };
+    let cases = families::cases(&case, &fits);
+    let Tried {
+        mut attempts,
+        mut simulations,
+    } = families::tried(&cases, &papers, &terms)?;
+    if judged.is_none() && !families::outdo(&attempts, &papers) {
+        judged = Some(terms.judged(&mut papers)?);
+    }
+    progress(DiagnoseProgress::Refit);
+    simulations += plain.simulations + papers.simulations();
+    if let Some((judged, floor)) = judged {
+        families::keep_ahead(&mut attempts, &papers, &judged);
+        attempts.push(Attempt {
+            search: papers,
+            judged,
+            floor,
+        });
+    }
+    let Some(Settled {
+        mut search,
+        judged,
+        floor,
+        extended,
+        explained,
+    }) = settled(attempts, &baseline, unseen, &noise, base)?
+    else {
+        unreachable!("where none outdoes it, the paper's loop is among them");
+    };
+    progress(DiagnoseProgress::Locate);
     let written = |named: &[Named]| {
         let mut findings: Vec<Finding> = named
             .iter()
@@ -181,8 +210,6 @@ pub fn diagnose_from(
     };
     let (findings, suspects) = (written(&judged.named), written(&judged.suspects));
     let catalogue = catalogue(&mut search, &judged, config.seed)?;
-    let at = (noise.gate.sqrt(), config.seed);
-    let mut mismatch = located(&mut search, CandidateSet::EMPTY, at, locate)?;
     if !judged.named.is_empty() {
         mismatch.blocks = blocks_of(&judged.named);
         mismatch.block = mismatch.blocks.first().copied();
@@ -192,14 +219,13 @@ pub fn diagnose_from(
         Verdict::ExplainedInPart | Verdict::Unexplained
     );
     let remainder = if has_remainder {
-        remainder(&mut search, &judged, &mismatch, at)?
+        remainder(&mut search, &judged, &mismatch, explainable, at)?
     } else {
         None
     };
     let next_experiment = next(&search, &judged, &config.limits)?;
     // Last: it may visit models that are no rivals.
     let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
-    let simulations = plain.simulations + search.simulations();
     Ok(Diagnosis {
         verdict: judged.verdict,
         noise_floor: floor,
@@ -216,6 +242,50 @@ pub fn diagnose_from(
         simulations,
         seed: config.seed,
     })
+}
+
+/// What is said in the end.
+struct Settled<'a> {
+    search: Search<'a>,
+    judged: Judged,
+    floor: Floor,
+    extended: Option<ExtendedStage>,
+    explained: Option<Explained>,
+}
+
+/// The first of some attempts that holds on the unseen recordings; if none does, the last, without names.
+fn settled<'a>(
+    attempts: Vec<Attempt<'a>>,
+    baseline: &Stage,
+    unseen: &[Recording],
+    noise: &Measured,
+    base: &WienerModel,
+) -> Result<Option<Settled<'a>>, IdentifyError> {
+    let mut last = None;
+    for mut attempt in attempts {
+        let judged = attempt.judged;
+        let extended = extended(&mut attempt.search, judged.effects, unseen)?;
+        let explained = extended
+            .as_ref()
+            .map(|extended| explained(baseline, extended, &judged, unseen, noise, base))
+            .transpose()?;
+        let holds = holds(&judged, extended.as_ref(), explained.as_ref());
+        last = Some(Settled {
+            search: attempt.search,
+            judged: if holds {
+                judged
+            } else {
+                judged.demoted(Verdict::Unexplained)
+            },
+            floor: attempt.floor,
+            extended,
+            explained,
+        });
+        if holds {
+            break;
+        }
+    }
+    Ok(last)
 }
 
 /// Whether names hold on the unseen recordings. Drifts and fatigue need not: they stay with their recording.
@@ -235,42 +305,6 @@ fn holds(judged: &Judged, extended: Option<&ExtendedStage>, explained: Option<&E
         is_low && interval.is_none_or(|[_, upper]| upper < GATE)
     });
     !fails || as_near || judged.named.iter().any(stays)
-}
-
-/// What the noise lets be said of what was judged, and the noise.
-fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, Floor) {
-    let plain = search.baseline();
-    let best = search.get(judged.effects).unwrap_or(plain);
-    let floor = noise.floor(search.case, best);
-    let gained = plain.mean_square() - best.mean_square();
-    // The zero of a sensor moves slowly and smoothly, a loop by the same law from cycle to cycle: what leaves noise that
-    // grows toward low frequencies, or in the second case much of it, is not that, and repeated cycles do not tell noise
-    // from what tells them apart. And whatever is flexible follows noise with a memory for a part of the way.
-    let is_far = plain.mean_square() > LOWERED * best.mean_square();
-    let leaves_much = best.mean_square() > MUCH * noise.gate;
-    let may_be_noise = |named: &Named| match floor.class {
-        NoiseClass::OneOverF => {
-            named.effect == EffectId::SensorDrift
-                || (named.effect == EffectId::FunctionalFatigue && leaves_much)
-        }
-        NoiseClass::Colored => named.effect.info().flexible && !is_far,
-        NoiseClass::White | NoiseClass::Quantized => false,
-    };
-    if judged.named.iter().any(may_be_noise) {
-        let is_large = plain.mean_square() > LARGE * best.mean_square();
-        let verdict = if is_large {
-            Verdict::Unexplained
-        } else {
-            without_effects(search, noise, 1.0)
-        };
-        return (judged.demoted(verdict), floor);
-    }
-    if !noise.forbids(floor.class, gained) {
-        return (judged, floor);
-    }
-    // In such noise tests cry wolf: only the size of the error tells.
-    let verdict = without_effects(search, noise, 1.0);
-    (judged.demoted(verdict), floor)
 }
 
 /// A look at what a model that was visited leaves; `at` holds the noise's standard deviation and the seed.
@@ -403,9 +437,11 @@ fn remainder(
     search: &mut Search<'_>,
     judged: &Judged,
     plain: &Mismatch,
+    all: f64,
     at: (f64, u64),
 ) -> Result<Option<Remainder>, IdentifyError> {
-    let mismatch = if judged.effects.is_empty() {
+    let family = search.case.setting.loop_family;
+    let mismatch = if judged.effects.is_empty() && family == LoopFamily::Proximity {
         plain.clone()
     } else {
         located(search, judged.effects, at, locate)?
@@ -417,8 +453,7 @@ fn remainder(
         None => None,
     };
     let noise = at.0.powi(2);
-    let of = |effects| search.get(effects).map_or(0.0, Node::mean_square) - noise;
-    let (left, all) = (of(judged.effects), of(CandidateSet::EMPTY));
+    let left = search.get(judged.effects).map_or(0.0, Node::mean_square) - noise;
     Ok((left > 0.0 && all > 0.0).then(|| Remainder {
         rms: left.sqrt(),
         share: left / all,
@@ -456,7 +491,7 @@ fn extended(
     effects: CandidateSet,
     unseen: &[Recording],
 ) -> Result<Option<ExtendedStage>, IdentifyError> {
-    if effects.is_empty() {
+    if effects.is_empty() && search.case.setting.loop_family == LoopFamily::Proximity {
         return Ok(None);
     }
     let fit = Arc::unwrap_or_clone(search.settle(effects)?.fit);

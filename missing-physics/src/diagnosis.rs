@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use identify::{Fit, Validated};
 
-use crate::{Candidate, EffectBlock, ExtendedModel, Need};
+use crate::{Candidate, EffectBlock, EffectId, ExtendedModel, LoopFamily, Need};
 
 /// Name of the whole diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -122,12 +122,23 @@ pub struct Stage {
 /// The model with effects.
 #[derive(Debug, Clone)]
 pub struct ExtendedStage {
-    /// Its effects.
+    /// Its effects, beside the loop of its model.
     pub effects: Vec<Candidate>,
     /// The model.
     pub model: ExtendedModel,
     /// Its fit and validation.
     pub stage: Stage,
+}
+
+impl ExtendedStage {
+    /// Ids of what it has beyond the plain model: a loop of another family is another shape of the loop.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        let is_other = self.model.loop_family() != LoopFamily::Proximity;
+        let shape = is_other.then_some(EffectId::LoopShape.id());
+        let effects = self.effects.iter().map(|effect| effect.id());
+        shape.into_iter().chain(effects).collect()
+    }
 }
 
 /// A model on the way from the plain to the extended one.

@@ -7,7 +7,7 @@ use identify::{
 use recording::Recording;
 use wiener::Block;
 
-use crate::{Candidate, CandidateSet, EffectValues, Extended, Member, Setting};
+use crate::{Candidate, CandidateSet, EffectValues, Extended, LoopFamily, Member, Setting};
 
 /// Factor by which a gain may leave that of the baseline, either way.
 const GAIN_FACTOR: f64 = 4.0;
@@ -84,6 +84,12 @@ impl ExtendedModel {
             slots,
             parameters,
         }
+    }
+
+    /// Curves of its loop's branches.
+    #[must_use]
+    pub fn loop_family(&self) -> LoopFamily {
+        self.setting.loop_family
     }
 
     /// The effects that may have a size.

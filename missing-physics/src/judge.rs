@@ -15,7 +15,7 @@ use crate::trial::{KNOWN, Trial};
 use crate::{Candidate, CandidateSet, EffectId};
 
 /// Share of the explainable error that an effect must bring to have a name.
-const OWN_SHARE: f64 = 0.05;
+pub(crate) const OWN_SHARE: f64 = 0.05;
 
 /// Share of the explainable error that the whole model must explain for its names to hold.
 pub(crate) const GATE: f64 = 0.8;
@@ -43,7 +43,7 @@ pub(crate) const LARGE: f64 = 1.5;
 const OF_CATALOGUE: f64 = 0.97;
 
 /// The same of a flexible one, 22 of 24: a spline takes the place of whatever drifts.
-const OF_FLEXIBLE: f64 = 0.9;
+pub(crate) const OF_FLEXIBLE: f64 = 0.9;
 
 /// Mean square without a drift over that with it, from which others may stand beside it.
 const DRIFTED: f64 = 3.0;
@@ -82,6 +82,14 @@ pub(crate) struct Named {
 }
 
 impl Judged {
+    /// Whether something is left to be explained.
+    pub(crate) fn is_open(&self) -> bool {
+        matches!(
+            self.verdict,
+            Verdict::Unexplained | Verdict::ExplainedInPart
+        )
+    }
+
     /// All names become suspects.
     pub(crate) fn demoted(self, verdict: Verdict) -> Self {
         let Self {

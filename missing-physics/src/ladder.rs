@@ -3,10 +3,10 @@
 use identify::{IdentifyError, Validated};
 use recording::Recording;
 
-use crate::CandidateSet;
 use crate::diagnosis::{ExtendedStage, Rung, Stage};
 use crate::elsewhere::validated;
 use crate::search::Search;
+use crate::{CandidateSet, EffectId, LoopFamily};
 
 impl Rung {
     fn new(added: CandidateSet, train_rmse: f64, unseen: &[Validated]) -> Self {
@@ -55,6 +55,13 @@ pub(crate) fn ladder(
             });
             set = less;
         }
+    }
+    let of_family = search.baseline();
+    if of_family.model.loop_family() != LoopFamily::Proximity {
+        let unseen = validated(&of_family.model, &of_family.points[0], unseen)?;
+        let rmse = of_family.mean_square().sqrt();
+        let shape = CandidateSet::EMPTY.with(EffectId::LoopShape);
+        rungs.push(Rung::new(shape, rmse, &unseen));
     }
     rungs.push(Rung::plain(plain));
     rungs.reverse();

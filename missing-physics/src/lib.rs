@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod attempt;
 mod bands;
 mod blocks;
 mod candidate;
@@ -13,6 +14,7 @@ mod elementary_terms;
 mod elsewhere;
 mod explained;
 mod extended_model;
+mod families;
 mod floor;
 mod folds;
 mod judge;
@@ -62,3 +64,4 @@ pub use sma_effects::{
     ReturnPointMemory, Role, SensorDrift, SensorNonlinearity, Setting, Sign, Smoothness,
     StressCoupling, SupplyLag, ThermalExpansion, ThermocoupleLag,
 };
+pub use wiener::hysteresis::LoopFamily;

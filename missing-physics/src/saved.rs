@@ -30,6 +30,7 @@ pub fn saved_effects(
         .map(|effect| Ok(EffectId::parse(effect.id())?.id().to_owned()));
     Ok(SavedEffects {
         ids: known.collect::<Result<_, PhysicsError>>()?,
+        loop_family: stage.model.loop_family(),
         sub_steps: setting.sub_steps,
         newton_iterations: setting.newton_iterations,
     })
@@ -135,6 +136,7 @@ impl<'a> RestoredModel<'a> {
         };
         let ids = effects.ids.iter().map(|id| EffectId::parse(id));
         let ids = ids.collect::<Result<Vec<_>, _>>().map_err(refused)?;
+        setting.loop_family = effects.loop_family;
         setting.sub_steps = effects.sub_steps;
         setting.newton_iterations = effects.newton_iterations;
         let carried = ids

@@ -54,10 +54,10 @@ const COULD_MATTER: f64 = 0.7;
 
 /// Advantage in units of log-likelihood, parameters counted, from which a model is beyond doubt against
 /// another: odds of e⁶.
-const BEYOND_DOUBT: f64 = 6.0;
+pub(crate) const BEYOND_DOUBT: f64 = 6.0;
 
 /// Mean square over that of another model from which no memory of noise accounts for the difference.
-const OUTDONE: f64 = 2.0;
+pub(crate) const OUTDONE: f64 = 2.0;
 
 /// Sizes, as shares of the typical one, between which a refit starts.
 const START: [f64; 2] = [0.05, 2.0];

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::diagnosis::Estimate;
 use crate::drives::short;
-use crate::{EffectInfo, Role};
+use crate::{EffectInfo, LoopFamily, Role};
 
 /// A quantity as people say it: value, half of its interval, unit.
 struct Said {
@@ -101,6 +101,23 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         text = text.replace("{partner}", &quantity(&said));
     }
     text + "."
+}
+
+/// What a loop of another family means.
+pub(crate) fn of_family(info: &EffectInfo, family: LoopFamily) -> String {
+    let curves = match family {
+        LoopFamily::Proximity => "the paper's",
+        LoopFamily::Relays => {
+            "those of many independent relays (Preisach), each with its own pair of temperatures"
+        }
+        LoopFamily::Kinetics => {
+            "those of cosine kinetics (Liang and Rogers), with a plateau after each reversal"
+        }
+    };
+    format!(
+        "{} is missing: the loop's curves are {curves}.",
+        capitalized(info.name)
+    )
 }
 
 fn capitalized(text: &str) -> String {

@@ -18,7 +18,8 @@ use identify::{
 };
 use missing_physics::{
     Candidate, EffectId, EffectSet, EffectValues, Extended, ExtendedModel, ExtendedStage,
-    Hypothesis, RestoredModel, Setting, Stage, parse_model, saved_effects, setting_of_rod,
+    Hypothesis, LoopFamily, RestoredModel, Setting, Stage, parse_model, saved_effects,
+    setting_of_rod,
 };
 use recording::Recording;
 use wiener::hysteresis::Rule;
@@ -92,6 +93,10 @@ struct Made {
 
 /// The model with these effects, fitted to two recordings and checked on a third.
 fn made(effects: &[EffectId], iterations: usize) -> Made {
+    made_of(LoopFamily::Proximity, effects, iterations)
+}
+
+fn made_of(loop_family: LoopFamily, effects: &[EffectId], iterations: usize) -> Made {
     let rod = Rod::parse("rod.toml", ROD).unwrap();
     let training = vec![
         recorded("a.csv", [2.4, 2.0, 2.3]),
@@ -101,7 +106,11 @@ fn made(effects: &[EffectId], iterations: usize) -> Made {
     let base = WienerModel::new(&rod, Rule::Nested, &training).unwrap();
     let plain = fitted(&base, &training, iterations);
     let active: EffectSet = effects.iter().copied().collect();
-    let model = ExtendedModel::new(&base, &plain, setting_of_rod(&rod, "mm"), active);
+    let setting = Setting {
+        loop_family,
+        ..setting_of_rod(&rod, "mm")
+    };
+    let model = ExtendedModel::new(&base, &plain, setting, active);
     let fit = fitted(&model, &training, iterations);
     let validated = unseen
         .iter()
@@ -194,6 +203,35 @@ fn a_model_that_is_read_does_what_the_fitted_one_did() {
         .validate_by(&restored, &restored.point(), &made.unseen[0])
         .unwrap();
     assert_eq!(unseen.rmse.to_bits(), validated[0].rmse.to_bits());
+}
+
+#[test]
+fn a_loop_of_another_family_is_kept() {
+    for effects in [&[EffectId::LatentHeat][..], &[]] {
+        let made = made_of(LoopFamily::Relays, effects, 5);
+        let text = made.saved().to_toml().unwrap();
+        assert!(text.contains("\nloop_family = \"relays\"\n"), "{text}");
+        let text = text.replace("newton_iterations = 4", "newton_iterations = 3");
+        let saved = parse_model("model.toml", &text).unwrap();
+        assert_eq!(saved.to_toml().unwrap(), text);
+        let names = saved.effects().unwrap().names().len();
+        assert_eq!(names, 1 + effects.len());
+        let restored = RestoredModel::new(&saved).unwrap();
+        let recording = &made.training[0];
+        let predicted = predict(&restored, &saved.point(0), recording).unwrap();
+        let fit = &made.stage.stage.fit;
+        let by_fit = predict(&made.stage.model, &fit.point(0), recording).unwrap();
+        assert_eq!(predicted, by_fit);
+        // Who reads plain models alone says so; and no family is guessed.
+        let refused = SavedModel::parse("model.toml", &text.replace("\"latent-heat\"", ""));
+        assert!(refused.is_err());
+        let unknown = text.replace("\"relays\"", "\"duhem\"");
+        let refused = parse_model("model.toml", &unknown).unwrap_err().to_string();
+        assert!(
+            refused.contains("loop_family = \"duhem\"") && refused.contains("cosine-kinetics"),
+            "{refused}"
+        );
+    }
 }
 
 #[test]

@@ -31,7 +31,7 @@ impl Earlier {
                 format!(
                     "{} has effects ({}): its plain part is the start, the plain model is fitted",
                     path.display(),
-                    effects.ids.join(", ")
+                    effects.names().join(", ")
                 )
             }),
         })

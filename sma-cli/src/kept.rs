@@ -34,13 +34,12 @@ impl Kept {
             Some(extended) => match saved_effects(extended, diagnosed.setting) {
                 Ok(effects) => (&extended.stage, Some(effects)),
                 Err(_) => {
-                    let ids: Vec<&str> = extended.effects.iter().map(|one| one.id()).collect();
                     return Self {
                         model: None,
                         note: format!(
                             "no model is saved: it has {}, and hypotheses of your own have no place in a model \
                              file yet; leave them out to save the model without them",
-                            ids.join(", ")
+                            extended.names().join(", ")
                         ),
                     };
                 }
@@ -54,7 +53,7 @@ impl Kept {
             Some(effects) => {
                 let findings = diagnosis.findings.iter();
                 let found: Vec<&str> = findings.map(|one| one.effect.id()).collect();
-                note(&effects.ids, &found)
+                note(&effects.names(), &found)
             }
         };
         let model = SavedModel::of(
@@ -78,12 +77,9 @@ impl Kept {
 }
 
 /// Which effects are saved, and which of them are no findings.
-fn note(ids: &[String], found: &[&str]) -> String {
-    let suspects: Vec<&str> = ids
-        .iter()
-        .map(String::as_str)
-        .filter(|id| !found.contains(id))
-        .collect();
+fn note(ids: &[&str], found: &[&str]) -> String {
+    let suspects = ids.iter().copied().filter(|id| !found.contains(id));
+    let suspects: Vec<&str> = suspects.collect();
     let mut note = format!("the model with {} is saved", ids.join(", "));
     if !suspects.is_empty() {
         note += &format!("; only suspected: {}", suspects.join(", "));
@@ -97,7 +93,7 @@ mod tests {
 
     #[test]
     fn what_is_only_suspected_is_said() {
-        let ids = ["latent-heat", "radiation"].map(ToOwned::to_owned);
+        let ids = ["latent-heat", "radiation"];
         assert_eq!(
             note(&ids, &["radiation", "latent-heat"]),
             "the model with latent-heat, radiation is saved"

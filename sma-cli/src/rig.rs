@@ -1,7 +1,9 @@
 //! An identified rig as something to be controlled.
 
 use identify::{SavedModel, Scope};
-use missing_physics::{ExtendedPlant, Member, PhysicsError, RestoredModel};
+use missing_physics::{
+    EffectId, ExtendedPlant, LoopFamily, Member, PhysicsError, RestoredModel, Setting,
+};
 use pid_tune::Variation;
 use recording::Quantity;
 use wiener::hysteresis::Rule;
@@ -118,7 +120,12 @@ impl Rig {
             return Err(RigError::Ambient { file: file() }.into());
         };
         let sign = if member.params.gain < 0.0 { -1.0 } else { 1.0 };
-        let active = model.fleet().setting.active;
+        let Setting {
+            active,
+            loop_family,
+            ..
+        } = model.fleet().setting;
+        let shape = (loop_family != LoopFamily::Proximity).then_some(EffectId::LoopShape);
         Ok(Self {
             fleet: Turned {
                 fleet: model.fleet(),
@@ -126,7 +133,11 @@ impl Rig {
             },
             member,
             params: turned(member.params, sign),
-            effects: active.iter().map(|effect| effect.id().to_owned()).collect(),
+            effects: shape
+                .into_iter()
+                .chain(active.iter())
+                .map(|effect| effect.id().to_owned())
+                .collect(),
             drive: rod.drive()?,
             rule: saved.rule(),
             ambient_degc,

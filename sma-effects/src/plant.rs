@@ -1,4 +1,4 @@
-use wiener::hysteresis::{Branch, Hysteresis, Rule, SineProximity};
+use wiener::hysteresis::{Branch, Hysteresis, LoopFamily, Rule, SineProximity};
 use wiener::thermal::Heating;
 use wiener::{Drive, Input, Output, Plant, Wiener, WienerParams};
 
@@ -114,17 +114,23 @@ impl<const L: usize> ExtendedPlant<L> {
         let asymmetry = values.map(|lane| lane.loop_asymmetry.loop_asymmetry);
         let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
         let proximity = SineProximity::new(params.map(|lane| lane.zeta))?;
+        // Relays remember all reversals: that they do is what they are.
+        let rule = match setting.loop_family {
+            LoopFamily::Relays => Rule::Nested,
+            LoopFamily::Proximity | LoopFamily::Kinetics => setting.rule,
+        };
         let base = Base {
             setting,
             params,
             other_memory: Hysteresis::new(
                 limits,
                 proximity,
-                match setting.rule {
+                match rule {
                     Rule::LastReversal => Rule::Nested,
                     Rule::Nested => Rule::LastReversal,
                 },
-            ),
+            )
+            .of_family(setting.loop_family),
         };
         let own = Own::new(setting.hypotheses, values);
         let effects = Effects::new(values, &base);
@@ -132,7 +138,7 @@ impl<const L: usize> ExtendedPlant<L> {
         Ok(Self {
             drive: setting.drive,
             heat: ZoneHeat::new(heat)?,
-            hysteresis: Hysteresis::new(limits, proximity, setting.rule),
+            hysteresis: Hysteresis::new(limits, proximity, rule).of_family(setting.loop_family),
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),
             offset: params.map(|lane| lane.offset),

@@ -1,5 +1,5 @@
 use wiener::Drive;
-use wiener::hysteresis::Rule;
+use wiener::hysteresis::{LoopFamily, Rule};
 
 use crate::hypothesis::MOST_HYPOTHESES;
 use crate::{EffectSet, Hypothesis, PhysicsError};
@@ -18,8 +18,10 @@ const MOST_ITERATIONS: usize = 50;
 pub struct Setting {
     /// Meaning of the drive.
     pub drive: Drive,
-    /// Memory of the hysteresis in the baseline.
+    /// Memory of the hysteresis in the baseline; relays remember all reversals.
     pub rule: Rule,
+    /// Curves of its branches.
+    pub loop_family: LoopFamily,
     /// The effects that may have a size.
     pub active: EffectSet,
     /// Hypotheses of one's own, all of which may have a size; at most 4. They act in this order.
@@ -50,6 +52,7 @@ impl Default for Setting {
         Self {
             drive: Drive::Current,
             rule: Rule::LastReversal,
+            loop_family: LoopFamily::Proximity,
             active: EffectSet::EMPTY,
             hypotheses: &[],
             mass_kg_per_m: None,

@@ -1,4 +1,4 @@
-//! `sin` and `atan` as polynomials: equal bits on every host, and plain arithmetic that a compiler
+//! `sin`, `atan`, `ln` and `e^y - 1` as polynomials: equal bits on every host, and plain arithmetic that a compiler
 //! turns into vector instructions when many models run in lockstep.
 //!
 //! No fused multiply-add anywhere: with it the bits would depend on the instruction set, and
@@ -88,4 +88,86 @@ pub(crate) fn atan_quotient(a: f64, b: f64) -> f64 {
     let square = z * z;
     let octant = FRAC_PI_8 + (z + z * square * polynomial(&ATAN, square));
     (if size > b { FRAC_PI_2 - octant } else { octant }).copysign(a)
+}
+
+/// 1.5 · 2⁵²: added and taken away again, it rounds to an integer, which stands in the lowest bits.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+/// ln 2 in two parts; the first has so few digits that its product with a small integer is exact.
+const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+
+/// 1/3, 1/5, …: (artanh z / z - 1)/z² in z²; truncation 1e-16 for |z| ≤ 0.172.
+const LOGARITHM: [f64; 9] = [
+    1.0 / 3.0,
+    1.0 / 5.0,
+    1.0 / 7.0,
+    1.0 / 9.0,
+    1.0 / 11.0,
+    1.0 / 13.0,
+    1.0 / 15.0,
+    1.0 / 17.0,
+    1.0 / 19.0,
+];
+
+/// 1/1!, 1/2!, …: (e^r - 1)/r in r; truncation 1e-17 for |r| ≤ 0.347.
+const EXPONENTIAL: [f64; 13] = [
+    1.0,
+    1.0 / 2.0,
+    1.0 / 6.0,
+    1.0 / 24.0,
+    1.0 / 120.0,
+    1.0 / 720.0,
+    1.0 / 5_040.0,
+    1.0 / 40_320.0,
+    1.0 / 362_880.0,
+    1.0 / 3_628_800.0,
+    1.0 / 39_916_800.0,
+    1.0 / 479_001_600.0,
+    1.0 / 6_227_020_800.0,
+];
+
+/// ln x for finite normal x > 0, relative error ≤ 4e-16.
+///
+/// ```text
+/// x = 2^k m,   √½ ≤ m < √2,   z = (m - 1)/(m + 1),   ln x = k ln 2 + 2 (z + z³/3 + z⁵/5 + …)
+/// ```
+#[inline(always)]
+#[must_use]
+pub fn ln(x: f64) -> f64 {
+    // Bits of √½: what is above in steps of one exponent is k.
+    const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
+    // 2⁵² + 2⁵¹ as bits: an integer below 2⁵¹ added to them is that integer added to the number.
+    const INTEGER: u64 = 0x4338_0000_0000_0000;
+    let bits = x.to_bits();
+    let raised = bits.wrapping_sub(SQRT_HALF) & 0xfff0_0000_0000_0000;
+    let m = f64::from_bits(bits.wrapping_sub(raised));
+    let steps = ((raised as i64) >> 52) as u64;
+    let k = f64::from_bits(INTEGER.wrapping_add(steps)) - ROUND;
+    let z = (m - 1.0) / (m + 1.0);
+    let square = z * z;
+    let mut sum = LOGARITHM[LOGARITHM.len() - 1];
+    for k in (0..LOGARITHM.len() - 1).rev() {
+        sum = sum * square + LOGARITHM[k];
+    }
+    k * LN_2_HIGH + (2.0 * z + (2.0 * z * square * sum + k * LN_2_LOW))
+}
+
+/// e^y - 1 for |y| ≤ 700, error ≤ 4e-16 of the larger of result and 1, exactly 0 at 0.
+///
+/// ```text
+/// y = k ln 2 + r,   |r| ≤ ln 2/2,   e^y - 1 = 2^k (r + r²/2! + r³/3! + …) + (2^k - 1)
+/// ```
+#[inline(always)]
+#[must_use]
+pub fn expm1(y: f64) -> f64 {
+    let rounded = y * core::f64::consts::LOG2_E + ROUND;
+    let k = rounded - ROUND;
+    let r = (y - k * LN_2_HIGH) - k * LN_2_LOW;
+    let mut sum = EXPONENTIAL[EXPONENTIAL.len() - 1];
+    for k in (0..EXPONENTIAL.len() - 1).rev() {
+        sum = sum * r + EXPONENTIAL[k];
+    }
+    // The integer k stands in the lowest bits of `rounded`; moved into the exponent it makes 2^k.
+    let power = f64::from_bits((rounded.to_bits() << 52).wrapping_add(1.0f64.to_bits()));
+    power * (r * sum) + (power - 1.0)
 }

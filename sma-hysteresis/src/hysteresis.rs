@@ -1,8 +1,9 @@
-use crate::HysteresisError;
+use crate::family::Curves;
 use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::memory::{Memory, Rule, Rules};
-use crate::path::Reversal;
+use crate::path::{Path, Reversal};
 use crate::proximity::{Proximity, SineProximity};
+use crate::{HysteresisError, LoopFamily};
 
 /// What [`Hysteresis::peek`] sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +31,16 @@ pub struct Hysteresis<const L: usize, P = SineProximity<L>> {
     limits: LimitingLoop<L>,
     proximity: P,
     rule: Rule,
+    curves: Curves<L>,
+}
+
+impl<const L: usize> Hysteresis<L> {
+    /// The same loop with the curves of another family. A memory belongs to the family that made it.
+    #[must_use]
+    pub fn of_family(mut self, family: LoopFamily) -> Self {
+        self.curves = Curves::new(family, &self.limits, self.proximity.zeta());
+        self
+    }
 }
 
 impl<const L: usize, P: Proximity> Hysteresis<L, P> {
@@ -40,6 +51,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
             limits,
             proximity,
             rule,
+            curves: Curves::Proximity,
         }
     }
 
@@ -105,23 +117,24 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
                     value: temperature_degc[l],
                 });
             }
-            let levels_k =
-                [1.0, -1.0].map(|sign| self.limits.limiting_level_k(l, sign, relative_k));
-            let ends = levels_k.map(|level_k| self.limits.fraction_at(l, level_k));
+            let levels_k = self.curves.limits_at(&self.limits, l, relative_k);
+            let ends = levels_k.map(|level_k| self.curves.fraction(&self.limits, l, level_k));
             let outside = HysteresisError::OutsideLoop {
                 value: fraction[l],
                 temperature_degc: temperature_degc[l],
                 lower: ends[0].min(ends[1]),
                 upper: ends[0].max(ends[1]),
             };
-            let level_k = match self.limits.level_of(l, Branch::Heating, fraction[l]) {
-                Ok(level_k) => level_k,
-                Err(_) => return Err(outside),
+            let Some(level_k) = self.curves.level_of(&self.limits, l, fraction[l]) else {
+                return Err(outside);
             };
             // A fraction read off a limiting curve may be out by rounding.
             let margin = 1e-9;
             let [heating_k, cooling_k] = levels_k;
-            share[l] = (level_k - heating_k) / (cooling_k - heating_k);
+            let (above_k, width_k) = (level_k - heating_k, cooling_k - heating_k);
+            // Far out both curves of some families are one.
+            let is_one = width_k.abs() <= 0.0 && above_k.abs() <= margin;
+            share[l] = if is_one { 1.0 } else { above_k / width_k };
             if !(share[l] >= -margin && share[l] <= 1.0 + margin) {
                 return Err(outside);
             }
@@ -136,6 +149,9 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     pub fn peek(&self, memory: &Memory<L>, temperature_degc: [f64; L]) -> Sensed<L> {
         let temperature_k = self.relative_k(temperature_degc);
         let leaves = memory.leaves_branch(&temperature_k);
+        if !self.curves.is_proximity() {
+            return self.peek_at_share(memory, &temperature_k, leaves);
+        }
         // Two plain loops: a condition inside one keeps the lanes from being computed side by side.
         let mut level_k = [0.0; L];
         let mut level_slope = [0.0; L];
@@ -171,6 +187,9 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         if memory.leaves_branch(&temperature_k) {
             memory.change_branch(&self.rules(), &temperature_k);
         }
+        if !self.curves.is_proximity() {
+            return self.commit_at_share(memory, &temperature_k);
+        }
         let mut level_k = [0.0; L];
         for l in 0..L {
             level_k[l] = memory.path(l).level_k(&self.proximity, l, temperature_k[l]);
@@ -189,7 +208,54 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         memory: &'a Memory<L>,
         lane: usize,
     ) -> impl Iterator<Item = Reversal> + 'a {
-        memory.reversals(&self.limits, lane)
+        memory.reversals(&self.limits, &self.curves, lane)
+    }
+
+    /// [`Hysteresis::peek`] where the share of the material is what is known.
+    #[inline(always)]
+    fn peek_at_share(
+        &self,
+        memory: &Memory<L>,
+        temperature_k: &[f64; L],
+        leaves: bool,
+    ) -> Sensed<L> {
+        let paths = if leaves {
+            memory.paths_towards(&self.rules(), temperature_k)
+        } else {
+            memory.paths()
+        };
+        let (mut fraction, mut slope_per_k) = self.at_share(&paths, temperature_k);
+        for l in 0..L {
+            let (at, per_share) = self.limits.fraction_of_share(l, fraction[l]);
+            fraction[l] = at;
+            slope_per_k[l] *= per_share;
+        }
+        Sensed {
+            fraction,
+            slope_per_k,
+        }
+    }
+
+    /// Shares and their slopes, 1/K.
+    #[inline(always)]
+    fn at_share(&self, paths: &[Path; L], temperature_k: &[f64; L]) -> ([f64; L], [f64; L]) {
+        let (mut share, mut per_k) = ([0.0; L], [0.0; L]);
+        for l in 0..L {
+            (share[l], per_k[l]) = self.curves.level(l, &paths[l], temperature_k[l]);
+        }
+        (share, per_k)
+    }
+
+    /// [`Hysteresis::commit`] on a branch that was changed already.
+    #[inline(always)]
+    fn commit_at_share(&self, memory: &mut Memory<L>, temperature_k: &[f64; L]) -> [f64; L] {
+        let paths = memory.paths();
+        let (mut fraction, _) = self.at_share(&paths, temperature_k);
+        for l in 0..L {
+            memory.advance(l, temperature_k[l]);
+            fraction[l] = self.limits.fraction_of_share(l, fraction[l]).0;
+        }
+        fraction
     }
 
     #[inline(always)]
@@ -206,6 +272,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
             limits: &self.limits,
             proximity: &self.proximity,
             rule: self.rule,
+            curves: &self.curves,
         }
     }
 }

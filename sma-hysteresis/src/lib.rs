@@ -3,14 +3,16 @@
 
 mod elementary;
 mod error;
+mod family;
 mod hysteresis;
 mod limiting_loop;
 mod memory;
 mod path;
 mod proximity;
 
-pub use elementary::{atan, sin_quarter};
+pub use elementary::{atan, expm1, ln, sin_quarter};
 pub use error::HysteresisError;
+pub use family::LoopFamily;
 pub use hysteresis::{Hysteresis, Sensed};
 pub use limiting_loop::{Branch, LimitingLoop, LoopParams};
 pub use memory::{Memory, NESTING_CAPACITY, Rule};

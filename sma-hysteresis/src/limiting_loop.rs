@@ -191,6 +191,11 @@ impl<const L: usize> LimitingLoop<L> {
         self.half_width_k[lane]
     }
 
+    #[inline(always)]
+    pub(crate) fn spread_k(&self, lane: usize) -> f64 {
+        self.spread_k[lane]
+    }
+
     /// k_δ.
     #[inline(always)]
     pub(crate) fn widening(&self, lane: usize, sign: f64) -> f64 {
@@ -219,6 +224,16 @@ impl<const L: usize> LimitingLoop<L> {
     pub(crate) fn fraction_slope_at(&self, lane: usize, level_k: f64) -> f64 {
         let spread_k = self.spread_k[lane];
         self.fraction_per_radian[lane] * spread_k / (spread_k * spread_k + level_k * level_k)
+    }
+
+    /// Fraction where a share of the material has transformed, and how much it changes with the share.
+    #[inline(always)]
+    pub(crate) fn fraction_of_share(&self, lane: usize, share: f64) -> (f64, f64) {
+        let swing = FRAC_PI_2 * self.fraction_per_radian[lane];
+        (
+            self.fraction_center[lane] + swing * (2.0 * share - 1.0),
+            2.0 * swing,
+        )
     }
 
     /// Anhysteretic temperature of a fraction; `branch` only names the curve in the error.

@@ -1,3 +1,4 @@
+use crate::family::Curves;
 use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::path::{Path, REVERSAL_DEAD_BAND_K, Reversal, Turn};
 use crate::proximity::Proximity;
@@ -11,7 +12,7 @@ pub const NESTING_CAPACITY: usize = 32;
 
 /// Where what is remembered ends, K from the middle of the loop: beyond every loop, and so near that
 /// differences from there keep ten digits after the point. With ∞ they would be `NaN`.
-const FARTHEST_K: f64 = 1e6;
+pub(crate) const FARTHEST_K: f64 = 1e6;
 
 /// Which reversals the operator remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,6 +60,25 @@ pub(crate) struct Rules<'a, const L: usize, P> {
     pub(crate) limits: &'a LimitingLoop<L>,
     pub(crate) proximity: &'a P,
     pub(crate) rule: Rule,
+    pub(crate) curves: &'a Curves<L>,
+}
+
+impl<const L: usize, P: Proximity> Rules<'_, L, P> {
+    fn path(&self, lane: usize, sign: f64, start: Turn, end: Option<Turn>) -> Path {
+        if self.curves.is_proximity() {
+            Path::new(self.limits, self.proximity, lane, sign, start, end)
+        } else {
+            self.curves.path(lane, sign, start, end)
+        }
+    }
+
+    fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> f64 {
+        if self.curves.is_proximity() {
+            path.level_k(self.proximity, lane, temperature_k)
+        } else {
+            self.curves.level(lane, path, temperature_k).0
+        }
+    }
 }
 
 /// The remembered reversals of one lane after a step: how many stay, and whether one is added.
@@ -80,9 +100,12 @@ impl<const L: usize> Memory<L> {
         temperature_k: [f64; L],
         share: [f64; L],
     ) -> Self {
+        let temperature_k = temperature_k.map(|degrees| degrees.clamp(-FARTHEST_K, FARTHEST_K));
         let base: [Turn; L] = core::array::from_fn(|lane| {
-            let temperature_k = temperature_k[lane].clamp(-FARTHEST_K, FARTHEST_K);
-            let share = share[lane];
+            let (temperature_k, share) = (temperature_k[lane], share[lane]);
+            if !rules.curves.is_proximity() {
+                return rules.curves.start(rules.limits, lane, temperature_k, share);
+            }
             let half_width_k = rules.limits.half_width_k(lane);
             // Straight between the curves; what asymmetry adds to either is exactly 0 without one.
             let added_k = |sign: f64| {
@@ -113,8 +136,8 @@ impl<const L: usize> Memory<L> {
         for lane in 0..L {
             let sign = memory.sign[lane];
             let path = memory.path_of(rules, lane, sign, 0, None);
-            memory.follow(lane, sign, path);
-            memory.furthest_k[lane] = sign * base[lane].temperature_k;
+            memory.follow(rules, lane, sign, path);
+            memory.furthest_k[lane] = sign * temperature_k[lane];
         }
         memory
     }
@@ -150,6 +173,7 @@ impl<const L: usize> Memory<L> {
     pub(crate) fn reversals<'a>(
         &'a self,
         limits: &'a LimitingLoop<L>,
+        curves: &'a Curves<L>,
         lane: usize,
     ) -> impl Iterator<Item = Reversal> + 'a {
         let depth = self.depth.get(lane).copied().unwrap_or(0);
@@ -157,7 +181,7 @@ impl<const L: usize> Memory<L> {
             let turn = self.turns[lane][k];
             Reversal {
                 temperature_degc: limits.absolute_degc(lane, turn.temperature_k),
-                fraction: limits.fraction_at(lane, turn.level_k),
+                fraction: curves.fraction(limits, lane, turn.level_k),
             }
         })
     }
@@ -204,6 +228,22 @@ impl<const L: usize> Memory<L> {
         }
     }
 
+    /// The current branches.
+    #[inline(always)]
+    pub(crate) fn paths(&self) -> [Path; L] {
+        core::array::from_fn(|lane| self.path(lane))
+    }
+
+    /// The branches on which the lanes come to T̂, without moving there.
+    #[inline(never)]
+    pub(crate) fn paths_towards<P: Proximity>(
+        &self,
+        rules: &Rules<'_, L, P>,
+        temperature_k: &[f64; L],
+    ) -> [Path; L] {
+        core::array::from_fn(|lane| self.path_towards(rules, lane, temperature_k[lane]))
+    }
+
     /// The branch on which a lane comes to T̂, without moving there.
     #[inline(never)]
     pub(crate) fn path_towards<P: Proximity>(
@@ -212,7 +252,7 @@ impl<const L: usize> Memory<L> {
         lane: usize,
         temperature_k: f64,
     ) -> Path {
-        match self.recollection(rules.proximity, rules.rule, lane, temperature_k) {
+        match self.recollection(rules, lane, temperature_k) {
             None => self.path(lane),
             Some(next) => self.path_of(rules, lane, next.sign, next.kept, next.added),
         }
@@ -229,9 +269,7 @@ impl<const L: usize> Memory<L> {
             if !self.leaves(lane, temperature_k[lane]) {
                 continue;
             }
-            let Some(next) =
-                self.recollection(rules.proximity, rules.rule, lane, temperature_k[lane])
-            else {
+            let Some(next) = self.recollection(rules, lane, temperature_k[lane]) else {
                 continue;
             };
             let path = self.path_of(rules, lane, next.sign, next.kept, next.added);
@@ -241,7 +279,10 @@ impl<const L: usize> Memory<L> {
                 self.turns[lane][next.kept] = turn;
                 self.depth[lane] += 1;
             }
-            self.follow(lane, next.sign, path);
+            if rules.curves.is_kinetics() {
+                self.begin_anew(lane);
+            }
+            self.follow(rules, lane, next.sign, path);
             // The extreme of the direction left behind must not hold back the new one.
             self.furthest_k[lane] = next.sign * temperature_k[lane];
         }
@@ -262,8 +303,7 @@ impl<const L: usize> Memory<L> {
     /// Which reversals a lane remembers once it has come to T̂; `None` if it stays on its branch.
     fn recollection<P: Proximity>(
         &self,
-        proximity: &P,
-        rule: Rule,
+        rules: &Rules<'_, L, P>,
         lane: usize,
         temperature_k: f64,
     ) -> Option<Recollection> {
@@ -272,18 +312,19 @@ impl<const L: usize> Memory<L> {
             let turned_k = (sign * self.furthest_k[lane]).clamp(-FARTHEST_K, FARTHEST_K);
             let turn = Turn {
                 temperature_k: turned_k,
-                level_k: self.path(lane).level_k(proximity, lane, turned_k),
+                level_k: rules.level(lane, &self.path(lane), turned_k),
             };
             let full = depth == NESTING_CAPACITY;
+            let is_nested = rules.rule == Rule::Nested || rules.curves.is_kinetics();
             Recollection {
                 sign: -sign,
-                kept: match rule {
-                    Rule::LastReversal => 0,
-                    Rule::Nested if full => depth - 2,
-                    Rule::Nested => depth,
+                kept: match is_nested {
+                    false => 0,
+                    true if full => depth - 2,
+                    true => depth,
                 },
                 added: Some(turn),
-                forgets: rule == Rule::Nested && full,
+                forgets: is_nested && full,
             }
         } else if self.passes_return(lane, temperature_k) {
             Recollection {
@@ -297,7 +338,7 @@ impl<const L: usize> Memory<L> {
         };
         // Wiping out: a loop whose return point is passed leaves no trace, neither its start nor the
         // reversal that it returns to.
-        while let Some(end) = self.return_point(lane, next.kept, next.added) {
+        while let Some(end) = self.return_point(rules, lane, next.kept, next.added) {
             if next.sign * (temperature_k - end.temperature_k) <= 0.0 {
                 break;
             }
@@ -306,14 +347,34 @@ impl<const L: usize> Memory<L> {
         Some(next)
     }
 
-    /// The reversal before the last: where a branch that starts from the last one returns to.
-    fn return_point(&self, lane: usize, kept: usize, added: Option<Turn>) -> Option<Turn> {
+    /// The reversal before the last: where a branch that starts from the last one returns to. Kinetics return where
+    /// nothing has transformed since.
+    fn return_point<P>(
+        &self,
+        rules: &Rules<'_, L, P>,
+        lane: usize,
+        kept: usize,
+        added: Option<Turn>,
+    ) -> Option<Turn> {
         let before = if added.is_some() {
             kept
         } else {
             kept.max(1) - 1
         };
-        (before > 0).then(|| self.turns[lane][before - 1])
+        let end = (before > 0).then(|| self.turns[lane][before - 1])?;
+        let start = added.unwrap_or(self.turns[lane][before]);
+        let returns = !rules.curves.is_kinetics() || is_level(start, end);
+        returns.then_some(end)
+    }
+
+    /// Forgets all but the last reversal and the one before, unless nothing has transformed between these.
+    fn begin_anew(&mut self, lane: usize) {
+        let depth = self.depth[lane];
+        let turns = &mut self.turns[lane];
+        if depth > 2 && !is_level(turns[depth - 1], turns[depth - 2]) {
+            (turns[0], turns[1]) = (turns[depth - 2], turns[depth - 1]);
+            self.depth[lane] = 2;
+        }
     }
 
     /// The branch that belongs to `kept` reversals and one `added`.
@@ -330,28 +391,26 @@ impl<const L: usize> Memory<L> {
         } else {
             self.base[lane]
         };
-        let end = self.return_point(lane, kept, added);
-        Path::new(
-            rules.limits,
-            rules.proximity,
-            lane,
-            sign,
-            added.unwrap_or(last),
-            end,
-        )
+        let end = self.return_point(rules, lane, kept, added);
+        rules.path(lane, sign, added.unwrap_or(last), end)
     }
 
     /// Puts a lane on a branch; `depth` and `turns` are those of that branch already.
-    fn follow(&mut self, lane: usize, sign: f64, path: Path) {
+    fn follow<P>(&mut self, rules: &Rules<'_, L, P>, lane: usize, sign: f64, path: Path) {
         self.sign[lane] = sign;
         self.start_temperature_k[lane] = path.start.temperature_k;
         self.start_level_k[lane] = path.start.level_k;
         self.rise[lane] = path.rise;
         self.proximity_k[lane] = path.proximity_k;
         self.inverse_proximity_per_k[lane] = path.inverse_proximity_per_k;
-        self.return_k[lane] = match self.return_point(lane, self.depth[lane], None) {
+        self.return_k[lane] = match self.return_point(rules, lane, self.depth[lane], None) {
             Some(end) => sign * end.temperature_k,
             None => f64::INFINITY,
         };
     }
+}
+
+/// Whether nothing has transformed between two reversals: the same share, to the bit.
+fn is_level(one: Turn, other: Turn) -> bool {
+    one.level_k.to_bits() == other.level_k.to_bits()
 }

@@ -51,6 +51,10 @@ impl<const L: usize> SineProximity<L> {
         Ok(Self { zeta })
     }
 
+    pub(crate) fn zeta(&self) -> [f64; L] {
+        self.zeta
+    }
+
     #[inline(always)]
     fn angle(&self, lane: usize, x: f64) -> f64 {
         let angle = self.zeta[lane] * x;

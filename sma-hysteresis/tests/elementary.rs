@@ -1,7 +1,7 @@
 //! The polynomials against a table of high-precision values.
 
 use fixtures::tables::{self, Row};
-use sma_hysteresis::{atan, sin_quarter};
+use sma_hysteresis::{atan, expm1, ln, sin_quarter};
 
 /// Largest absolute error allowed.
 const ALLOWED: f64 = 2e-15;
@@ -39,4 +39,30 @@ fn atan_of_what_is_no_number() {
     assert!((atan(f64::INFINITY) - quarter).abs() <= ALLOWED);
     assert!((atan(f64::NEG_INFINITY) + quarter).abs() <= ALLOWED);
     assert!(sin_quarter(f64::NAN).is_nan());
+}
+
+#[test]
+fn ln_and_expm1_agree_with_the_library() {
+    for k in -4000..4000 {
+        let x = libm::exp(f64::from(k) * 0.01);
+        let error = (ln(x) - libm::log(x)).abs();
+        assert!(
+            error <= 4e-16 * libm::log(x).abs().max(1e-300),
+            "{x} {error}"
+        );
+    }
+    for k in -40_000..40_000 {
+        let y = f64::from(k) * 5e-4;
+        let error = (expm1(y) - libm::expm1(y)).abs();
+        assert!(
+            error <= 4e-16 * libm::expm1(y).abs().max(1.0),
+            "{y} {error}"
+        );
+    }
+    for y in [1e-3, 1e-9, 1e-15, -1e-12] {
+        let error = (expm1(y) - libm::expm1(y)).abs();
+        assert!(error <= 4e-16 * y.abs(), "{y} {error}");
+    }
+    assert_eq!(expm1(0.0).to_bits(), 0);
+    assert_eq!(ln(1.0).abs().to_bits(), 0);
 }

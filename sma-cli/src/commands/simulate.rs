@@ -120,7 +120,7 @@ fn effects(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
     };
     let mut notes = vec![format!(
         "the plain model with {} is simulated",
-        effects.ids.join(", ")
+        effects.names().join(", ")
     )];
     let drifts: Vec<&str> = model.drifts().map(EffectId::id).collect();
     if !drifts.is_empty() {

@@ -15,9 +15,9 @@ impl Diagnosed<'_> {
         let diagnosis = self.diagnosis;
         let (floor, explained) = (diagnosis.noise_floor, diagnosis.explained);
         let extended = diagnosis.extended.as_ref().map(|extended| {
-            let effects: Vec<&str> = extended.effects.iter().map(|effect| effect.id()).collect();
             let mut stage = stage(&extended.stage);
-            stage["effects"] = json!(effects);
+            stage["effects"] = json!(extended.names());
+            stage["loop_family"] = json!(extended.model.loop_family().id());
             stage
         });
         json!({

@@ -1,0 +1,401 @@
+//! Loops of other families: relays and kinetics, where the share of the material that has transformed is what is known.
+
+use core::f64::consts::FRAC_PI_2;
+use core::fmt;
+
+use crate::elementary::{expm1, sin_quarter};
+use crate::limiting_loop::{Branch, LimitingLoop};
+use crate::memory::FARTHEST_K;
+use crate::path::{Path, Turn};
+
+/// Which curves the branches of a loop are. All have the same center and half width, and spread over about the same
+/// temperatures for the same `h_0`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum LoopFamily {
+    /// Arc tangents, and branches that near them: the paper's.
+    #[default]
+    Proximity,
+    /// Independent relays, Preisach's operator \[Preisach1935, Mayergoyz2003\]. The temperatures A and B at which one
+    /// switches up and down are normally distributed, joined by Plackett's copula \[Plackett1965\]:
+    ///
+    /// ```text
+    /// deviations 1.5 h_0 about T_mid ± T_c,   odds ratio e^(5 ζ): the larger ζ, the more alike the relays' widths
+    /// heating from T_r: Δξ ∝ P(T_r < A ≤ T, B ≥ T_r),   cooling: Δξ ∝ P(A ≤ T_r, T ≤ B < T_r)
+    /// ```
+    ///
+    /// with the factor that leads the branch to its return point, which is 1 for relays that are all wider than 0. One
+    /// part in a thousand takes no heed of the other temperature, so that from every start all relays can be reached.
+    Relays,
+    /// Cosine kinetics of Liang and Rogers \[LiangRogers1990\], of what is left to transform:
+    ///
+    /// ```text
+    /// heating from T_r: ξ = ξ_r + (1 - ξ_r) sin²(π/2 (T - A)/(A_f - A)),   A = max(A_s, T_r)
+    /// A_s, A_f = T_mid + T_c ∓ 2.25 h_0,   and below, mirrored, cooling
+    /// ```
+    ///
+    /// An excursion in which nothing transforms leaves no trace; any other starts anew. ζ has no part in it.
+    Kinetics,
+}
+
+impl LoopFamily {
+    /// All of them, the paper's first.
+    pub const ALL: [Self; 3] = [Self::Proximity, Self::Relays, Self::Kinetics];
+
+    /// Name in files.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Proximity => "limiting-loop-proximity",
+            Self::Relays => "relays",
+            Self::Kinetics => "cosine-kinetics",
+        }
+    }
+
+    /// The family of that name.
+    #[must_use]
+    pub fn parse(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|family| family.id() == id)
+    }
+}
+
+impl fmt::Display for LoopFamily {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
+    }
+}
+
+/// Deviation of the relays' temperatures over h_0.
+const DEVIATION: f64 = 1.5;
+/// Half of the range of a transformation over h_0.
+const HALF_RANGE: f64 = 2.25;
+/// Logarithm of the odds ratio over ζ.
+const LOG_ODDS: f64 = 5.0;
+/// Share of the relays that switch by one temperature alone.
+const LOOSE: f64 = 1e-3;
+/// Share of the material that is as good as none.
+const NOTHING: f64 = 1e-13;
+
+/// The curves of lanes side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Curves<const L: usize> {
+    Proximity,
+    Relays(Relays<L>),
+    Kinetics(Kinetics<L>),
+}
+
+/// What is the same along a branch: the numbers from which the share at a temperature is computed.
+///
+/// ```text
+/// share = share at the start + rise (w(T) - w at the start),   w = w(T; fixed)
+/// ```
+#[derive(Debug, Clone, Copy)]
+struct Along {
+    /// Of relays the share that is still up (heating), or was up (cooling); of kinetics where its transformation begins,
+    /// δ T̂.
+    fixed: f64,
+    /// Of relays w at the start; of kinetics 1/K of the range.
+    scale: f64,
+}
+
+impl Along {
+    #[inline(always)]
+    fn of(path: &Path) -> Self {
+        Self {
+            fixed: path.proximity_k,
+            scale: path.inverse_proximity_per_k,
+        }
+    }
+}
+
+/// A way that a material transforms on: how much of it, from its start, and the slope of that, 1/K.
+type Way = (f64, f64);
+
+impl<const L: usize> Curves<L> {
+    pub(crate) fn new(family: LoopFamily, limits: &LimitingLoop<L>, zeta: [f64; L]) -> Self {
+        match family {
+            LoopFamily::Proximity => Self::Proximity,
+            LoopFamily::Relays => Self::Relays(Relays::new(limits, zeta)),
+            LoopFamily::Kinetics => Self::Kinetics(Kinetics::new(limits)),
+        }
+    }
+
+    pub(crate) fn is_proximity(&self) -> bool {
+        matches!(self, Self::Proximity)
+    }
+
+    pub(crate) fn is_kinetics(&self) -> bool {
+        matches!(self, Self::Kinetics(_))
+    }
+
+    /// Where a material begins that has come to T̂ between the limiting curves: on one of them, far away, that of
+    /// cooling with as much transformed in all as leads through the place.
+    pub(crate) fn start(
+        &self,
+        limits: &LimitingLoop<L>,
+        lane: usize,
+        temperature_k: f64,
+        share: f64,
+    ) -> Turn {
+        if share <= 0.0 {
+            return Turn {
+                temperature_k: -FARTHEST_K,
+                level_k: 0.0,
+            };
+        }
+        let [lower, upper] = self.limits_at(limits, lane, temperature_k);
+        let level = (1.0 - share) * lower + share * upper;
+        Turn {
+            temperature_k: FARTHEST_K,
+            level_k: if upper > level { level / upper } else { 1.0 },
+        }
+    }
+
+    /// The branch of direction `sign` from `start` through `end`, or to the end of the transformation. Its `rise` has the
+    /// sign of its direction.
+    pub(crate) fn path(&self, lane: usize, sign: f64, start: Turn, end: Option<Turn>) -> Path {
+        let end = end.unwrap_or(Turn {
+            temperature_k: sign * FARTHEST_K,
+            level_k: if sign > 0.0 { 1.0 } else { 0.0 },
+        });
+        let along = match self {
+            Self::Proximity => Along {
+                fixed: 0.0,
+                scale: 0.0,
+            },
+            Self::Relays(relays) => relays.along(lane, sign, start.temperature_k),
+            Self::Kinetics(kinetics) => kinetics.along(lane, sign, start.temperature_k),
+        };
+        let natural = Path {
+            start,
+            rise: 1.0_f64.copysign(sign),
+            proximity_k: along.fixed,
+            inverse_proximity_per_k: along.scale,
+        };
+        let (way, _) = self.way(lane, &natural, end.temperature_k);
+        let left = sign * (end.level_k - start.level_k);
+        let rise = if way > NOTHING && left > 0.0 {
+            left / way
+        } else {
+            0.0
+        };
+        Path {
+            rise: rise.copysign(sign),
+            ..natural
+        }
+    }
+
+    /// Transformed share on a branch at T̂, and its slope, 1/K.
+    #[inline(always)]
+    pub(crate) fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> Way {
+        let (way, per_k) = self.way(lane, path, temperature_k);
+        let slope_per_k = path.rise.abs() * per_k;
+        (
+            path.start.level_k + path.rise * way,
+            if slope_per_k < 0.0 { 0.0 } else { slope_per_k },
+        )
+    }
+
+    #[inline(always)]
+    fn way(&self, lane: usize, path: &Path, temperature_k: f64) -> Way {
+        let sign = path.rise.signum();
+        let start_k = path.start.temperature_k;
+        // Backward within the dead band nothing happens; written so that NaN passes.
+        let temperature_k = if sign * (temperature_k - start_k) < 0.0 {
+            start_k
+        } else {
+            temperature_k
+        };
+        let along = Along::of(path);
+        match self {
+            Self::Proximity => (0.0, 0.0),
+            Self::Relays(relays) => relays.way(lane, sign, &along, temperature_k),
+            Self::Kinetics(_) => Kinetics::<L>::way(sign, &along, temperature_k),
+        }
+    }
+
+    /// What is known of the limiting curves at T̂, the heating one first.
+    pub(crate) fn limits_at(
+        &self,
+        limits: &LimitingLoop<L>,
+        lane: usize,
+        temperature_k: f64,
+    ) -> [f64; 2] {
+        [1.0, -1.0].map(|sign| {
+            if self.is_proximity() {
+                return limits.limiting_level_k(lane, sign, temperature_k);
+            }
+            let far = Turn {
+                temperature_k: -sign * FARTHEST_K,
+                level_k: if sign > 0.0 { 0.0 } else { 1.0 },
+            };
+            let path = self.path(lane, sign, far, None);
+            self.level(lane, &path, temperature_k).0
+        })
+    }
+
+    /// What is known at a fraction, the inverse of [`Curves::fraction`]; `None` where none has it.
+    pub(crate) fn level_of(
+        &self,
+        limits: &LimitingLoop<L>,
+        lane: usize,
+        fraction: f64,
+    ) -> Option<f64> {
+        if self.is_proximity() {
+            return limits.level_of(lane, Branch::Heating, fraction).ok();
+        }
+        let (middle, per_share) = limits.fraction_of_share(lane, 0.5);
+        Some(0.5 + (fraction - middle) / per_share)
+    }
+
+    /// Fraction at what a turn remembers.
+    pub(crate) fn fraction(&self, limits: &LimitingLoop<L>, lane: usize, level_k: f64) -> f64 {
+        if self.is_proximity() {
+            limits.fraction_at(lane, level_k)
+        } else {
+            limits.fraction_of_share(lane, level_k).0
+        }
+    }
+}
+
+/// Index of the branch of a direction.
+#[inline(always)]
+fn branch(sign: f64) -> usize {
+    usize::from(sign < 0.0)
+}
+
+/// Relays of lanes side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Relays<const L: usize> {
+    /// Odds ratio θ.
+    odds: [f64; L],
+    /// Where half of them have switched, K, and 1/deviation, 1/K, on heating and on cooling.
+    middle_k: [[f64; L]; 2],
+    per_k: [[f64; L]; 2],
+}
+
+impl<const L: usize> Relays<L> {
+    fn new(limits: &LimitingLoop<L>, zeta: [f64; L]) -> Self {
+        let of = |sign: f64, what: &dyn Fn(usize, f64) -> f64| {
+            core::array::from_fn(|lane| what(lane, sign))
+        };
+        let middle_k = |lane: usize, sign: f64| sign * limits.half_width_k(lane);
+        let per_k = |lane: usize, sign: f64| {
+            1.0 / (DEVIATION * limits.spread_k(lane) * limits.widening(lane, sign))
+        };
+        Self {
+            odds: zeta.map(|zeta| libm::exp(LOG_ODDS * zeta)),
+            middle_k: [of(1.0, &middle_k), of(-1.0, &middle_k)],
+            per_k: [of(1.0, &per_k), of(-1.0, &per_k)],
+        }
+    }
+
+    fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
+        let (fixed, _) = self.switched(lane, branch(-sign), start_k);
+        let begins = Along { fixed, scale: 0.0 };
+        Along {
+            scale: self.way(lane, sign, &begins, start_k).0 * sign,
+            ..begins
+        }
+    }
+
+    /// Heating from T_r: w = P(A ≤ T) - P(A ≤ T, B ≤ T_r); cooling: w = P(A ≤ T_r, B ≤ T), which falls.
+    #[inline(always)]
+    fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way {
+        let (share, density) = self.switched(lane, branch(sign), temperature_k);
+        let (joint, slope) = plackett(self.odds[lane], share, along.fixed);
+        let (alone, both) = if sign < 0.0 {
+            (LOOSE, 1.0 - LOOSE)
+        } else {
+            (1.0, LOOSE - 1.0)
+        };
+        (
+            sign * ((alone * share + both * joint) - along.scale),
+            density * (alone + both * slope),
+        )
+    }
+
+    /// Share of the relays that have switched at T̂ on a branch, and its slope, 1/K.
+    ///
+    /// The normal distribution, to 2·10⁻⁴, as a logistic one of a cubic.
+    #[inline(always)]
+    fn switched(&self, lane: usize, branch: usize, at_k: f64) -> Way {
+        const LINEAR: f64 = 1.5976;
+        const CUBIC: f64 = 0.070_56;
+        /// Beyond, all are on one side.
+        const FAR: f64 = 8.0;
+        let per_k = self.per_k[branch][lane];
+        let x = (at_k - self.middle_k[branch][lane]) * per_k;
+        let x = if x > FAR { FAR } else { x };
+        let x = if x < -FAR { -FAR } else { x };
+        let share = 1.0 / (2.0 + expm1(-x * (LINEAR + CUBIC * x * x)));
+        let density = share * (1.0 - share) * (LINEAR + 3.0 * CUBIC * x * x) * per_k;
+        (share, density)
+    }
+}
+
+/// Plackett's copula C(u, v) of odds ratio θ, in a form that is exact for θ = 1, and ∂C/∂u.
+///
+/// ```text
+/// C = 2θuv/(S + R),   S = 1 + (θ - 1)(u + v),   R² = S² - 4θ(θ - 1)uv
+/// ```
+#[inline(always)]
+fn plackett(odds: f64, u: f64, v: f64) -> Way {
+    let over = odds - 1.0;
+    let sum = 1.0 + over * (u + v);
+    let square = sum * sum - 4.0 * odds * over * u * v;
+    let root = libm::sqrt(if square < 0.0 { 0.0 } else { square });
+    let joint = 2.0 * odds * u * v / (sum + root);
+    (joint, 0.5 + (2.0 * odds * v - sum) / (2.0 * root))
+}
+
+/// Cosine kinetics of lanes side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Kinetics<const L: usize> {
+    /// δ T̂ of start and finish of the transformation on heating and on cooling, K.
+    start_k: [[f64; L]; 2],
+    finish_k: [[f64; L]; 2],
+}
+
+impl<const L: usize> Kinetics<L> {
+    fn new(limits: &LimitingLoop<L>) -> Self {
+        let of = |sign: f64, side: f64| {
+            core::array::from_fn(|lane| {
+                let half_k = HALF_RANGE * limits.spread_k(lane) * limits.widening(lane, sign);
+                limits.half_width_k(lane) + side * half_k
+            })
+        };
+        Self {
+            start_k: [of(1.0, -1.0), of(-1.0, -1.0)],
+            finish_k: [of(1.0, 1.0), of(-1.0, 1.0)],
+        }
+    }
+
+    fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
+        /// Inverse of no range at all, 1/K: all happens at once.
+        const AT_ONCE: f64 = 1e300;
+        let onset_k = self.start_k[branch(sign)][lane].max(sign * start_k);
+        let range_k = self.finish_k[branch(sign)][lane] - onset_k;
+        Along {
+            fixed: onset_k,
+            scale: if range_k > 0.0 {
+                1.0 / range_k
+            } else {
+                AT_ONCE
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn way(sign: f64, along: &Along, temperature_k: f64) -> Way {
+        let progress = (sign * temperature_k - along.fixed) * along.scale;
+        // Written so that NaN passes.
+        let progress = if progress < 0.0 { 0.0 } else { progress };
+        let progress = if progress > 1.0 { 1.0 } else { progress };
+        let angle = FRAC_PI_2 * progress;
+        let (sine, cosine) = (sin_quarter(angle), sin_quarter(FRAC_PI_2 - angle));
+        // Beyond the finish the cosine is 0 to rounding, times any scale.
+        let is_over = progress >= 1.0;
+        let slope_per_k = 2.0 * FRAC_PI_2 * along.scale * sine * cosine;
+        (sine * sine, if is_over { 0.0 } else { slope_per_k })
+    }
+}
