@@ -6,7 +6,8 @@ use crate::case::{Case, Node};
 use crate::diagnosis::{Floor, NoiseClass, Verdict};
 use crate::floor::Measured;
 use crate::judge::{Judged, LARGE, Named, judge, without_effects};
-use crate::search::Search;
+use crate::search::{Search, is_universal};
+use crate::slip::is_slip;
 use crate::{CandidateSet, EffectId};
 
 /// Factor by which a drift must lower the mean square to be told from noise with a memory.
@@ -14,6 +15,9 @@ const LOWERED: f64 = 2.0;
 
 /// Mean square over that of the noise at rest from which a law from cycle to cycle leaves too much to be it.
 const MUCH: f64 = 5.0;
+
+/// Most rigid effects with a name that not every rod has: more of them together bend to whatever is there.
+const MOST_ODD: usize = 2;
 
 /// A search and what is said of it.
 #[derive(Debug)]
@@ -55,6 +59,22 @@ impl Terms<'_> {
     /// What they come to, and the noise.
     pub(crate) fn judged(&self, search: &mut Search<'_>) -> Result<(Judged, Floor), IdentifyError> {
         let judged = judge(search, self.noise, self.tau_s)?;
+        let mut odd = judged
+            .named
+            .iter()
+            .map(|named| named.effect)
+            .collect::<Vec<_>>();
+        odd.retain(|&effect| !is_universal(effect) && !effect.info().flexible);
+        let is_crowd = odd.len() > MOST_ODD;
+        let slips = match search.get(judged.effects) {
+            Some(node) if !judged.named.is_empty() => is_slip(search.case, node)?,
+            _ => false,
+        };
+        let judged = if is_crowd || slips {
+            judged.demoted(Verdict::Unexplained)
+        } else {
+            judged
+        };
         Ok(licensed(search, judged, self.noise))
     }
 }

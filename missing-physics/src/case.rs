@@ -79,6 +79,11 @@ impl<'a> Case<'a> {
         }
     }
 
+    /// What was recorded, in the order of the layout.
+    pub(crate) fn recorded(&self) -> &[f64] {
+        &self.recorded
+    }
+
     /// The same rig with a loop of another family, and the plain fit of that.
     pub(crate) fn of_family(&self, loop_family: LoopFamily, fit: &'a Fit) -> Self {
         let setting = Setting {

@@ -165,8 +165,10 @@ pub fn diagnose_from(
     } else {
         Some(terms.judged(&mut papers)?)
     };
-    let is_open = judged.as_ref().is_none_or(|(judged, _)| judged.is_open());
-    let fits = if is_open && config.catalogue.contains(EffectId::LoopShape) {
+    let may_be = judged
+        .as_ref()
+        .is_none_or(|(judged, _)| judged.may_be_the_loop());
+    let fits = if may_be && config.catalogue.contains(EffectId::LoopShape) {
         families::fits(&case, config.seed)?
     } else {
         Vec::new()

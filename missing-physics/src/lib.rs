@@ -37,6 +37,7 @@ mod sentence;
 mod separation;
 mod series;
 mod settle;
+mod slip;
 mod spans;
 #[cfg(test)]
 mod synthetic;
