@@ -16,6 +16,9 @@ const LOWERED: f64 = 2.0;
 /// Mean square over that of the noise at rest from which a law from cycle to cycle leaves too much to be it.
 const MUCH: f64 = 5.0;
 
+/// Factor by which no noise is lowered by a law.
+const ALL: f64 = 30.0;
+
 /// Most rigid effects with a name that not every rod has: more of them together bend to whatever is there.
 const MOST_ODD: usize = 2;
 
@@ -90,10 +93,11 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     // from what tells them apart. And whatever is flexible follows noise with a memory for a part of the way.
     let is_far = plain.mean_square() > LOWERED * best.mean_square();
     let leaves_much = best.mean_square() > MUCH * noise.gate;
+    let is_all = plain.mean_square() > ALL * best.mean_square();
     let may_be_noise = |named: &Named| match floor.class {
         NoiseClass::OneOverF => {
             named.effect == EffectId::SensorDrift
-                || (named.effect == EffectId::FunctionalFatigue && leaves_much)
+                || (named.effect == EffectId::FunctionalFatigue && leaves_much && !is_all)
         }
         NoiseClass::Colored => named.effect.info().flexible && !is_far,
         NoiseClass::White | NoiseClass::Quantized => false,
