@@ -393,22 +393,24 @@ fn pruned(
 ) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
     loop {
         let contributions = contributions(search, trial, *effects)?;
-        let mut weak: Vec<(Candidate, f64)> = contributions.clone();
-        weak.retain(|&(_, share)| share < OWN_SHARE);
-        if !weak.is_empty() && leaves_noise(search, *effects)? {
-            let mut dispensable = Vec::new();
-            for (effect, share) in weak {
-                if !is_needed(search, *effects, effect)? {
-                    dispensable.push((effect, share));
-                }
-            }
-            weak = dispensable;
-        }
+        let weak = contributions.iter().filter(|(_, share)| *share < OWN_SHARE);
+        let weak: Vec<(Candidate, f64)> = weak.copied().collect();
+        let completes = !weak.is_empty() && leaves_noise(search, *effects)?;
         let mut idle = Vec::new();
         for (effect, share) in weak {
-            if !takes_the_rest(search, trial.noise, *effects, effect)? {
-                idle.push((effect, share));
+            // What acts like another of the model takes in what is only the other's form.
+            if !acts_like(effect).any(|other| effects.contains(other)) {
+                let Some(less) = search.exchanged(*effects, effect, None) else {
+                    // Nothing can be fitted without it.
+                    continue;
+                };
+                let [with, without] = [*effects, less].map(|set| visited(search, set));
+                let is_needed = completes && lack(search, without)?.p_value < BEYOND_DOUBT;
+                if is_needed || takes_the_rest(with, without, trial.noise) {
+                    continue;
+                }
             }
+            idle.push((effect, share));
         }
         match idle.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((effect, _)) => {
@@ -421,46 +423,18 @@ fn pruned(
     }
 }
 
-/// Whether an effect takes most of what is left beyond the noise without it: beside a large effect a small one is a small
-/// share of all. One that acts like another of the model takes in what is only the other's form.
-fn takes_the_rest(
-    search: &mut Search<'_>,
-    noise: f64,
-    effects: CandidateSet,
-    effect: Candidate,
-) -> Result<bool, IdentifyError> {
-    if acts_like(effect).any(|other| effects.contains(other)) {
-        return Ok(false);
-    }
-    let Some(less) = search.exchanged(effects, effect, None) else {
-        return Ok(true);
-    };
-    let [with, without] = [effects, less].map(|set| visited(search, set));
+/// Whether a model takes most of what another leaves beyond the noise: beside a large effect a small one is a small share of
+/// all.
+fn takes_the_rest(with: &Node, without: &Node, noise: f64) -> bool {
     let gained = with.noise.nats() - without.noise.nats();
     let [with, without] = [with, without].map(Node::mean_square);
     let is_left = without > MUCH_LEFT * noise;
-    Ok(is_left && gained > BEYOND && without - with > THE_REST * (without - noise))
+    is_left && gained > BEYOND && without - with > THE_REST * (without - noise)
 }
 
 /// Whether a model that was visited leaves noise alone.
 fn leaves_noise(search: &Search<'_>, effects: CandidateSet) -> Result<bool, IdentifyError> {
     Ok(lack(search, visited(search, effects))?.p_value > LACK_OF_FIT)
-}
-
-/// Whether a model leaves more than noise beyond doubt without one of its effects. One that acts like another of the model
-/// takes in what is only the other's form.
-fn is_needed(
-    search: &mut Search<'_>,
-    effects: CandidateSet,
-    effect: Candidate,
-) -> Result<bool, IdentifyError> {
-    if acts_like(effect).any(|other| effects.contains(other)) {
-        return Ok(false);
-    }
-    let Some(less) = search.exchanged(effects, effect, None) else {
-        return Ok(true);
-    };
-    Ok(lack(search, visited(search, less))?.p_value < BEYOND_DOUBT)
 }
 
 /// Share of the explainable error that comes back without each effect.
