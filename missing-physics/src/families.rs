@@ -72,6 +72,11 @@ pub(crate) fn tried<'a>(
     let mut attempts = Vec::new();
     for case in cases {
         let mut search = terms.grown(case)?;
+        // Far from the noise, and no nearer than with the paper's loop: the long search would be as vain.
+        if search.is_misfit() && OUTDONE * least(&search) > least(papers) {
+            simulations += search.simulations();
+            continue;
+        }
         let (judged, floor) = terms.judged(&mut search)?;
         simulations += search.simulations();
         let Some(judged) = with_loop(&search, judged, papers, &terms)? else {
@@ -96,11 +101,15 @@ pub(crate) fn tried<'a>(
 
 /// Whether a loop of another family leaves so much less than any model with the paper's that this need not be followed.
 pub(crate) fn outdo(attempts: &[Attempt<'_>], papers: &Search<'_>) -> bool {
-    let least = papers.nodes().map(Node::mean_square);
-    let least = least.fold(f64::INFINITY, f64::min);
     attempts
         .first()
-        .is_some_and(|attempt| OUTDONE * attempt.chosen().mean_square() < least)
+        .is_some_and(|attempt| OUTDONE * attempt.chosen().mean_square() < least(papers))
+}
+
+/// Mean square of what the nearest model of a search leaves.
+fn least(search: &Search<'_>) -> f64 {
+    let errors = search.nodes().map(Node::mean_square);
+    errors.fold(f64::INFINITY, f64::min)
 }
 
 /// Leaves those attempts that are far more credible than names beside the paper's loop.
