@@ -2,7 +2,7 @@
 
 use identify::Validated;
 use missing_physics::{
-    Curve, Entry, Finding, Mismatch, NextExperiment, Remainder, Run, Stage, Status,
+    Curve, Entry, Finding, LoopFamily, Mismatch, NextExperiment, Remainder, Run, Stage, Status,
 };
 use serde_json::{Value, json};
 
@@ -17,7 +17,10 @@ impl Diagnosed<'_> {
         let extended = diagnosis.extended.as_ref().map(|extended| {
             let mut stage = stage(&extended.stage);
             stage["effects"] = json!(extended.names());
-            stage["loop_family"] = json!(extended.model.loop_family().id());
+            let family = extended.model.loop_family();
+            if family != LoopFamily::Proximity {
+                stage["loop_family"] = json!(family.id());
+            }
             stage
         });
         json!({
