@@ -78,11 +78,12 @@ impl Reading<'_> {
             let known = LoopFamily::ALL.map(LoopFamily::id).join(", ");
             return Err(self.fault(id.span(), what(), format!("must be one of {known}")));
         };
-        if family != LoopFamily::Proximity && of_effect(LOOP_SHAPE).is_err() {
-            let accepted = "must be left out: only plain models are read here";
-            return Err(self.fault(id.span(), what(), accepted));
+        if family == LoopFamily::Proximity {
+            return Ok(family);
         }
-        Ok(family)
+        of_effect(LOOP_SHAPE)
+            .map(|_| family)
+            .map_err(|accepted| self.fault(id.span(), what(), accepted))
     }
 
     pub(crate) fn effects(

@@ -265,22 +265,16 @@ impl SavedModel {
             Kind::Sadeghi => RigModel::Sadeghi(SadeghiModel::template(&rod, rule, &[])?),
             Kind::StaticLoop => RigModel::Loop(LoopModel::template(rule, &parsed.drive_unit)),
         };
-        let of_effects =
-            reading.parameters_of_effects(&parsed.effects, &|id| match parsed.model {
-                Kind::Wiener => known(&NamedEffect {
-                    id,
-                    rod: &rod,
-                    output_unit: &parsed.output_unit,
-                }),
-                _ => Err("only a model = \"wiener\" may have effects".to_owned()),
-            })?;
-        let loop_family = reading.loop_family(parsed.loop_family.as_ref(), &|id| {
-            known(&NamedEffect {
+        let parameters_of = |id: &str| match parsed.model {
+            Kind::Wiener => known(&NamedEffect {
                 id,
                 rod: &rod,
                 output_unit: &parsed.output_unit,
-            })
-        })?;
+            }),
+            _ => Err("only a model = \"wiener\" may have effects".to_owned()),
+        };
+        let of_effects = reading.parameters_of_effects(&parsed.effects, &parameters_of)?;
+        let loop_family = reading.loop_family(parsed.loop_family.as_ref(), &parameters_of)?;
         let parameters = reading.parameters(&parsed.parameter, &trained, &mut model, of_effects)?;
         Ok(Self {
             effects: reading.effects(parsed.effects, loop_family, &parsed.integration)?,

@@ -5,7 +5,7 @@ use identify::IdentifyError;
 use crate::case::{Case, Node};
 use crate::diagnosis::{Floor, NoiseClass, Verdict};
 use crate::floor::Measured;
-use crate::judge::{Judged, LARGE, Named, judge, without_effects};
+use crate::judge::{Judged, LARGE, Named, judge, visited, without_effects};
 use crate::search::{Search, is_universal};
 use crate::slip::is_slip;
 use crate::{CandidateSet, EffectId};
@@ -30,6 +30,13 @@ pub(crate) struct Attempt<'a> {
     pub(crate) floor: Floor,
 }
 
+impl Attempt<'_> {
+    /// The chosen model.
+    pub(crate) fn chosen(&self) -> &Node {
+        visited(&self.search, self.judged.effects)
+    }
+}
+
 /// What all searches of a diagnosis have in common.
 #[derive(Debug)]
 pub(crate) struct Terms<'a> {
@@ -38,16 +45,6 @@ pub(crate) struct Terms<'a> {
     /// What may be found.
     pub(crate) catalogue: CandidateSet,
     pub(crate) seed: u64,
-}
-
-impl Attempt<'_> {
-    /// The chosen model.
-    pub(crate) fn chosen(&self) -> &Node {
-        let Some(node) = self.search.get(self.judged.effects) else {
-            unreachable!("only models that were visited are judged");
-        };
-        node
-    }
 }
 
 impl Terms<'_> {
@@ -62,17 +59,10 @@ impl Terms<'_> {
     /// What they come to, and the noise.
     pub(crate) fn judged(&self, search: &mut Search<'_>) -> Result<(Judged, Floor), IdentifyError> {
         let judged = judge(search, self.noise, self.tau_s)?;
-        let mut odd = judged
-            .named
-            .iter()
-            .map(|named| named.effect)
-            .collect::<Vec<_>>();
-        odd.retain(|&effect| !is_universal(effect) && !effect.info().flexible);
-        let is_crowd = odd.len() > MOST_ODD;
-        let slips = match search.get(judged.effects) {
-            Some(node) if !judged.named.is_empty() => is_slip(search.case, node)?,
-            _ => false,
-        };
+        let is_odd = |named: &&Named| !is_universal(named.effect) && !named.effect.info().flexible;
+        let is_crowd = judged.named.iter().filter(is_odd).count() > MOST_ODD;
+        let best = visited(search, judged.effects);
+        let slips = !judged.named.is_empty() && is_slip(search.case, best)?;
         let judged = if is_crowd || slips {
             judged.demoted(Verdict::Unexplained)
         } else {

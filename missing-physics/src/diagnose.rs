@@ -191,12 +191,15 @@ pub fn diagnose_from(
             floor,
         });
     }
+    // These go on.
+    simulations -= simulations_of(&attempts);
     let Some(Settled {
         mut search,
         judged,
         floor,
         extended,
         explained,
+        passed_over,
     }) = settled(attempts, &baseline, unseen, &noise, base)?
     else {
         unreachable!("where none outdoes it, the paper's loop is among them");
@@ -228,6 +231,7 @@ pub fn diagnose_from(
     let next_experiment = next(&search, &judged, &config.limits)?;
     // Last: it may visit models that are no rivals.
     let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
+    simulations += passed_over + search.simulations();
     Ok(Diagnosis {
         verdict: judged.verdict,
         noise_floor: floor,
@@ -253,6 +257,13 @@ struct Settled<'a> {
     floor: Floor,
     extended: Option<ExtendedStage>,
     explained: Option<Explained>,
+    /// Simulations of those before it that do not hold, and of those that were not asked.
+    passed_over: u64,
+}
+
+fn simulations_of(attempts: &[Attempt<'_>]) -> u64 {
+    let searches = attempts.iter().map(|attempt| &attempt.search);
+    searches.map(Search::simulations).sum()
 }
 
 /// The first of some attempts that holds on the unseen recordings; if none does, the last, without names.
@@ -264,7 +275,9 @@ fn settled<'a>(
     base: &WienerModel,
 ) -> Result<Option<Settled<'a>>, IdentifyError> {
     let mut last = None;
+    let mut passed_over = simulations_of(&attempts);
     for mut attempt in attempts {
+        passed_over -= attempt.search.simulations();
         let judged = attempt.judged;
         let extended = extended(&mut attempt.search, judged.effects, unseen)?;
         let explained = extended
@@ -272,6 +285,7 @@ fn settled<'a>(
             .map(|extended| explained(baseline, extended, &judged, unseen, noise, base))
             .transpose()?;
         let holds = holds(&judged, extended.as_ref(), explained.as_ref());
+        let asked = attempt.search.simulations();
         last = Some(Settled {
             search: attempt.search,
             judged: if holds {
@@ -282,10 +296,12 @@ fn settled<'a>(
             floor: attempt.floor,
             extended,
             explained,
+            passed_over,
         });
         if holds {
             break;
         }
+        passed_over += asked;
     }
     Ok(last)
 }

@@ -7,7 +7,7 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit
 use crate::attempt::{Attempt, Terms};
 use crate::case::{Case, Node};
 use crate::diagnosis::Verdict;
-use crate::judge::{GATE, Judged, Named, OF_FLEXIBLE, OWN_SHARE};
+use crate::judge::{GATE, Judged, Named, OF_FLEXIBLE, OWN_SHARE, visited};
 use crate::search::{BEYOND_DOUBT, OUTDONE, Search};
 use crate::{CandidateSet, EffectId, LoopFamily};
 
@@ -73,13 +73,16 @@ pub(crate) fn tried<'a>(
     for case in cases {
         let mut search = terms.grown(case)?;
         // Far from the noise, and no nearer than with the paper's loop: the long search would be as vain.
-        if search.is_misfit() && OUTDONE * least(&search) > least(papers) {
-            simulations += search.simulations();
-            continue;
-        }
-        let (judged, floor) = terms.judged(&mut search)?;
+        let is_vain = search.is_misfit() && OUTDONE * least(&search) > least(papers);
+        let judged = if is_vain {
+            None
+        } else {
+            let (judged, floor) = terms.judged(&mut search)?;
+            let judged = with_loop(&search, judged, papers, &terms)?;
+            judged.map(|judged| (judged, floor))
+        };
         simulations += search.simulations();
-        let Some(judged) = with_loop(&search, judged, papers, &terms)? else {
+        let Some((judged, floor)) = judged else {
             continue;
         };
         let is_explained = judged.verdict == Verdict::Explained;
@@ -129,9 +132,7 @@ fn with_loop(
     papers: &Search<'_>,
     terms: &Terms<'_>,
 ) -> Result<Option<Judged>, IdentifyError> {
-    let Some(chosen) = search.get(judged.effects) else {
-        unreachable!("only models that were visited are judged");
-    };
+    let chosen = visited(search, judged.effects);
     // The paper's loop beside the same effects, from where this one stands.
     let model = papers.case.model(judged.effects);
     let start = papers.case.moved(chosen, &model, |_, _| None);

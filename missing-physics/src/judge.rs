@@ -139,9 +139,9 @@ pub(crate) fn judge(
     let best = visited(search, without.effects);
     // A drift that is found alone may hide what stands beside it.
     let is_drift = best.effects.iter().any(|one| one.info().flexible);
-    let is_left =
-        best.mean_square() > NEAR * noise.gate || lack(search, best)?.p_value < BEYOND_DOUBT;
-    let is_settled = without.verdict != Verdict::Unexplained && !(is_drift && is_left);
+    let hides = is_drift
+        && (best.mean_square() > NEAR * noise.gate || lack(search, best)?.p_value < BEYOND_DOUBT);
+    let is_settled = without.verdict != Verdict::Unexplained && !hides;
     if is_settled || !search.grow_beside_drifts()? {
         search.part_from_drifts();
         return Ok(without);
@@ -281,7 +281,7 @@ fn most_credible(search: &Search<'_>, is_one: impl Fn(&Node) -> bool) -> Option<
 }
 
 /// A model that was visited.
-fn visited<'a>(search: &'a Search<'_>, effects: CandidateSet) -> &'a Node {
+pub(crate) fn visited<'a>(search: &'a Search<'_>, effects: CandidateSet) -> &'a Node {
     let Some(node) = search.get(effects) else {
         unreachable!("only models that were visited are judged");
     };

@@ -1,9 +1,7 @@
 //! An identified rig as something to be controlled.
 
-use identify::{SavedModel, Scope};
-use missing_physics::{
-    EffectId, ExtendedPlant, LoopFamily, Member, PhysicsError, RestoredModel, Setting,
-};
+use identify::{SavedEffects, SavedModel, Scope};
+use missing_physics::{EffectId, ExtendedPlant, Member, PhysicsError, RestoredModel};
 use pid_tune::Variation;
 use recording::Quantity;
 use wiener::hysteresis::Rule;
@@ -120,12 +118,8 @@ impl Rig {
             return Err(RigError::Ambient { file: file() }.into());
         };
         let sign = if member.params.gain < 0.0 { -1.0 } else { 1.0 };
-        let Setting {
-            active,
-            loop_family,
-            ..
-        } = model.fleet().setting;
-        let shape = (loop_family != LoopFamily::Proximity).then_some(EffectId::LoopShape);
+        let drifts: Vec<&str> = model.drifts().map(EffectId::id).collect();
+        let beyond = saved.effects().map_or_else(Vec::new, SavedEffects::names);
         Ok(Self {
             fleet: Turned {
                 fleet: model.fleet(),
@@ -133,10 +127,10 @@ impl Rig {
             },
             member,
             params: turned(member.params, sign),
-            effects: shape
+            effects: beyond
                 .into_iter()
-                .chain(active.iter())
-                .map(|effect| effect.id().to_owned())
+                .filter(|id| !drifts.contains(id))
+                .map(str::to_owned)
                 .collect(),
             drive: rod.drive()?,
             rule: saved.rule(),
