@@ -48,11 +48,11 @@ pub(crate) struct Terms<'a> {
 }
 
 impl Terms<'_> {
-    /// The models of a case, so far as likelihoods lead.
-    pub(crate) fn grown<'c>(&self, case: &'c Case<'c>) -> Result<Search<'c>, IdentifyError> {
+    /// The models of a case with one effect at most.
+    pub(crate) fn begun<'c>(&self, case: &'c Case<'c>) -> Result<Search<'c>, IdentifyError> {
         let highest = self.noise.highest();
         let mut search = Search::new(case, case.baseline()?, self.catalogue, highest, self.seed)?;
-        search.grow()?;
+        search.grow_by_one()?;
         Ok(search)
     }
 

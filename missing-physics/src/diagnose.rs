@@ -34,7 +34,7 @@ const RIVALS: usize = 3;
 /// Factor by which a run must part models that are all far off more than the recordings at hand do.
 const FURTHER: f64 = 2.0;
 
-/// Share of the explainable error of the unseen recordings below which names do not hold there.
+/// Share of the explainable error of the unseen recordings below which names that account for all do not hold there.
 const HELD: f64 = 0.4;
 
 /// Error on unseen recordings over that on the training's up to which a model does there as well.
@@ -155,7 +155,8 @@ pub fn diagnose_from(
         catalogue: CandidateSet::all(config.catalogue, config.setting.hypotheses),
         seed: config.seed,
     };
-    let mut papers = terms.grown(&case)?;
+    let mut papers = terms.begun(&case)?;
+    papers.grow()?;
     let at = (noise.gate.sqrt(), config.seed);
     let mut mismatch = located(&mut papers, CandidateSet::EMPTY, at, locate)?;
     let explainable = papers.baseline().mean_square() - noise.gate;
@@ -317,7 +318,12 @@ fn holds(judged: &Judged, extended: Option<&ExtendedStage>, explained: Option<&E
     let stays =
         |named: &Named| named.effect.info().flexible || named.effect == EffectId::FunctionalFatigue;
     let fails = explained.is_some_and(|shares| {
-        let is_low = shares.validate.is_some_and(|share| share < HELD);
+        let least = if judged.verdict == Verdict::ExplainedInPart {
+            GATE
+        } else {
+            HELD
+        };
+        let is_low = shares.validate.is_some_and(|share| share < least);
         // Where hardly anything was to be explained the share says nothing.
         let interval = shares.validate_interval;
         is_low && interval.is_none_or(|[_, upper]| upper < GATE)

@@ -68,10 +68,15 @@ pub(crate) fn tried<'a>(
         catalogue: rigid,
         ..*terms
     };
-    let mut simulations = cases.iter().map(|case| case.fit.simulations).sum();
+    let mut simulations: u64 = cases.iter().map(|case| case.fit.simulations).sum();
     let mut attempts = Vec::new();
-    for case in cases {
-        let mut search = terms.grown(case)?;
+    let begun = cases.iter().map(|case| terms.begun(case));
+    let mut begun = begun.collect::<Result<Vec<_>, _>>()?;
+    // What comes nearest with one effect is the likeliest to explain all.
+    begun.sort_by(|a, b| least(a).total_cmp(&least(b)));
+    let mut begun = begun.into_iter();
+    for mut search in begun.by_ref() {
+        search.grow()?;
         // Far from the noise, and no nearer than with the paper's loop: the long search would be as vain.
         let is_vain = search.is_misfit() && OUTDONE * least(&search) > least(papers);
         let judged = if is_vain {
@@ -95,6 +100,7 @@ pub(crate) fn tried<'a>(
             break;
         }
     }
+    simulations += begun.map(|search| search.simulations()).sum::<u64>();
     attempts.sort_by(|a, b| worth(papers, b.chosen()).total_cmp(&worth(papers, a.chosen())));
     Ok(Tried {
         attempts,

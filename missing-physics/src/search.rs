@@ -105,6 +105,8 @@ pub(crate) struct Search<'a> {
     noise: f64,
     seed: u64,
     visited: Vec<Visited>,
+    /// Models that more effects are yet to be tried beside.
+    frontier: Vec<CandidateSet>,
     /// The baseline at its other minima, until effects have been tried there.
     other_baselines: Vec<Node>,
     /// Whether a drift may stand beside other effects.
@@ -130,6 +132,7 @@ impl<'a> Search<'a> {
             seed,
             other_baselines: case.other_baselines()?,
             visited: vec![baseline.into()],
+            frontier: vec![CandidateSet::EMPTY],
             beside_drifts: false,
             dead: Vec::new(),
             lightened: Vec::new(),
@@ -179,32 +182,37 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Goes from the baseline to models that leave nothing significant, by several roads.
+    /// Goes on to models that leave nothing significant, by several roads.
     pub(crate) fn grow(&mut self) -> Result<(), IdentifyError> {
-        let mut frontier = vec![CandidateSet::EMPTY];
-        for _ in 0..MOST_EFFECTS {
-            let mut grown: Vec<CandidateSet> = Vec::new();
-            for (rank, &effects) in frontier.iter().enumerate() {
-                // Where the best model leaves nothing, others are followed only if they are near.
-                let is_closed = rank > 0 && grown.is_empty();
-                if is_closed && self.behind(effects, frontier[0]) > BEYOND_DOUBT {
-                    continue;
+        while !self.frontier.is_empty() {
+            self.grow_by_one()?;
+        }
+        Ok(())
+    }
+
+    /// Goes to models with one effect more.
+    pub(crate) fn grow_by_one(&mut self) -> Result<(), IdentifyError> {
+        let frontier = std::mem::take(&mut self.frontier);
+        let mut grown: Vec<CandidateSet> = Vec::new();
+        for (rank, &effects) in frontier.iter().enumerate() {
+            // Where the best model leaves nothing, others are followed only if they are near.
+            let is_closed = rank > 0 && grown.is_empty();
+            if is_closed && self.behind(effects, frontier[0]) > BEYOND_DOUBT {
+                continue;
+            }
+            for child in self.children(effects)? {
+                if !grown.contains(&child) {
+                    grown.push(child);
                 }
-                for child in self.children(effects)? {
-                    if !grown.contains(&child) {
-                        grown.push(child);
-                    }
-                }
             }
-            if grown.is_empty() {
-                break;
-            }
-            let before = self.least_error(&frontier);
-            frontier = self.best_of(grown);
-            self.finish(&frontier)?;
-            if self.is_misfit() && self.least_error(&frontier) > STALLED * before {
-                break;
-            }
+        }
+        let before = self.least_error(&frontier);
+        let best = self.best_of(grown);
+        self.finish(&best)?;
+        let is_stalled = self.is_misfit() && self.least_error(&best) > STALLED * before;
+        let is_full = best.iter().all(|set| set.len() == MOST_EFFECTS);
+        if !is_stalled && !is_full {
+            self.frontier = best;
         }
         Ok(())
     }
