@@ -318,15 +318,13 @@ fn holds(judged: &Judged, extended: Option<&ExtendedStage>, explained: Option<&E
     let stays =
         |named: &Named| named.effect.info().flexible || named.effect == EffectId::FunctionalFatigue;
     let fails = explained.is_some_and(|shares| {
-        let least = if judged.verdict == Verdict::ExplainedInPart {
-            GATE
-        } else {
-            HELD
-        };
-        let is_low = shares.validate.is_some_and(|share| share < least);
         // Where hardly anything was to be explained the share says nothing.
         let interval = shares.validate_interval;
-        is_low && interval.is_none_or(|[_, upper]| upper < GATE)
+        let tells = interval.is_none_or(|[_, upper]| upper < GATE);
+        shares.validate.is_some_and(|share| match judged.verdict {
+            Verdict::ExplainedInPart => share < GATE,
+            _ => share < HELD && tells,
+        })
     });
     !fails || as_near || judged.named.iter().any(stays)
 }
