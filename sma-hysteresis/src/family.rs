@@ -3,8 +3,8 @@
 use core::f64::consts::FRAC_PI_2;
 use core::fmt;
 
-use crate::elementary::{expm1, sin_quarter};
-use crate::limiting_loop::{Branch, LimitingLoop};
+use crate::elementary::{expm1, sin_quarter, sqrt};
+use crate::limiting_loop::LimitingLoop;
 use crate::memory::FARTHEST_K;
 use crate::path::{Path, Turn};
 
@@ -75,10 +75,9 @@ const LOOSE: f64 = 1e-3;
 /// Share of the material that is as good as none.
 const NOTHING: f64 = 1e-13;
 
-/// The curves of lanes side by side.
+/// The curves of lanes side by side, other than the paper's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Curves<const L: usize> {
-    Proximity,
     Relays(Relays<L>),
     Kinetics(Kinetics<L>),
 }
@@ -111,38 +110,29 @@ impl Along {
 type Way = (f64, f64);
 
 impl<const L: usize> Curves<L> {
-    pub(crate) fn new(family: LoopFamily, limits: &LimitingLoop<L>, zeta: [f64; L]) -> Self {
+    /// `None` for the paper's.
+    pub(crate) fn new(
+        family: LoopFamily,
+        limits: &LimitingLoop<L>,
+        zeta: [f64; L],
+    ) -> Option<Self> {
         match family {
-            LoopFamily::Proximity => Self::Proximity,
-            LoopFamily::Relays => Self::Relays(Relays::new(limits, zeta)),
-            LoopFamily::Kinetics => Self::Kinetics(Kinetics::new(limits)),
+            LoopFamily::Proximity => None,
+            LoopFamily::Relays => Some(Self::Relays(Relays::new(limits, zeta))),
+            LoopFamily::Kinetics => Some(Self::Kinetics(Kinetics::new(limits))),
         }
-    }
-
-    pub(crate) fn is_proximity(&self) -> bool {
-        matches!(self, Self::Proximity)
-    }
-
-    pub(crate) fn is_kinetics(&self) -> bool {
-        matches!(self, Self::Kinetics(_))
     }
 
     /// Where a material begins that has come to T̂ between the limiting curves: on one of them, far away, that of
     /// cooling with as much transformed in all as leads through the place.
-    pub(crate) fn start(
-        &self,
-        limits: &LimitingLoop<L>,
-        lane: usize,
-        temperature_k: f64,
-        share: f64,
-    ) -> Turn {
+    pub(crate) fn start(&self, lane: usize, temperature_k: f64, share: f64) -> Turn {
         if share <= 0.0 {
             return Turn {
                 temperature_k: -FARTHEST_K,
                 level_k: 0.0,
             };
         }
-        let [lower, upper] = self.limits_at(limits, lane, temperature_k);
+        let [lower, upper] = self.limits_at(lane, temperature_k);
         let level = (1.0 - share) * lower + share * upper;
         Turn {
             temperature_k: FARTHEST_K,
@@ -158,10 +148,6 @@ impl<const L: usize> Curves<L> {
             level_k: if sign > 0.0 { 1.0 } else { 0.0 },
         });
         let along = match self {
-            Self::Proximity => Along {
-                fixed: 0.0,
-                scale: 0.0,
-            },
             Self::Relays(relays) => relays.along(lane, sign, start.temperature_k),
             Self::Kinetics(kinetics) => kinetics.along(lane, sign, start.temperature_k),
         };
@@ -184,83 +170,89 @@ impl<const L: usize> Curves<L> {
         }
     }
 
-    /// Transformed share on a branch at T̂, and its slope, 1/K.
+    /// Transformed shares on branches at T̂, and their slopes, 1/K.
     #[inline(always)]
-    pub(crate) fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> Way {
-        let (way, per_k) = self.way(lane, path, temperature_k);
-        let slope_per_k = path.rise.abs() * per_k;
-        (
-            path.start.level_k + path.rise * way,
-            if slope_per_k < 0.0 { 0.0 } else { slope_per_k },
-        )
+    pub(crate) fn levels(
+        &self,
+        path_of: impl Fn(usize) -> Path,
+        temperature_k: &[f64; L],
+    ) -> ([f64; L], [f64; L]) {
+        let (mut share, mut per_k) = ([0.0; L], [0.0; L]);
+        // A loop for each: a choice inside one keeps the lanes from being computed side by side.
+        match self {
+            Self::Relays(relays) => {
+                for l in 0..L {
+                    let path = path_of(l);
+                    let (sign, at_k) = going(&path, temperature_k[l]);
+                    let way = relays.way(l, sign, &Along::of(&path), at_k);
+                    (share[l], per_k[l]) = level(&path, way);
+                }
+            }
+            Self::Kinetics(_) => {
+                for l in 0..L {
+                    let path = path_of(l);
+                    let (sign, at_k) = going(&path, temperature_k[l]);
+                    let way = Kinetics::<L>::way(sign, &Along::of(&path), at_k);
+                    (share[l], per_k[l]) = level(&path, way);
+                }
+            }
+        }
+        (share, per_k)
     }
 
-    #[inline(always)]
+    /// Transformed share of one lane on a branch at T̂.
+    pub(crate) fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> f64 {
+        level(path, self.way(lane, path, temperature_k)).0
+    }
+
     fn way(&self, lane: usize, path: &Path, temperature_k: f64) -> Way {
-        let sign = path.rise.signum();
-        let start_k = path.start.temperature_k;
-        // Backward within the dead band nothing happens; written so that NaN passes.
-        let temperature_k = if sign * (temperature_k - start_k) < 0.0 {
-            start_k
-        } else {
-            temperature_k
-        };
+        let (sign, at_k) = going(path, temperature_k);
         let along = Along::of(path);
         match self {
-            Self::Proximity => (0.0, 0.0),
-            Self::Relays(relays) => relays.way(lane, sign, &along, temperature_k),
-            Self::Kinetics(_) => Kinetics::<L>::way(sign, &along, temperature_k),
+            Self::Relays(relays) => relays.way(lane, sign, &along, at_k),
+            Self::Kinetics(_) => Kinetics::<L>::way(sign, &along, at_k),
         }
     }
 
-    /// What is known of the limiting curves at T̂, the heating one first.
-    pub(crate) fn limits_at(
-        &self,
-        limits: &LimitingLoop<L>,
-        lane: usize,
-        temperature_k: f64,
-    ) -> [f64; 2] {
+    /// Transformed shares on the limiting curves at T̂, that of heating first.
+    pub(crate) fn limits_at(&self, lane: usize, temperature_k: f64) -> [f64; 2] {
         [1.0, -1.0].map(|sign| {
-            if self.is_proximity() {
-                return limits.limiting_level_k(lane, sign, temperature_k);
-            }
             let far = Turn {
                 temperature_k: -sign * FARTHEST_K,
                 level_k: if sign > 0.0 { 0.0 } else { 1.0 },
             };
             let path = self.path(lane, sign, far, None);
-            self.level(lane, &path, temperature_k).0
+            self.level(lane, &path, temperature_k)
         })
-    }
-
-    /// What is known at a fraction, the inverse of [`Curves::fraction`]; `None` where none has it.
-    pub(crate) fn level_of(
-        &self,
-        limits: &LimitingLoop<L>,
-        lane: usize,
-        fraction: f64,
-    ) -> Option<f64> {
-        if self.is_proximity() {
-            return limits.level_of(lane, Branch::Heating, fraction).ok();
-        }
-        let (middle, per_share) = limits.fraction_of_share(lane, 0.5);
-        Some(0.5 + (fraction - middle) / per_share)
-    }
-
-    /// Fraction at what a turn remembers.
-    pub(crate) fn fraction(&self, limits: &LimitingLoop<L>, lane: usize, level_k: f64) -> f64 {
-        if self.is_proximity() {
-            limits.fraction_at(lane, level_k)
-        } else {
-            limits.fraction_of_share(lane, level_k).0
-        }
     }
 }
 
-/// Index of the branch of a direction.
+/// Direction of a branch, and T̂ as it counts there: backward within the dead band nothing happens.
 #[inline(always)]
-fn branch(sign: f64) -> usize {
-    usize::from(sign < 0.0)
+fn going(path: &Path, temperature_k: f64) -> (f64, f64) {
+    let sign = path.rise.signum();
+    let start_k = path.start.temperature_k;
+    // Written so that NaN passes.
+    let is_behind = sign * (temperature_k - start_k) < 0.0;
+    (sign, if is_behind { start_k } else { temperature_k })
+}
+
+/// Transformed share on a branch, and its slope, 1/K.
+#[inline(always)]
+fn level(path: &Path, (way, per_k): Way) -> Way {
+    let slope_per_k = path.rise.abs() * per_k;
+    (
+        path.start.level_k + path.rise * way,
+        if slope_per_k < 0.0 { 0.0 } else { slope_per_k },
+    )
+}
+
+/// That of the branch of a direction, of both of a lane, heating first.
+#[inline(always)]
+fn of<const L: usize>(both: &[[f64; L]; 2], sign: f64, lane: usize) -> f64 {
+    // Both are read: lanes of different directions stay side by side.
+    let [heating, cooling] = [both[0][lane], both[1][lane]];
+    if sign < 0.0 { cooling } else { heating }
 }
 
 /// Relays of lanes side by side.
@@ -275,7 +267,7 @@ pub(crate) struct Relays<const L: usize> {
 
 impl<const L: usize> Relays<L> {
     fn new(limits: &LimitingLoop<L>, zeta: [f64; L]) -> Self {
-        let of = |sign: f64, what: &dyn Fn(usize, f64) -> f64| {
+        let lanes = |sign: f64, what: &dyn Fn(usize, f64) -> f64| {
             core::array::from_fn(|lane| what(lane, sign))
         };
         let middle_k = |lane: usize, sign: f64| sign * limits.half_width_k(lane);
@@ -284,13 +276,13 @@ impl<const L: usize> Relays<L> {
         };
         Self {
             odds: zeta.map(|zeta| libm::exp(LOG_ODDS * zeta)),
-            middle_k: [of(1.0, &middle_k), of(-1.0, &middle_k)],
-            per_k: [of(1.0, &per_k), of(-1.0, &per_k)],
+            middle_k: [lanes(1.0, &middle_k), lanes(-1.0, &middle_k)],
+            per_k: [lanes(1.0, &per_k), lanes(-1.0, &per_k)],
         }
     }
 
     fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
-        let (fixed, _) = self.switched(lane, branch(-sign), start_k);
+        let (fixed, _) = self.switched(lane, -sign, start_k);
         let begins = Along { fixed, scale: 0.0 };
         Along {
             scale: self.way(lane, sign, &begins, start_k).0 * sign,
@@ -301,7 +293,7 @@ impl<const L: usize> Relays<L> {
     /// Heating from T_r: w = P(A ≤ T) - P(A ≤ T, B ≤ T_r); cooling: w = P(A ≤ T_r, B ≤ T), which falls.
     #[inline(always)]
     fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way {
-        let (share, density) = self.switched(lane, branch(sign), temperature_k);
+        let (share, density) = self.switched(lane, sign, temperature_k);
         let (joint, slope) = plackett(self.odds[lane], share, along.fixed);
         let (alone, both) = if sign < 0.0 {
             (LOOSE, 1.0 - LOOSE)
@@ -314,17 +306,17 @@ impl<const L: usize> Relays<L> {
         )
     }
 
-    /// Share of the relays that have switched at T̂ on a branch, and its slope, 1/K.
+    /// Share of the relays that have switched at T̂ on the branch of a direction, and its slope, 1/K.
     ///
     /// The normal distribution, to 2·10⁻⁴, as a logistic one of a cubic.
     #[inline(always)]
-    fn switched(&self, lane: usize, branch: usize, at_k: f64) -> Way {
+    fn switched(&self, lane: usize, sign: f64, at_k: f64) -> Way {
         const LINEAR: f64 = 1.5976;
         const CUBIC: f64 = 0.070_56;
         /// Beyond, all are on one side.
         const FAR: f64 = 8.0;
-        let per_k = self.per_k[branch][lane];
-        let x = (at_k - self.middle_k[branch][lane]) * per_k;
+        let per_k = of(&self.per_k, sign, lane);
+        let x = (at_k - of(&self.middle_k, sign, lane)) * per_k;
         let x = if x > FAR { FAR } else { x };
         let x = if x < -FAR { -FAR } else { x };
         let share = 1.0 / (2.0 + expm1(-x * (LINEAR + CUBIC * x * x)));
@@ -343,7 +335,7 @@ fn plackett(odds: f64, u: f64, v: f64) -> Way {
     let over = odds - 1.0;
     let sum = 1.0 + over * (u + v);
     let square = sum * sum - 4.0 * odds * over * u * v;
-    let root = libm::sqrt(if square < 0.0 { 0.0 } else { square });
+    let root = sqrt(if square < 0.0 { 0.0 } else { square });
     let joint = 2.0 * odds * u * v / (sum + root);
     (joint, 0.5 + (2.0 * odds * v - sum) / (2.0 * root))
 }
@@ -358,23 +350,23 @@ pub(crate) struct Kinetics<const L: usize> {
 
 impl<const L: usize> Kinetics<L> {
     fn new(limits: &LimitingLoop<L>) -> Self {
-        let of = |sign: f64, side: f64| {
+        let lanes = |sign: f64, side: f64| {
             core::array::from_fn(|lane| {
                 let half_k = HALF_RANGE * limits.spread_k(lane) * limits.widening(lane, sign);
                 limits.half_width_k(lane) + side * half_k
             })
         };
         Self {
-            start_k: [of(1.0, -1.0), of(-1.0, -1.0)],
-            finish_k: [of(1.0, 1.0), of(-1.0, 1.0)],
+            start_k: [lanes(1.0, -1.0), lanes(-1.0, -1.0)],
+            finish_k: [lanes(1.0, 1.0), lanes(-1.0, 1.0)],
         }
     }
 
     fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
         /// Inverse of no range at all, 1/K: all happens at once.
         const AT_ONCE: f64 = 1e300;
-        let onset_k = self.start_k[branch(sign)][lane].max(sign * start_k);
-        let range_k = self.finish_k[branch(sign)][lane] - onset_k;
+        let onset_k = of(&self.start_k, sign, lane).max(sign * start_k);
+        let range_k = of(&self.finish_k, sign, lane) - onset_k;
         Along {
             fixed: onset_k,
             scale: if range_k > 0.0 {

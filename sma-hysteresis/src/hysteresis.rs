@@ -1,7 +1,7 @@
 use crate::family::Curves;
 use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::memory::{Memory, Rule, Rules};
-use crate::path::{Path, Reversal};
+use crate::path::Reversal;
 use crate::proximity::{Proximity, SineProximity};
 use crate::{HysteresisError, LoopFamily};
 
@@ -31,7 +31,8 @@ pub struct Hysteresis<const L: usize, P = SineProximity<L>> {
     limits: LimitingLoop<L>,
     proximity: P,
     rule: Rule,
-    curves: Curves<L>,
+    /// Of another family than the paper's.
+    curves: Option<Curves<L>>,
 }
 
 impl<const L: usize> Hysteresis<L> {
@@ -51,7 +52,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
             limits,
             proximity,
             rule,
-            curves: Curves::Proximity,
+            curves: None,
         }
     }
 
@@ -117,15 +118,16 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
                     value: temperature_degc[l],
                 });
             }
-            let levels_k = self.curves.limits_at(&self.limits, l, relative_k);
-            let ends = levels_k.map(|level_k| self.curves.fraction(&self.limits, l, level_k));
+            let rules = self.rules();
+            let levels_k = rules.limits_at(l, relative_k);
+            let ends = levels_k.map(|level_k| rules.fraction(l, level_k));
             let outside = HysteresisError::OutsideLoop {
                 value: fraction[l],
                 temperature_degc: temperature_degc[l],
                 lower: ends[0].min(ends[1]),
                 upper: ends[0].max(ends[1]),
             };
-            let Some(level_k) = self.curves.level_of(&self.limits, l, fraction[l]) else {
+            let Some(level_k) = rules.level_of(l, fraction[l]) else {
                 return Err(outside);
             };
             // A fraction read off a limiting curve may be out by rounding.
@@ -149,8 +151,8 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     pub fn peek(&self, memory: &Memory<L>, temperature_degc: [f64; L]) -> Sensed<L> {
         let temperature_k = self.relative_k(temperature_degc);
         let leaves = memory.leaves_branch(&temperature_k);
-        if !self.curves.is_proximity() {
-            return self.peek_at_share(memory, &temperature_k, leaves);
+        if let Some(curves) = &self.curves {
+            return self.peek_at_share(curves, memory, &temperature_k, leaves);
         }
         // Two plain loops: a condition inside one keeps the lanes from being computed side by side.
         let mut level_k = [0.0; L];
@@ -187,8 +189,8 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         if memory.leaves_branch(&temperature_k) {
             memory.change_branch(&self.rules(), &temperature_k);
         }
-        if !self.curves.is_proximity() {
-            return self.commit_at_share(memory, &temperature_k);
+        if let Some(curves) = &self.curves {
+            return self.commit_at_share(curves, memory, &temperature_k);
         }
         let mut level_k = [0.0; L];
         for l in 0..L {
@@ -208,23 +210,24 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         memory: &'a Memory<L>,
         lane: usize,
     ) -> impl Iterator<Item = Reversal> + 'a {
-        memory.reversals(&self.limits, &self.curves, lane)
+        memory.reversals(self.rules(), lane)
     }
 
     /// [`Hysteresis::peek`] where the share of the material is what is known.
     #[inline(always)]
     fn peek_at_share(
         &self,
+        curves: &Curves<L>,
         memory: &Memory<L>,
         temperature_k: &[f64; L],
         leaves: bool,
     ) -> Sensed<L> {
-        let paths = if leaves {
-            memory.paths_towards(&self.rules(), temperature_k)
+        let (mut fraction, mut slope_per_k) = if leaves {
+            let paths = memory.paths_towards(&self.rules(), temperature_k);
+            curves.levels(|l| paths[l], temperature_k)
         } else {
-            memory.paths()
+            curves.levels(|l| memory.path(l), temperature_k)
         };
-        let (mut fraction, mut slope_per_k) = self.at_share(&paths, temperature_k);
         for l in 0..L {
             let (at, per_share) = self.limits.fraction_of_share(l, fraction[l]);
             fraction[l] = at;
@@ -236,21 +239,15 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         }
     }
 
-    /// Shares and their slopes, 1/K.
-    #[inline(always)]
-    fn at_share(&self, paths: &[Path; L], temperature_k: &[f64; L]) -> ([f64; L], [f64; L]) {
-        let (mut share, mut per_k) = ([0.0; L], [0.0; L]);
-        for l in 0..L {
-            (share[l], per_k[l]) = self.curves.level(l, &paths[l], temperature_k[l]);
-        }
-        (share, per_k)
-    }
-
     /// [`Hysteresis::commit`] on a branch that was changed already.
     #[inline(always)]
-    fn commit_at_share(&self, memory: &mut Memory<L>, temperature_k: &[f64; L]) -> [f64; L] {
-        let paths = memory.paths();
-        let (mut fraction, _) = self.at_share(&paths, temperature_k);
+    fn commit_at_share(
+        &self,
+        curves: &Curves<L>,
+        memory: &mut Memory<L>,
+        temperature_k: &[f64; L],
+    ) -> [f64; L] {
+        let (mut fraction, _) = curves.levels(|l| memory.path(l), temperature_k);
         for l in 0..L {
             memory.advance(l, temperature_k[l]);
             fraction[l] = self.limits.fraction_of_share(l, fraction[l]).0;
@@ -272,7 +269,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
             limits: &self.limits,
             proximity: &self.proximity,
             rule: self.rule,
-            curves: &self.curves,
+            curves: self.curves.as_ref(),
         }
     }
 }

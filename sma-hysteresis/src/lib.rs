@@ -10,7 +10,7 @@ mod memory;
 mod path;
 mod proximity;
 
-pub use elementary::{atan, expm1, ln, sin_quarter};
+pub use elementary::{atan, expm1, ln, sin_quarter, sqrt};
 pub use error::HysteresisError;
 pub use family::LoopFamily;
 pub use hysteresis::{Hysteresis, Sensed};

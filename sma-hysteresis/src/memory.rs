@@ -60,24 +60,52 @@ pub(crate) struct Rules<'a, const L: usize, P> {
     pub(crate) limits: &'a LimitingLoop<L>,
     pub(crate) proximity: &'a P,
     pub(crate) rule: Rule,
-    pub(crate) curves: &'a Curves<L>,
+    /// Of another family than the paper's.
+    pub(crate) curves: Option<&'a Curves<L>>,
 }
 
 impl<const L: usize, P: Proximity> Rules<'_, L, P> {
     fn path(&self, lane: usize, sign: f64, start: Turn, end: Option<Turn>) -> Path {
-        if self.curves.is_proximity() {
-            Path::new(self.limits, self.proximity, lane, sign, start, end)
-        } else {
-            self.curves.path(lane, sign, start, end)
+        match self.curves {
+            None => Path::new(self.limits, self.proximity, lane, sign, start, end),
+            Some(curves) => curves.path(lane, sign, start, end),
         }
     }
 
     fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> f64 {
-        if self.curves.is_proximity() {
-            path.level_k(self.proximity, lane, temperature_k)
-        } else {
-            self.curves.level(lane, path, temperature_k).0
+        match self.curves {
+            None => path.level_k(self.proximity, lane, temperature_k),
+            Some(curves) => curves.level(lane, path, temperature_k),
         }
+    }
+
+    /// What a turn would remember on the limiting curves at T̂, that of heating first.
+    pub(crate) fn limits_at(&self, lane: usize, temperature_k: f64) -> [f64; 2] {
+        match self.curves {
+            None => [1.0, -1.0].map(|sign| self.limits.limiting_level_k(lane, sign, temperature_k)),
+            Some(curves) => curves.limits_at(lane, temperature_k),
+        }
+    }
+
+    /// What a turn remembers at a fraction, the inverse of [`Rules::fraction`]; `None` where none has it.
+    pub(crate) fn level_of(&self, lane: usize, fraction: f64) -> Option<f64> {
+        if self.curves.is_none() {
+            return self.limits.level_of(lane, Branch::Heating, fraction).ok();
+        }
+        let (middle, per_share) = self.limits.fraction_of_share(lane, 0.5);
+        Some(0.5 + (fraction - middle) / per_share)
+    }
+
+    /// Fraction at what a turn remembers.
+    pub(crate) fn fraction(&self, lane: usize, level_k: f64) -> f64 {
+        match self.curves {
+            None => self.limits.fraction_at(lane, level_k),
+            Some(_) => self.limits.fraction_of_share(lane, level_k).0,
+        }
+    }
+
+    fn are_kinetics(&self) -> bool {
+        matches!(self.curves, Some(Curves::Kinetics(_)))
     }
 }
 
@@ -103,8 +131,8 @@ impl<const L: usize> Memory<L> {
         let temperature_k = temperature_k.map(|degrees| degrees.clamp(-FARTHEST_K, FARTHEST_K));
         let base: [Turn; L] = core::array::from_fn(|lane| {
             let (temperature_k, share) = (temperature_k[lane], share[lane]);
-            if !rules.curves.is_proximity() {
-                return rules.curves.start(rules.limits, lane, temperature_k, share);
+            if let Some(curves) = rules.curves {
+                return curves.start(lane, temperature_k, share);
             }
             let half_width_k = rules.limits.half_width_k(lane);
             // Straight between the curves; what asymmetry adds to either is exactly 0 without one.
@@ -170,18 +198,17 @@ impl<const L: usize> Memory<L> {
 
     /// The remembered reversals of a lane, outermost first; see
     /// [`Hysteresis::reversals`](crate::Hysteresis::reversals).
-    pub(crate) fn reversals<'a>(
+    pub(crate) fn reversals<'a, P: Proximity>(
         &'a self,
-        limits: &'a LimitingLoop<L>,
-        curves: &'a Curves<L>,
+        rules: Rules<'a, L, P>,
         lane: usize,
     ) -> impl Iterator<Item = Reversal> + 'a {
         let depth = self.depth.get(lane).copied().unwrap_or(0);
         (0..depth).map(move |k| {
             let turn = self.turns[lane][k];
             Reversal {
-                temperature_degc: limits.absolute_degc(lane, turn.temperature_k),
-                fraction: curves.fraction(limits, lane, turn.level_k),
+                temperature_degc: rules.limits.absolute_degc(lane, turn.temperature_k),
+                fraction: rules.fraction(lane, turn.level_k),
             }
         })
     }
@@ -226,12 +253,6 @@ impl<const L: usize> Memory<L> {
             proximity_k: self.proximity_k[lane],
             inverse_proximity_per_k: self.inverse_proximity_per_k[lane],
         }
-    }
-
-    /// The current branches.
-    #[inline(always)]
-    pub(crate) fn paths(&self) -> [Path; L] {
-        core::array::from_fn(|lane| self.path(lane))
     }
 
     /// The branches on which the lanes come to T̂, without moving there.
@@ -279,7 +300,7 @@ impl<const L: usize> Memory<L> {
                 self.turns[lane][next.kept] = turn;
                 self.depth[lane] += 1;
             }
-            if rules.curves.is_kinetics() {
+            if rules.are_kinetics() {
                 self.begin_anew(lane);
             }
             self.follow(rules, lane, next.sign, path);
@@ -315,7 +336,7 @@ impl<const L: usize> Memory<L> {
                 level_k: rules.level(lane, &self.path(lane), turned_k),
             };
             let full = depth == NESTING_CAPACITY;
-            let is_nested = rules.rule == Rule::Nested || rules.curves.is_kinetics();
+            let is_nested = rules.rule == Rule::Nested || rules.are_kinetics();
             Recollection {
                 sign: -sign,
                 kept: match is_nested {
@@ -349,7 +370,7 @@ impl<const L: usize> Memory<L> {
 
     /// The reversal before the last: where a branch that starts from the last one returns to. Kinetics return where
     /// nothing has transformed since.
-    fn return_point<P>(
+    fn return_point<P: Proximity>(
         &self,
         rules: &Rules<'_, L, P>,
         lane: usize,
@@ -363,7 +384,7 @@ impl<const L: usize> Memory<L> {
         };
         let end = (before > 0).then(|| self.turns[lane][before - 1])?;
         let start = added.unwrap_or(self.turns[lane][before]);
-        let returns = !rules.curves.is_kinetics() || is_level(start, end);
+        let returns = !rules.are_kinetics() || is_level(start, end);
         returns.then_some(end)
     }
 
@@ -396,7 +417,13 @@ impl<const L: usize> Memory<L> {
     }
 
     /// Puts a lane on a branch; `depth` and `turns` are those of that branch already.
-    fn follow<P>(&mut self, rules: &Rules<'_, L, P>, lane: usize, sign: f64, path: Path) {
+    fn follow<P: Proximity>(
+        &mut self,
+        rules: &Rules<'_, L, P>,
+        lane: usize,
+        sign: f64,
+        path: Path,
+    ) {
         self.sign[lane] = sign;
         self.start_temperature_k[lane] = path.start.temperature_k;
         self.start_level_k[lane] = path.start.level_k;

@@ -1,7 +1,7 @@
 //! The polynomials against a table of high-precision values.
 
 use fixtures::tables::{self, Row};
-use sma_hysteresis::{atan, expm1, ln, sin_quarter};
+use sma_hysteresis::{atan, expm1, ln, sin_quarter, sqrt};
 
 /// Largest absolute error allowed.
 const ALLOWED: f64 = 2e-15;
@@ -65,4 +65,15 @@ fn ln_and_expm1_agree_with_the_library() {
     }
     assert_eq!(expm1(0.0).to_bits(), 0);
     assert_eq!(ln(1.0).abs().to_bits(), 0);
+}
+
+#[test]
+fn sqrt_agrees_with_the_hardware() {
+    for k in -60_000..60_000 {
+        let x = libm::exp(f64::from(k) * 0.0115);
+        let error = (sqrt(x) / x.sqrt() - 1.0).abs();
+        assert!(error <= 3e-16, "{x:e} {error:e}");
+    }
+    assert_eq!(sqrt(0.0).to_bits(), 0);
+    assert!(sqrt(f64::NAN).is_nan());
 }
