@@ -6,7 +6,7 @@
 use benches::sound;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use wiener::hysteresis::{Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
+use wiener::hysteresis::{Hysteresis, LimitingLoop, LoopFamily, LoopParams, Rule, SineProximity};
 use wiener::thermal::{HeatBalance, HeatBalanceParams, Heating, ThermalConstants};
 use wiener::{Drive, Input, Plant, Wiener, WienerError, WienerParams, widest_vectors};
 
@@ -80,8 +80,8 @@ fn heat_balance<const L: usize>(bencher: Bencher) {
     });
 }
 
-fn commit<const L: usize>(bencher: Bencher, rule: Rule) {
-    let hysteresis = sound(hysteresis::<L>(rule));
+fn commit<const L: usize>(bencher: Bencher, rule: Rule, family: LoopFamily) {
+    let hysteresis = sound(hysteresis::<L>(rule)).of_family(family);
     let memory = hysteresis.between_limiting_curves([AMBIENT_DEGC; L], [1.0; L]);
     let temperatures_degc: Vec<[f64; L]> = (0..N_STEPS)
         .map(|step| {
@@ -118,12 +118,22 @@ fn hysteresis<const L: usize>(rule: Rule) -> Result<Hysteresis<L>, WienerError> 
 
 #[divan::bench(consts = [1, 8, 32])]
 fn commit_last_reversal<const L: usize>(bencher: Bencher) {
-    commit::<L>(bencher, Rule::LastReversal);
+    commit::<L>(bencher, Rule::LastReversal, LoopFamily::Proximity);
 }
 
 #[divan::bench(consts = [1, 8, 32])]
 fn commit_nested<const L: usize>(bencher: Bencher) {
-    commit::<L>(bencher, Rule::Nested);
+    commit::<L>(bencher, Rule::Nested, LoopFamily::Proximity);
+}
+
+#[divan::bench(consts = [1, 8, 32])]
+fn commit_relays<const L: usize>(bencher: Bencher) {
+    commit::<L>(bencher, Rule::Nested, LoopFamily::Relays);
+}
+
+#[divan::bench(consts = [1, 8, 32])]
+fn commit_kinetics<const L: usize>(bencher: Bencher) {
+    commit::<L>(bencher, Rule::Nested, LoopFamily::Kinetics);
 }
 
 #[divan::bench(consts = [1, 8, 32])]
