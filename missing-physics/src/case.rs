@@ -375,7 +375,6 @@ impl<'a> Case<'a> {
         effect.info().needs.iter().copied().find(|need| match need {
             Need::MassPerMeter => setting.mass_kg_per_m.is_none(),
             Need::SurfacePerMeter => setting.surface_m2_per_m.is_none(),
-            Need::Length => setting.length_output.is_none(),
             Need::ElectricalDrive => !electrical,
             Need::TemperatureChannel => !self.has_thermometer(),
             // Each recording has its length, and without a load the loop shifts all the same.

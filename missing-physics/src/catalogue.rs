@@ -4,6 +4,7 @@ use identify::{FittedParameter, IdentifyError, ParameterState};
 
 use crate::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
 use crate::judge::{Judged, Named};
+use crate::rig::unit_of;
 use crate::scores::Score;
 use crate::screening::{POWER, at_their_sizes};
 use crate::search::Search;
@@ -39,10 +40,15 @@ pub(crate) fn finding(named: &Named, extended: Option<&ExtendedStage>) -> Findin
         .filter(|parameter| !is_held(parameter.name))
         .map(|parameter| {
             let fitted = fitted(parameter.name);
-            let literature = parameter.literature.filter(|literature| literature.checked);
+            let unit = extended.map_or(parameter.unit, |extended| {
+                extended.model.unit_of(named.effect, parameter)
+            });
+            // What is compared is in one unit.
+            let literature = parameter.literature.filter(|_| unit == parameter.unit);
+            let literature = literature.filter(|literature| literature.checked);
             Estimate {
                 name: parameter.name,
-                unit: parameter.unit,
+                unit,
                 value: fitted.map_or(parameter.neutral(), |fitted| fitted.values[0]),
                 ci95: fitted
                     .and_then(|fitted| fitted.intervals[0])
@@ -88,7 +94,7 @@ pub(crate) fn catalogue(
     let critical = last.found.critical;
     let left = at_their_sizes(search.case, node, &last, seed)?;
     let entry = |effect: Candidate| {
-        let unit = effect.info().parameters[0].unit;
+        let unit = unit_of(&search.case.setting, effect, &effect.info().parameters[0]);
         let score = plain
             .found
             .scores

@@ -7,7 +7,10 @@ use identify::{
 use recording::Recording;
 use wiener::Block;
 
-use crate::{Candidate, CandidateSet, EffectValues, Extended, LoopFamily, Member, Setting};
+use crate::rig::unit_of;
+use crate::{
+    Candidate, CandidateSet, EffectParameter, EffectValues, Extended, LoopFamily, Member, Setting,
+};
 
 /// Factor by which a gain may leave that of the baseline, either way.
 const GAIN_FACTOR: f64 = 4.0;
@@ -66,7 +69,12 @@ impl ExtendedModel {
                     } else {
                         ParameterState::Fixed(parameter.neutral())
                     },
-                    ..ParameterInfo::searched(parameter.name, parameter.unit, Scale::Linear, bounds)
+                    ..ParameterInfo::searched(
+                        parameter.name,
+                        unit_of(&setting, effect, parameter),
+                        Scale::Linear,
+                        bounds,
+                    )
                 });
                 slots.push((effect, k));
             }
@@ -84,6 +92,12 @@ impl ExtendedModel {
             slots,
             parameters,
         }
+    }
+
+    /// Unit of a parameter of an effect.
+    #[must_use]
+    pub(crate) fn unit_of(&self, effect: Candidate, parameter: &EffectParameter) -> &'static str {
+        unit_of(&self.setting, effect, parameter)
     }
 
     /// Curves of its loop's branches.

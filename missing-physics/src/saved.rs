@@ -69,10 +69,6 @@ fn parameters_of(named: &NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String> 
                 "diameter_mm and density_kg_per_m3 in [rod]",
             ),
             Need::SurfacePerMeter => (setting.surface_m2_per_m.is_some(), "diameter_mm in [rod]"),
-            Need::Length => (
-                setting.length_output.is_some(),
-                "length_mm in [rod], lever in [load], and an output in mm",
-            ),
             // The others matter to those who look for effects.
             _ => continue,
         };
@@ -85,7 +81,12 @@ fn parameters_of(named: &NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String> 
         let bounds = Bounds { lower, upper };
         ParameterInfo {
             admissible: bounds,
-            ..ParameterInfo::searched(one.name, one.unit, Scale::Linear, bounds)
+            ..ParameterInfo::searched(
+                one.name,
+                setting.unit_of(effect, one),
+                Scale::Linear,
+                bounds,
+            )
         }
     };
     Ok(effect.info().parameters.iter().map(info).collect())

@@ -22,7 +22,7 @@ impl Said {
             "1" => (1.0, String::new()),
             "of the stroke" => (100.0, "% of the stroke".to_owned()),
             "J/kg" => (1e-3, "kJ/kg".to_owned()),
-            "1/K" => (1e6, "·10⁻⁶/K".to_owned()),
+            unit if unit.starts_with("1/K") => (1e6, "·10⁻⁶/K".to_owned()),
             unit => (1.0, unit.to_owned()),
         };
         Self {
@@ -94,6 +94,9 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         if let Some([lower, upper]) = size.literature {
             let ends = [lower, upper].map(|end| short(said.factor * end));
             let _ = write!(text, " (literature {}-{})", ends[0], ends[1]);
+        }
+        if let Some((_, strain)) = size.unit.split_once(" at ") {
+            let _ = write!(text, ", for {strain}");
         }
     }
     if let Some((_, partner)) = partner {

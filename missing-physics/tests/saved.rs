@@ -356,10 +356,16 @@ fn effects_that_cannot_be_are_named_with_their_place() {
             effects
         )
     );
+    let expansion = entry("expansion_per_k");
+    let value_of_expansion: f64 = expansion
+        .lines()
+        .find_map(|line| line.strip_prefix("value = ")?.parse().ok())
+        .unwrap();
     assert_eq!(
         said("lever = 1.0", ""),
         format!(
-            "model.toml:{effects}:27: effects: \"thermal-expansion\": needs length_mm in [rod], lever in [load], and an output in mm"
+            "model.toml:{}:1: parameter expansion_per_k = {value_of_expansion}: unit must be \"1/K at a strain of 4 %\"",
+            line_of(expansion)
         )
     );
     assert_eq!(

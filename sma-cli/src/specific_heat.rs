@@ -107,7 +107,7 @@ fn ends(ends: [f64; 2], unit: &str) -> String {
     };
     match unit {
         "1" => between(1.0),
-        "1/K" => format!("({})·10⁻⁶/K", between(1e6)),
+        unit if unit.starts_with("1/K") => format!("({})·10⁻⁶/K", between(1e6)),
         unit => format!("{} {unit}", between(1.0)),
     }
 }
@@ -119,7 +119,7 @@ fn power(effect: Candidate, unit: &str) -> i32 {
         (Some(EffectId::Radiation), _) => 2,
         // An expression says nothing of it.
         (None, _) => 0,
-        (_, "1/K") => 1,
+        (_, unit) if unit.starts_with("1/K") => 1,
         (_, "K") => -1,
         _ => 0,
     }

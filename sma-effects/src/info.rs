@@ -85,8 +85,6 @@ pub enum Need {
     MassPerMeter,
     /// [`Setting::surface_m2_per_m`](crate::Setting::surface_m2_per_m).
     SurfacePerMeter,
-    /// [`Setting::length_output`](crate::Setting::length_output).
-    Length,
     /// [`Setting::run_length_s`](crate::Setting::run_length_s).
     RunLength,
     /// A drive that depends on the resistance: not a power.

@@ -305,7 +305,6 @@ fn provided(setting: &Setting, effect: EffectId) -> Result<(), PhysicsError> {
         let what = match need {
             Need::MassPerMeter if setting.mass_kg_per_m.is_none() => "mass_kg_per_m",
             Need::SurfacePerMeter if setting.surface_m2_per_m.is_none() => "surface_m2_per_m",
-            Need::Length if setting.length_output.is_none() => "length_output",
             Need::RunLength if setting.run_length_s.is_none() => "run_length_s",
             // The others are for those who interpret the output: it can be computed without.
             _ => continue,

@@ -2,7 +2,7 @@ use wiener::Drive;
 use wiener::hysteresis::{LoopFamily, Rule};
 
 use crate::hypothesis::MOST_HYPOTHESES;
-use crate::{EffectSet, Hypothesis, PhysicsError};
+use crate::{EffectId, EffectParameter, EffectSet, Hypothesis, PhysicsError};
 
 /// Most sub-steps of a sample.
 const MOST_SUB_STEPS: usize = 64;
@@ -30,7 +30,8 @@ pub struct Setting {
     pub mass_kg_per_m: Option<f64>,
     /// Surface per meter of rod, m²/m; > 0.
     pub surface_m2_per_m: Option<f64>,
-    /// Length of the rod times its lever, in the unit of the displacement; > 0.
+    /// Length of the rod times its lever, in the unit of the displacement; > 0. Where it is not known, an expansion counts
+    /// for a strain of 4 %: see [`Setting::unit_of`].
     pub length_output: Option<f64>,
     /// Length of the run over which drifts are spread, s; > 0.
     pub run_length_s: Option<f64>,
@@ -68,7 +69,20 @@ impl Default for Setting {
     }
 }
 
+/// Unit of an expansion where the length is not known.
+const AT_A_STRAIN: &str = "1/K at a strain of 4 %";
+
 impl Setting {
+    /// Unit of a parameter of an effect.
+    #[must_use]
+    pub fn unit_of(&self, effect: EffectId, parameter: &EffectParameter) -> &'static str {
+        if effect == EffectId::ThermalExpansion && self.length_output.is_none() {
+            AT_A_STRAIN
+        } else {
+            parameter.unit
+        }
+    }
+
     /// Checks everything but the drive, which the baseline checks.
     pub(crate) fn checked(&self) -> Result<(), PhysicsError> {
         for (name, value, unit) in [

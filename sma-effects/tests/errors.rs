@@ -73,7 +73,6 @@ fn an_effect_says_what_it_lacks() {
     for (effect, what) in [
         (EffectId::LatentHeat, "mass_kg_per_m"),
         (EffectId::Radiation, "surface_m2_per_m"),
-        (EffectId::ThermalExpansion, "length_output"),
         (EffectId::AmbientDrift, "run_length_s"),
         (EffectId::SensorDrift, "run_length_s"),
     ] {

@@ -832,6 +832,13 @@ fn expansion_acts_against_the_stroke_whatever_its_sign() {
         let active = setting(EffectSet::of(EffectId::ThermalExpansion));
         let run = |values| trace(&active, &params, values, &current_a(DT_S), DT_S);
         let (shown, plain) = (run(&values), run(&EffectValues::default()));
+        // A rod whose stroke, 5 mm, is 4 % of its length.
+        let without_length = Setting {
+            length_output: None,
+            ..active
+        };
+        let strained = trace(&without_length, &params, &values, &current_a(DT_S), DT_S);
+        assert_eq!(strained.displacement, shown.displacement);
         for k in 0..shown.displacement.len() {
             // The share of austenite, from 0 to 1.
             let of_phase = 0.6 + 0.4 * plain.fraction[k];

@@ -231,7 +231,6 @@ impl Diagnosed<'_> {
             ),
             Need::MassPerMeter => "diameter_mm and density_kg_per_m3 in rod.toml".to_owned(),
             Need::SurfacePerMeter => "diameter_mm in rod.toml".to_owned(),
-            Need::Length => "length_mm and load.lever in rod.toml, and an output in mm".to_owned(),
             Need::RunLength => "a recording with time".to_owned(),
             Need::ElectricalDrive => {
                 "a drive that depends on the resistance, not a power".to_owned()

@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, Standing, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
 
 parameters! {
     /// The rod expands with temperature, against the stroke.
@@ -9,9 +9,9 @@ parameters! {
     /// y = … - sign(gain) α L (r + (1 - r) p)(T - T_ref),   r = 0.6
     /// ```
     ///
-    /// L is the setting's `length_output`: length times lever, in the output's unit. p is the transformed share; martensite
-    /// expands r times as much as austenite, 6.6 to 11e-6 /K. The mean over the rod counts; T_ref moves only offset and
-    /// gain.
+    /// L is the setting's `length_output`: length times lever, in the output's unit; where that is not known, the length of
+    /// a rod that strains by 4 %, |gain|/0.04. p is the transformed share; martensite expands r times as much as austenite,
+    /// 6.6 to 11e-6 /K. The mean over the rod counts; T_ref moves only offset and gain.
     ThermalExpansion {
         /// Coefficient of expansion of the austenite α, 1/K; 0 to 3e-5.
         expansion_per_k: EffectParameter::size("1/K", 1e-5, [0.0, 3e-5])
@@ -25,7 +25,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     block: EffectBlock::Displacement,
     flexible: false,
     smoothness: Smoothness::Smooth,
-    needs: &[Need::Length],
+    needs: &[],
     parameters: PARAMETERS,
     equation: "y' = y - α L (0.6 + 0.4 ξ)(T - T_ref)",
     sentence: "the rod expands by {value} of its length, against the stroke",
@@ -33,6 +33,9 @@ pub(super) const INFO: EffectInfo = EffectInfo {
 
 /// Expansion of martensite over that of austenite r.
 const OF_MARTENSITE: f64 = 0.6;
+
+/// Stroke over the length of a rod that does not say its length: a common strain of the transformation.
+const STRAIN: f64 = 0.04;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
@@ -57,11 +60,12 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const SHOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
-        let length = base.setting.length_output.unwrap_or(0.0);
         let mut output_per_k = [0.0; L];
         for l in 0..L {
+            let gain = base.params[l].gain;
+            let length = base.setting.length_output.unwrap_or(gain.abs() / STRAIN);
             let expansion = values[l].thermal_expansion.expansion_per_k;
-            output_per_k[l] = (length * expansion).copysign(base.params[l].gain);
+            output_per_k[l] = (length * expansion).copysign(gain);
         }
         Self {
             output_per_k,
