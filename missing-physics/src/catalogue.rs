@@ -4,20 +4,23 @@ use identify::{FittedParameter, IdentifyError, ParameterState};
 
 use crate::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
 use crate::judge::{Judged, Named};
-use crate::rig::unit_of;
 use crate::scores::Score;
 use crate::screening::{POWER, at_their_sizes};
 use crate::search::Search;
 use crate::sentence;
-use crate::{Candidate, CandidateSet, EffectId, LoopFamily, Role};
+use crate::{Candidate, CandidateSet, EffectId, LoopFamily, Role, Setting};
 
 /// Standard errors of half a 95 % interval.
 const HALF_95: f64 = 1.96;
 
 /// An effect of the chosen model with its numbers.
-pub(crate) fn finding(named: &Named, extended: Option<&ExtendedStage>) -> Finding {
+pub(crate) fn finding(
+    named: &Named,
+    setting: &Setting,
+    extended: Option<&ExtendedStage>,
+) -> Finding {
     let info = named.effect.info();
-    let family = extended.map_or(LoopFamily::Proximity, |one| one.model.loop_family());
+    let family = setting.loop_family;
     if named.effect == EffectId::LoopShape && family != LoopFamily::Proximity {
         return Finding {
             effect: named.effect,
@@ -40,9 +43,7 @@ pub(crate) fn finding(named: &Named, extended: Option<&ExtendedStage>) -> Findin
         .filter(|parameter| !is_held(parameter.name))
         .map(|parameter| {
             let fitted = fitted(parameter.name);
-            let unit = extended.map_or(parameter.unit, |extended| {
-                extended.model.unit_of(named.effect, parameter)
-            });
+            let unit = setting.unit_of(parameter);
             // What is compared is in one unit.
             let literature = parameter.literature.filter(|_| unit == parameter.unit);
             let literature = literature.filter(|literature| literature.checked);
@@ -94,7 +95,7 @@ pub(crate) fn catalogue(
     let critical = last.found.critical;
     let left = at_their_sizes(search.case, node, &last, seed)?;
     let entry = |effect: Candidate| {
-        let unit = unit_of(&search.case.setting, effect, &effect.info().parameters[0]);
+        let unit = search.case.setting.unit_of(&effect.info().parameters[0]);
         let score = plain
             .found
             .scores

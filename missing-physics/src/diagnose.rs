@@ -192,24 +192,22 @@ pub fn diagnose_from(
             floor,
         });
     }
-    // These go on.
-    simulations -= simulations_of(&attempts);
     let Some(Settled {
         mut search,
         judged,
         floor,
         extended,
         explained,
-        passed_over,
-    }) = settled(attempts, &baseline, unseen, &noise, base)?
+    }) = settled(attempts, &baseline, unseen, &noise, base, &mut simulations)?
     else {
         unreachable!("where none outdoes it, the paper's loop is among them");
     };
     progress(DiagnoseProgress::Locate);
+    let setting = search.case.setting;
     let written = |named: &[Named]| {
         let mut findings: Vec<Finding> = named
             .iter()
-            .map(|named| finding(named, extended.as_ref()))
+            .map(|named| finding(named, &setting, extended.as_ref()))
             .collect();
         findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
         findings
@@ -232,7 +230,7 @@ pub fn diagnose_from(
     let next_experiment = next(&search, &judged, &config.limits)?;
     // Last: it may visit models that are no rivals.
     let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
-    simulations += passed_over + search.simulations();
+    simulations += search.simulations();
     Ok(Diagnosis {
         verdict: judged.verdict,
         noise_floor: floor,
@@ -258,27 +256,22 @@ struct Settled<'a> {
     floor: Floor,
     extended: Option<ExtendedStage>,
     explained: Option<Explained>,
-    /// Simulations of those before it that do not hold, and of those that were not asked.
-    passed_over: u64,
 }
 
-fn simulations_of(attempts: &[Attempt<'_>]) -> u64 {
-    let searches = attempts.iter().map(|attempt| &attempt.search);
-    searches.map(Search::simulations).sum()
-}
-
-/// The first of some attempts that holds on the unseen recordings; if none does, the last, without names.
+/// The first of some attempts that holds on the unseen recordings; if none does, the last, without names. All are
+/// counted in `simulations`; what is returned goes on, and no longer is.
 fn settled<'a>(
     attempts: Vec<Attempt<'a>>,
     baseline: &Stage,
     unseen: &[Recording],
     noise: &Measured,
     base: &WienerModel,
+    simulations: &mut u64,
 ) -> Result<Option<Settled<'a>>, IdentifyError> {
-    let mut last = None;
-    let mut passed_over = simulations_of(&attempts);
+    let mut last: Option<Settled<'_>> = None;
     for mut attempt in attempts {
-        passed_over -= attempt.search.simulations();
+        *simulations += last.take().map_or(0, |last| last.search.simulations());
+        *simulations -= attempt.search.simulations();
         let judged = attempt.judged;
         let extended = extended(&mut attempt.search, judged.effects, unseen)?;
         let explained = extended
@@ -286,7 +279,6 @@ fn settled<'a>(
             .map(|extended| explained(baseline, extended, &judged, unseen, noise, base))
             .transpose()?;
         let holds = holds(&judged, extended.as_ref(), explained.as_ref());
-        let asked = attempt.search.simulations();
         last = Some(Settled {
             search: attempt.search,
             judged: if holds {
@@ -297,12 +289,10 @@ fn settled<'a>(
             floor: attempt.floor,
             extended,
             explained,
-            passed_over,
         });
         if holds {
             break;
         }
-        passed_over += asked;
     }
     Ok(last)
 }

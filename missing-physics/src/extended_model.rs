@@ -7,10 +7,7 @@ use identify::{
 use recording::Recording;
 use wiener::Block;
 
-use crate::rig::unit_of;
-use crate::{
-    Candidate, CandidateSet, EffectParameter, EffectValues, Extended, LoopFamily, Member, Setting,
-};
+use crate::{Candidate, CandidateSet, EffectValues, Extended, LoopFamily, Member, Setting};
 
 /// Factor by which a gain may leave that of the baseline, either way.
 const GAIN_FACTOR: f64 = 4.0;
@@ -71,7 +68,7 @@ impl ExtendedModel {
                     },
                     ..ParameterInfo::searched(
                         parameter.name,
-                        unit_of(&setting, effect, parameter),
+                        setting.unit_of(parameter),
                         Scale::Linear,
                         bounds,
                     )
@@ -92,12 +89,6 @@ impl ExtendedModel {
             slots,
             parameters,
         }
-    }
-
-    /// Unit of a parameter of an effect.
-    #[must_use]
-    pub(crate) fn unit_of(&self, effect: Candidate, parameter: &EffectParameter) -> &'static str {
-        unit_of(&self.setting, effect, parameter)
     }
 
     /// Curves of its loop's branches.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use identify::Rod;
 
-use crate::{Candidate, EffectParameter, Setting};
+use crate::Setting;
 
 /// What effects need to know of a rig, from its rod file: mass and surface per meter where diameter and
 /// density are given, and the length in the unit of the output where a lever is given, without which
@@ -33,14 +33,4 @@ pub fn setting_of_rod(rod: &Rod, output_unit: &str) -> Setting {
             .map(|((length_m, lever), per_m)| length_m * lever.abs() * per_m),
         ..Setting::default()
     }
-}
-
-/// Unit of a parameter of a candidate.
-pub(crate) fn unit_of(
-    setting: &Setting,
-    candidate: Candidate,
-    parameter: &EffectParameter,
-) -> &'static str {
-    let effect = candidate.effect();
-    effect.map_or(parameter.unit, |effect| setting.unit_of(effect, parameter))
 }

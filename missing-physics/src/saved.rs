@@ -81,12 +81,7 @@ fn parameters_of(named: &NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String> 
         let bounds = Bounds { lower, upper };
         ParameterInfo {
             admissible: bounds,
-            ..ParameterInfo::searched(
-                one.name,
-                setting.unit_of(effect, one),
-                Scale::Linear,
-                bounds,
-            )
+            ..ParameterInfo::searched(one.name, setting.unit_of(one), Scale::Linear, bounds)
         }
     };
     Ok(effect.info().parameters.iter().map(info).collect())

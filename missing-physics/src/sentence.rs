@@ -80,7 +80,13 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         .zip(estimates)
         .filter(|(parameter, _)| parameter.role == Role::Size);
     let largest = sizes
-        .map(|(parameter, estimate)| (estimate.value.abs() / parameter.typical, estimate))
+        .map(|(parameter, estimate)| {
+            (
+                estimate.value.abs() / parameter.typical,
+                parameter,
+                estimate,
+            )
+        })
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let partner = info
         .parameters
@@ -88,15 +94,16 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         .zip(estimates)
         .find(|(parameter, _)| parameter.role != Role::Size);
     let mut text = capitalized(info.name) + " is missing: " + info.sentence;
-    if let Some((_, size)) = largest {
+    if let Some((_, parameter, size)) = largest {
         let said = Said::of(size, is_share(info.sentence, "{value}"));
         text = text.replace("{value}", &quantity(&said));
         if let Some([lower, upper]) = size.literature {
             let ends = [lower, upper].map(|end| short(said.factor * end));
             let _ = write!(text, " (literature {}-{})", ends[0], ends[1]);
         }
-        if let Some((_, strain)) = size.unit.split_once(" at ") {
-            let _ = write!(text, ", for {strain}");
+        let beyond = size.unit.strip_prefix(parameter.unit);
+        if let Some(condition) = beyond.and_then(|rest| rest.strip_prefix(" at ")) {
+            let _ = write!(text, ", for {condition}");
         }
     }
     if let Some((_, partner)) = partner {

@@ -113,6 +113,9 @@ pub struct EffectParameter {
     /// Whether a recorded temperature alone tells it: without, no value does better than another, and it is best held
     /// as in the baseline.
     pub needs_thermometer: bool,
+    /// Unit where the setting has no [`Setting::length_output`](crate::Setting::length_output), if that is another: see
+    /// [`Setting::unit_of`](crate::Setting::unit_of).
+    pub unit_without_length: Option<&'static str>,
 }
 
 /// What a parameter is in the baseline.
@@ -157,6 +160,7 @@ impl EffectParameter {
             role: Role::Size,
             literature: None,
             needs_thermometer: false,
+            unit_without_length: None,
         }
     }
 
@@ -197,6 +201,13 @@ impl EffectParameter {
     pub(crate) const fn told_by_thermometer(self) -> Self {
         Self {
             needs_thermometer: true,
+            ..self
+        }
+    }
+
+    pub(crate) const fn without_length(self, unit: &'static str) -> Self {
+        Self {
+            unit_without_length: Some(unit),
             ..self
         }
     }

@@ -2,7 +2,7 @@ use wiener::Drive;
 use wiener::hysteresis::{LoopFamily, Rule};
 
 use crate::hypothesis::MOST_HYPOTHESES;
-use crate::{EffectId, EffectParameter, EffectSet, Hypothesis, PhysicsError};
+use crate::{EffectParameter, EffectSet, Hypothesis, PhysicsError};
 
 /// Most sub-steps of a sample.
 const MOST_SUB_STEPS: usize = 64;
@@ -69,18 +69,14 @@ impl Default for Setting {
     }
 }
 
-/// Unit of an expansion where the length is not known.
-const AT_A_STRAIN: &str = "1/K at a strain of 4 %";
-
 impl Setting {
     /// Unit of a parameter of an effect.
     #[must_use]
-    pub fn unit_of(&self, effect: EffectId, parameter: &EffectParameter) -> &'static str {
-        if effect == EffectId::ThermalExpansion && self.length_output.is_none() {
-            AT_A_STRAIN
-        } else {
-            parameter.unit
-        }
+    pub fn unit_of(&self, parameter: &EffectParameter) -> &'static str {
+        let without_length = parameter
+            .unit_without_length
+            .filter(|_| self.length_output.is_none());
+        without_length.unwrap_or(parameter.unit)
     }
 
     /// Checks everything but the drive, which the baseline checks.

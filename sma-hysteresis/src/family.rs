@@ -177,27 +177,21 @@ impl<const L: usize> Curves<L> {
         path_of: impl Fn(usize) -> Path,
         temperature_k: &[f64; L],
     ) -> ([f64; L], [f64; L]) {
-        let (mut share, mut per_k) = ([0.0; L], [0.0; L]);
-        // A loop for each: a choice inside one keeps the lanes from being computed side by side.
+        // A choice inside the loop would keep the lanes from being computed side by side.
         match self {
-            Self::Relays(relays) => {
-                for l in 0..L {
-                    let path = path_of(l);
-                    let (sign, at_k) = going(&path, temperature_k[l]);
-                    let way = relays.way(l, sign, &Along::of(&path), at_k);
-                    (share[l], per_k[l]) = level(&path, way);
-                }
-            }
-            Self::Kinetics(_) => {
-                for l in 0..L {
-                    let path = path_of(l);
-                    let (sign, at_k) = going(&path, temperature_k[l]);
-                    let way = Kinetics::<L>::way(sign, &Along::of(&path), at_k);
-                    (share[l], per_k[l]) = level(&path, way);
-                }
-            }
+            Self::Relays(relays) => levels(
+                path_of,
+                temperature_k,
+                #[inline(always)]
+                |l, sign, along, at_k| relays.way(l, sign, along, at_k),
+            ),
+            Self::Kinetics(_) => levels(
+                path_of,
+                temperature_k,
+                #[inline(always)]
+                |_, sign, along, at_k| Kinetics::<L>::way(sign, along, at_k),
+            ),
         }
-        (share, per_k)
     }
 
     /// Transformed share of one lane on a branch at T̂.
@@ -225,6 +219,22 @@ impl<const L: usize> Curves<L> {
             self.level(lane, &path, temperature_k)
         })
     }
+}
+
+/// [`Curves::levels`] of one family.
+#[inline(always)]
+fn levels<const L: usize>(
+    path_of: impl Fn(usize) -> Path,
+    temperature_k: &[f64; L],
+    way: impl Fn(usize, f64, &Along, f64) -> Way,
+) -> ([f64; L], [f64; L]) {
+    let (mut share, mut per_k) = ([0.0; L], [0.0; L]);
+    for l in 0..L {
+        let path = path_of(l);
+        let (sign, at_k) = going(&path, temperature_k[l]);
+        (share[l], per_k[l]) = level(&path, way(l, sign, &Along::of(&path), at_k));
+    }
+    (share, per_k)
 }
 
 /// Direction of a branch, and T̂ as it counts there: backward within the dead band nothing happens.

@@ -80,7 +80,15 @@ fn heat_balance<const L: usize>(bencher: Bencher) {
     });
 }
 
-fn commit<const L: usize>(bencher: Bencher, rule: Rule, family: LoopFamily) {
+const LOOPS: [(Rule, LoopFamily); 4] = [
+    (Rule::LastReversal, LoopFamily::Proximity),
+    (Rule::Nested, LoopFamily::Proximity),
+    (Rule::Nested, LoopFamily::Relays),
+    (Rule::Nested, LoopFamily::Kinetics),
+];
+
+#[divan::bench(consts = [1, 8, 32], args = LOOPS)]
+fn commit<const L: usize>(bencher: Bencher, (rule, family): (Rule, LoopFamily)) {
     let hysteresis = sound(hysteresis::<L>(rule)).of_family(family);
     let memory = hysteresis.between_limiting_curves([AMBIENT_DEGC; L], [1.0; L]);
     let temperatures_degc: Vec<[f64; L]> = (0..N_STEPS)
@@ -114,26 +122,6 @@ fn hysteresis<const L: usize>(rule: Rule) -> Result<Hysteresis<L>, WienerError> 
     let limits = LimitingLoop::new(lanes.map(|lane| lane.limiting_loop))?;
     let proximity = SineProximity::new(lanes.map(|lane| lane.zeta))?;
     Ok(Hysteresis::new(limits, proximity, rule))
-}
-
-#[divan::bench(consts = [1, 8, 32])]
-fn commit_last_reversal<const L: usize>(bencher: Bencher) {
-    commit::<L>(bencher, Rule::LastReversal, LoopFamily::Proximity);
-}
-
-#[divan::bench(consts = [1, 8, 32])]
-fn commit_nested<const L: usize>(bencher: Bencher) {
-    commit::<L>(bencher, Rule::Nested, LoopFamily::Proximity);
-}
-
-#[divan::bench(consts = [1, 8, 32])]
-fn commit_relays<const L: usize>(bencher: Bencher) {
-    commit::<L>(bencher, Rule::Nested, LoopFamily::Relays);
-}
-
-#[divan::bench(consts = [1, 8, 32])]
-fn commit_kinetics<const L: usize>(bencher: Bencher) {
-    commit::<L>(bencher, Rule::Nested, LoopFamily::Kinetics);
 }
 
 #[divan::bench(consts = [1, 8, 32])]

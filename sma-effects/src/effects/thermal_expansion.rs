@@ -15,7 +15,8 @@ parameters! {
     ThermalExpansion {
         /// Coefficient of expansion of the austenite α, 1/K; 0 to 3e-5.
         expansion_per_k: EffectParameter::size("1/K", 1e-5, [0.0, 3e-5])
-            .literature([6.6e-6, 11e-6], "NiTi: martensite, austenite"),
+            .literature([6.6e-6, 11e-6], "NiTi: martensite, austenite")
+            .without_length("1/K at a strain of 4 %"),
     }
 }
 
