@@ -226,7 +226,8 @@ pub struct Finding {
     pub effect: Candidate,
     /// Effects that would explain these recordings as well, the likeliest first.
     pub could_also_be: Vec<Candidate>,
-    /// Probability of `effect` against those and against all that is not in the catalogue.
+    /// Probability of `effect` against those and against all that is not in the catalogue; of a suspect, against the rest
+    /// of the catalogue alone, and not to be quoted.
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<Estimate>,

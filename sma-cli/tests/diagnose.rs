@@ -371,6 +371,12 @@ fn an_effect_that_may_not_be_found_is_no_finding() {
     for key in ["findings", "suspects"] {
         let named = json[key].as_array().unwrap();
         assert!(named.iter().all(|one| one["effect"] != "latent-heat"));
+        let is_sure = key == "findings";
+        assert!(
+            named
+                .iter()
+                .all(|one| one["probability"].is_f64() == is_sure)
+        );
     }
     let entries = json["catalogue"].as_array().unwrap();
     let entry = entries

@@ -4,7 +4,7 @@ use missing_physics::{EffectBlock, Finding, Mismatch, Run};
 
 use super::{Page, escaped};
 use crate::figure::{Drawn, Figure, Series, Style, figures};
-use crate::report::diagnosed::{Diagnosed, estimates, in_frequency, regimes};
+use crate::report::diagnosed::{Diagnosed, found, in_frequency, regimes};
 use crate::report::number::spoken_percent;
 use crate::report::verdict::{block_name, verdict, what};
 
@@ -34,18 +34,10 @@ pub(crate) fn diagnosed(
         page.section("Where the plain model and the recordings part");
         page.line(&blocks(&diagnosis.mismatch, &diagnosis.findings));
         where_it_is(&mut page, diagnosed, &diagnosis.mismatch);
-        for (title, findings) in [
-            ("What is missing", &diagnosis.findings),
-            (
-                "Suspects: they help, and are no findings",
-                &diagnosis.suspects,
-            ),
-        ] {
-            if !findings.is_empty() {
-                page.section(title);
-                page.line(&what_they_do(findings));
-                page.table(&estimates(findings));
-            }
+        for (title, findings, estimates) in found(diagnosis) {
+            page.section(title);
+            page.line(&what_they_do(findings));
+            page.table(&estimates);
         }
         if let Some(left) = &diagnosis.remainder {
             page.section("What remains");

@@ -42,16 +42,8 @@ impl Diagnosed<'_> {
             return text;
         }
         let _ = write!(text, "\n{}\n", self.ladder());
-        for (title, findings) in [
-            ("What is missing", &diagnosis.findings),
-            (
-                "Suspects: they help, and are no findings",
-                &diagnosis.suspects,
-            ),
-        ] {
-            if !findings.is_empty() {
-                let _ = write!(text, "\n{title}\n{}\n", estimates(findings));
-            }
+        for (title, _, estimates) in found(diagnosis) {
+            let _ = write!(text, "\n{title}\n{estimates}\n");
         }
         let title = "Where the plain model and the recordings part";
         text += &self.mismatch(title, &diagnosis.mismatch);
@@ -302,9 +294,22 @@ pub(crate) fn in_frequency(mismatch: &Mismatch) -> Option<String> {
     ))
 }
 
-/// Findings with their parameters, a row a parameter.
-pub(crate) fn estimates(findings: &[Finding]) -> Table {
-    let mut table = table([
+/// What is found, and what is only suspected, if anything: a title, the effects, their numbers.
+pub(crate) fn found(diagnosis: &Diagnosis) -> impl Iterator<Item = (&str, &[Finding], Table)> {
+    let suspects = "Suspects: they help, and are no findings";
+    [
+        ("What is missing", &diagnosis.findings, true),
+        // No probability: it is against the rest of the catalogue, which does not account for the misfit.
+        (suspects, &diagnosis.suspects, false),
+    ]
+    .into_iter()
+    .filter(|(_, findings, _)| !findings.is_empty())
+    .map(|(title, findings, sure)| (title, &findings[..], estimates(findings, sure)))
+}
+
+/// Effects with their parameters, a row a parameter.
+fn estimates(findings: &[Finding], with_probability: bool) -> Table {
+    let mut header = vec![
         "effect",
         "probability",
         "parameter",
@@ -313,7 +318,11 @@ pub(crate) fn estimates(findings: &[Finding]) -> Table {
         "unit",
         "literature",
         "plausible",
-    ]);
+    ];
+    if !with_probability {
+        header.remove(1);
+    }
+    let mut table = table(header);
     for finding in findings {
         for (k, one) in finding.parameters.iter().enumerate() {
             let [effect, probability, plausible] = if k == 0 {
@@ -330,7 +339,7 @@ pub(crate) fn estimates(findings: &[Finding]) -> Table {
             let range = |ends: Option<[f64; 2]>, none: &str, shown: fn(f64) -> String| {
                 ends.map_or(none.to_owned(), |ends| ends.map(shown).join(" … "))
             };
-            table.add_row([
+            let mut row = vec![
                 Cell::new(effect),
                 right(probability),
                 Cell::new(one.name),
@@ -339,7 +348,11 @@ pub(crate) fn estimates(findings: &[Finding]) -> Table {
                 Cell::new(one.unit),
                 Cell::new(range(one.literature, "", spoken)),
                 Cell::new(plausible),
-            ]);
+            ];
+            if !with_probability {
+                row.remove(1);
+            }
+            table.add_row(row);
         }
     }
     table

@@ -40,7 +40,7 @@ impl Diagnosed<'_> {
             },
             "mismatch": mismatch(&diagnosis.mismatch),
             "findings": diagnosis.findings.iter().map(finding).collect::<Vec<_>>(),
-            "suspects": diagnosis.suspects.iter().map(finding).collect::<Vec<_>>(),
+            "suspects": diagnosis.suspects.iter().map(suspect).collect::<Vec<_>>(),
             "remainder": diagnosis.remainder.as_ref().map(remainder),
             "catalogue": diagnosis.catalogue.iter().map(|entry| self.entry(entry)).collect::<Vec<_>>(),
             "next_experiment": diagnosis.next_experiment.as_ref().map(next_experiment),
@@ -120,6 +120,13 @@ fn finding(finding: &Finding) -> Value {
         "contribution": finding.contribution,
         "sentence": finding.sentence,
     })
+}
+
+/// Without a probability: that is against the rest of the catalogue, which does not account for the misfit.
+fn suspect(suspect: &Finding) -> Value {
+    let mut document = finding(suspect);
+    document["probability"] = Value::Null;
+    document
 }
 
 fn mismatch(mismatch: &Mismatch) -> Value {
