@@ -186,8 +186,8 @@ fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power()
         let samples = drive_of(drive, &current_a(DT_S));
         let shown = trace(&setting, &params(), &values, &samples, DT_S);
         let of_share = |p: f64| match drive {
-            Drive::Current => 1.0 + 0.2 * (p - 0.5),
-            Drive::Duty { .. } | Drive::Voltage { .. } => 1.0 / (1.0 + 0.2 * (p - 0.5)),
+            Drive::Current => 1.0 + 0.2 * p,
+            Drive::Duty { .. } | Drive::Voltage { .. } => 1.0 / (1.0 + 0.2 * p),
             Drive::Power { .. } => 1.0,
         };
         let fine = Fine {

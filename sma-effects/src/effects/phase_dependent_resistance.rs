@@ -8,15 +8,15 @@ parameters! {
     /// The resistance changes with the phase.
     ///
     /// ```text
-    /// R(p) = R (1 + ρ (p - ½)) = R r
+    /// R(p) = R (1 + ρ p) = R r
     /// current:        P = i² R r
     /// duty, voltage:  P = (V/l)² r/(R r̄²)     (r̄ that of the whole rod: it sets the current)
     /// power:          no effect
     /// ```
     ///
-    /// The resistance of the baseline is that of a half transformed rod; ρ = (R_A - R_M)/R_½. In a rod of
-    /// one temperature r = r̄, and a duty heats with 1/r. Shares are between those at the
-    /// ends of the sample. The sign is not agreed: resistivity, its temperature coefficient and the geometry compete.
+    /// The resistance of the baseline is that of the cold rod, as one measures it; ρ = (R_A - R_M)/R_M. In a rod of one
+    /// temperature r = r̄, and a duty heats with 1/r. Shares are between those at the ends of the sample. The sign is not
+    /// agreed: resistivity, its temperature coefficient and the geometry compete.
     PhaseDependentResistance {
         /// Relative change of the resistance over the transformation ρ; -0.9 to 0.9.
         resistance_change: EffectParameter::size("1", 0.1, [-0.9, 0.9])
@@ -32,7 +32,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::ElectricalDrive],
     parameters: PARAMETERS,
-    equation: "R = R_0 (1 + ρ (ξ - ½))",
+    equation: "R = R_0 (1 + ρ ξ)",
     sentence: "the rod's resistance changes by {value} of its value while transforming",
 };
 
@@ -72,7 +72,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             Given::Current => {
                 for l in 0..L {
                     let power = acting.power_w_per_m[l];
-                    let own = from.counted_transformed(to, l) - 0.5;
+                    let own = from.counted_transformed(to, l);
                     flow.w_per_m[l] += power * (change[l] * own);
                     flow.per_transformed[l] += power * (from.counted[l] * change[l]);
                 }
@@ -80,8 +80,8 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             Given::Voltage => {
                 for l in 0..L {
                     let power = acting.power_w_per_m[l];
-                    let own = from.counted_transformed(to, l) - 0.5;
-                    let mean = from.counted_mean(to, l) - 0.5;
+                    let own = from.counted_transformed(to, l);
+                    let mean = from.counted_mean(to, l);
                     let conductance = 1.0 / (1.0 + change[l] * mean);
                     let own_ratio = (1.0 + change[l] * own) * conductance;
                     flow.w_per_m[l] += power * (own_ratio * conductance - 1.0);
