@@ -439,6 +439,13 @@ impl Node {
         })
     }
 
+    /// Whether a size of an effect is too small for its name.
+    pub(crate) fn is_slight(&self, effect: Candidate) -> bool {
+        let values = self.values(effect).unwrap_or(&[]);
+        let mut parameters = effect.info().parameters.iter().zip(values);
+        parameters.any(|(parameter, value)| value.abs() < parameter.least)
+    }
+
     /// Whether one of its effects is pressed against a bound.
     pub(crate) fn is_held(&self) -> bool {
         self.effects.iter().any(|effect| self.is_pressed(effect))

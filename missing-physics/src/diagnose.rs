@@ -179,7 +179,7 @@ pub fn diagnose_from(
         mut attempts,
         mut simulations,
     } = families::tried(&cases, &papers, &terms)?;
-    if judged.is_none() && !families::outdo(&attempts, &papers) {
+    if judged.is_none() && !families::outdo(&attempts, &mut papers)? {
         judged = Some(terms.judged(&mut papers)?);
     }
     progress(DiagnoseProgress::Refit);

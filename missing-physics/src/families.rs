@@ -109,16 +109,30 @@ pub(crate) fn tried<'a>(
 }
 
 /// Whether a loop of another family leaves so much less than any model with the paper's that this need not be followed.
-pub(crate) fn outdo(attempts: &[Attempt<'_>], papers: &Search<'_>) -> bool {
-    attempts
-        .first()
-        .is_some_and(|attempt| OUTDONE * attempt.chosen().mean_square() < least(papers))
+pub(crate) fn outdo(
+    attempts: &[Attempt<'_>],
+    papers: &mut Search<'_>,
+) -> Result<bool, IdentifyError> {
+    let Some(best) = attempts.first().map(|one| one.chosen().mean_square()) else {
+        return Ok(false);
+    };
+    let near = nearest(papers).filter(|near| OUTDONE * best < near.mean_square());
+    if let Some(effects) = near.map(|near| near.effects) {
+        // The other was fitted from many places.
+        papers.settle(effects)?;
+    }
+    Ok(OUTDONE * best < least(papers))
 }
 
-/// Mean square of what the nearest model of a search leaves.
+/// The model of a search that leaves least.
+fn nearest<'a>(search: &'a Search<'_>) -> Option<&'a Node> {
+    let nodes = search.nodes();
+    nodes.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square()))
+}
+
+/// Mean square of what it leaves.
 fn least(search: &Search<'_>) -> f64 {
-    let errors = search.nodes().map(Node::mean_square);
-    errors.fold(f64::INFINITY, f64::min)
+    nearest(search).map_or(f64::INFINITY, Node::mean_square)
 }
 
 /// Leaves those attempts that are far more credible than names beside the paper's loop.

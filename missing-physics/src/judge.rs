@@ -200,9 +200,10 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
     let (mut licensed, mut suspects): (Vec<Named>, Vec<Named>) =
         named.into_iter().partition(|named| {
             let is_shared = shared.contains(named.effect) || !named.others.is_empty();
-            let is_pressed = |node: &Node| node.is_pressed(named.effect);
-            let is_held = search.get(effects).is_none_or(is_pressed);
-            is_shared && upheld.contains(named.effect) && !is_held
+            let fits =
+                |node: &Node| !node.is_pressed(named.effect) && !node.is_slight(named.effect);
+            let has_size = search.get(effects).is_some_and(fits);
+            is_shared && upheld.contains(named.effect) && has_size
         });
     let best = visited(search, effects);
     let explained = trial.explained(search, best)?;
@@ -385,13 +386,17 @@ fn rivals(
         .collect())
 }
 
-/// Leaves out effects that hardly bring anything; the others with what they bring.
+/// Leaves out effects that hardly bring anything, or are too small for their names; the others with what they bring.
 fn pruned(
     search: &mut Search<'_>,
     trial: &Trial,
     effects: &mut CandidateSet,
 ) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
     loop {
+        if let Some(less) = without_slight(search, *effects) {
+            *effects = less;
+            continue;
+        }
         let contributions = contributions(search, trial, *effects)?;
         let weak = contributions.iter().filter(|(_, share)| *share < OWN_SHARE);
         let weak: Vec<(Candidate, f64)> = weak.copied().collect();
@@ -421,6 +426,14 @@ fn pruned(
             None => return Ok(contributions),
         }
     }
+}
+
+/// A model of several effects without one that is too small for its name.
+fn without_slight(search: &mut Search<'_>, effects: CandidateSet) -> Option<CandidateSet> {
+    let node = visited(search, effects);
+    let slight = effects.iter().find(|&effect| node.is_slight(effect))?;
+    let less = search.exchanged(effects, slight, None)?;
+    (!less.is_empty()).then_some(less)
 }
 
 /// Whether a model takes most of what another leaves beyond the noise: beside a large effect a small one is a small share of

@@ -106,6 +106,8 @@ pub struct EffectParameter {
     pub typical: f64,
     /// Physical bounds, both accepted.
     pub bounds: [f64; 2],
+    /// Magnitude of a size below which the name does not fit, whatever it is that the recordings show; 0 where all do.
+    pub least: f64,
     /// Whether it is zero in the baseline.
     pub role: Role,
     /// Range in the literature, if known.
@@ -157,6 +159,7 @@ impl EffectParameter {
             unit,
             typical,
             bounds,
+            least: 0.0,
             role: Role::Size,
             literature: None,
             needs_thermometer: false,
@@ -196,6 +199,10 @@ impl EffectParameter {
             }),
             ..self
         }
+    }
+
+    pub(crate) const fn at_least(self, least: f64) -> Self {
+        Self { least, ..self }
     }
 
     pub(crate) const fn told_by_thermometer(self) -> Self {

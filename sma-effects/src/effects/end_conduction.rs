@@ -23,8 +23,8 @@ parameters! {
     /// part in every other effect; what the rod shows is the mean over its length, but for the recorded temperature, which is
     /// that of the middle. Conduction is exact over a sample.
     EndConduction {
-        /// Share of the length on which the ends cool φ = 2ℓ/L; 0 to 0.8.
-        end_share: EffectParameter::size("1", 0.2, [0.0, 0.8])
+        /// Share of the length on which the ends cool φ = 2ℓ/L; 0 to 0.6.
+        end_share: EffectParameter::size("1", 0.2, [0.0, 0.6])
             .literature([0.01, 0.6], "computed: 2 × 5.7 mm (D = 0.5 mm, h = 70) of 1 m to 2 × 34 mm (3 mm, 12) of 110 mm"),
         /// Resistance of the contact to the clamp over that of a length ℓ of the rod c; 0 to 20. A partner: without
         /// ends it does nothing.

@@ -14,8 +14,9 @@ parameters! {
     /// column of sensitivity, max(0, u - u_s), is that of the hard stop; it is zero in a run that does
     /// not reach u_s.
     EndStop {
-        /// Share of the movement beyond the stop that it holds back b; 0 to 1.
-        end_stop_share: EffectParameter::size("1", 1.0, [0.0, 1.0]),
+        /// Share of the movement beyond the stop that it holds back b; 0 to 1. What is less stiff than the rod, b < ½, is
+        /// no stop.
+        end_stop_share: EffectParameter::size("1", 1.0, [0.0, 1.0]).at_least(0.5),
         /// Place of the stop in the stroke u_s; 0.05 to 1. A partner: where nothing is held back it does
         /// nothing.
         end_stop_position: EffectParameter::partner("1", 0.85, [0.05, 1.0], &[0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95]),

@@ -14,9 +14,10 @@ parameters! {
     /// at its ends, whatever the branch: over a closed cycle nothing is left. Left out: that the heat of
     /// partial transformation may differ between heating and cooling.
     LatentHeat {
-        /// Latent heat ΔH, J/kg; 0 to 60,000.
+        /// Latent heat ΔH, J/kg; 0 to 60,000. No calorimetry of a rod that transforms came near 1,000.
         latent_heat_j_per_kg: EffectParameter::size("J/kg", 12e3, [0.0, 60e3])
-            .literature([4e3, 37e3], "calorimetry of NiTi wires and springs; 24.2 kJ/kg with 837 J/(kg K) is unchecked"),
+            .literature([4e3, 37e3], "calorimetry of NiTi wires and springs; 24.2 kJ/kg with 837 J/(kg K) is unchecked")
+            .at_least(1e3),
     }
 }
 

@@ -23,9 +23,11 @@ parameters! {
     /// T_R, hardly at all while d is below 2 T_c. Its loop is narrow, smooth and without memory of inner
     /// reversals. Left out: its heat, its resistance, its own dependence on stress.
     RPhase {
-        /// Share of the stroke that the R-phase gives back r; 0 to 0.5.
+        /// Share of the stroke that the R-phase gives back r; 0 to 0.5. Its strain is 0.5 to 1 % where it forms: a quarter
+        /// of the rod is the least that is worth the name.
         r_phase_share: EffectParameter::size("1", 0.1, [0.0, 0.5])
-            .unchecked([0.1, 0.25], "0.5 to 1 % of strain, of some 4 %"),
+            .unchecked([0.1, 0.25], "0.5 to 1 % of strain, of some 4 %")
+            .at_least(0.03),
         /// Its temperature above the middle of the cooling curve d, K; -10 to 60. A partner: without a
         /// share it does nothing.
         r_phase_above_k: EffectParameter::partner("K", 15.0, [-10.0, 60.0], &[2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0]),
