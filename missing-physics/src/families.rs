@@ -116,23 +116,16 @@ pub(crate) fn outdo(
     let Some(best) = attempts.first().map(|one| one.chosen().mean_square()) else {
         return Ok(false);
     };
-    let near = nearest(papers).filter(|near| OUTDONE * best < near.mean_square());
-    if let Some(effects) = near.map(|near| near.effects) {
+    if OUTDONE * best < least(papers) {
         // The other was fitted from many places.
-        papers.settle(effects)?;
+        papers.settle(papers.nearest().effects)?;
     }
     Ok(OUTDONE * best < least(papers))
 }
 
-/// The model of a search that leaves least.
-fn nearest<'a>(search: &'a Search<'_>) -> Option<&'a Node> {
-    let nodes = search.nodes();
-    nodes.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square()))
-}
-
-/// Mean square of what it leaves.
+/// Mean square of what the nearest model of a search leaves.
 fn least(search: &Search<'_>) -> f64 {
-    nearest(search).map_or(f64::INFINITY, Node::mean_square)
+    search.nearest().mean_square()
 }
 
 /// Leaves those attempts that are far more credible than names beside the paper's loop.

@@ -332,10 +332,16 @@ impl<'a> Search<'a> {
         errors.fold(f64::INFINITY, f64::min)
     }
 
-    /// Mean square of what the best model leaves, over that of the noise; at least 1.
+    /// The model that leaves least.
+    pub(crate) fn nearest(&self) -> &Node {
+        let nodes = self.nodes();
+        let nearest = nodes.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square()));
+        nearest.unwrap_or_else(|| self.baseline())
+    }
+
+    /// Mean square of what that leaves, over that of the noise; at least 1.
     fn dispersion(&self) -> f64 {
-        let errors = self.nodes().map(Node::mean_square);
-        let least = errors.fold(f64::INFINITY, f64::min);
+        let least = self.nearest().mean_square();
         if self.noise > 0.0 {
             (least / self.noise).max(1.0)
         } else {
