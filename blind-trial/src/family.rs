@@ -71,6 +71,11 @@ impl Family {
         }
     }
 
+    /// Whether its loops are of another family than the plain model's.
+    pub(crate) fn has_other_loop(self) -> bool {
+        matches!(self, Self::OtherLoop | Self::OtherLoopClean)
+    }
+
     /// The family of that name.
     ///
     /// # Errors

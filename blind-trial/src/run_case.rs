@@ -2,7 +2,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use identify::Fit;
-use missing_physics::{Diagnosis, EffectSet, Run};
+use missing_physics::{Diagnosis, EffectBlock, EffectSet, Finding, Run};
 use rand::Rng;
 use truth_plant::{Draw, DriveProfile, Shape};
 
@@ -195,22 +195,24 @@ impl Judge<'_> {
             .then(|| [own / all, inside.len() as f64 / time_s.len() as f64])
     }
 
-    /// Whether one more run leaves the truth named, and alone.
+    /// Whether one more run leaves the truth named, and alone: where the loop is of another family, a name in the
+    /// transformation is neither right nor wrong.
     fn resolved(&self, profile: &DriveProfile, name: &str) -> Result<bool, TrialError> {
         let traces = self.case.run(&self.case.truth, profile, name)?;
         self.folder.add_next(self.case, &traces, profile)?;
         let diagnosis = Opened::with_next(self.folder)?.diagnosed(EffectSet::all())?;
         let concealed = &self.case.open().1.concealed;
-        let is_truth = |id: &str| {
-            concealed
-                .iter()
-                .any(|one| one.effect.as_deref() == Some(id))
+        let is_truth = |finding: &Finding| {
+            let mut truths = concealed.iter().filter_map(|one| one.effect.as_deref());
+            truths.any(|truth| truth == finding.effect.id())
         };
-        Ok(!diagnosis.findings.is_empty()
-            && diagnosis
-                .findings
-                .iter()
-                .all(|finding| finding.could_also_be.is_empty() && is_truth(finding.effect.id())))
+        let mut findings = diagnosis.findings.iter();
+        let is_resolved = findings.all(|finding| {
+            let is_of_the_loop = finding.effect.info().block == EffectBlock::Transformation;
+            let is_right = is_truth(finding) && finding.could_also_be.is_empty();
+            is_right || (is_of_the_loop && self.case.id.family.has_other_loop())
+        });
+        Ok(is_resolved && diagnosis.findings.iter().any(is_truth))
     }
 
     /// A run as long as the one that was recommended.

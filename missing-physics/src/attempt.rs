@@ -10,7 +10,8 @@ use crate::search::{Search, is_universal};
 use crate::slip::is_slip;
 use crate::{CandidateSet, EffectId};
 
-/// Factor by which a drift must lower the mean square to be told from noise with a memory.
+/// Factor by which a drift must lower the mean square to be told from noise with a memory, and any effect where that grows
+/// toward low frequencies.
 const LOWERED: f64 = 2.0;
 
 /// Mean square over that of the noise at rest from which a law from cycle to cycle leaves too much to be it.
@@ -84,6 +85,11 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let is_far = plain.mean_square() > LOWERED * best.mean_square();
     let leaves_much = best.mean_square() > MUCH * noise.gate;
     let is_all = plain.mean_square() > ALL * best.mean_square();
+    // What has a form of its own and halves the error is no noise: rigid effects lower noise by a few percent.
+    let is_rigid = |named: &Named| {
+        !named.effect.info().flexible && named.effect != EffectId::FunctionalFatigue
+    };
+    let is_form = is_far && judged.named.iter().all(is_rigid);
     let may_be_noise = |named: &Named| match floor.class {
         NoiseClass::OneOverF => {
             named.effect == EffectId::SensorDrift
@@ -101,7 +107,7 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
         };
         return (judged.demoted(verdict), floor);
     }
-    if is_all || !noise.forbids(floor.class, gained) {
+    if is_all || is_form || !noise.forbids(floor.class, gained) {
         return (judged, floor);
     }
     // In such noise tests cry wolf: only the size of the error tells.

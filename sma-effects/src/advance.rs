@@ -6,7 +6,7 @@ use crate::conduction::{NODES, Transfer};
 use crate::effect::{Acting, Before, Instant, Mapped, Moment, Trial, counted};
 use crate::heat::Reference;
 use crate::hypothesis::OwnMemory;
-use crate::part::{Part, Stage, progress, unit};
+use crate::part::{Part, Stage, Turn, progress, unit};
 use crate::plant::ExtendedPlant;
 use crate::solve::{Evaluated, Problem};
 use crate::state::{ExtendedState, Zone};
@@ -45,13 +45,14 @@ struct Advanced<const L: usize, const Z: usize> {
 }
 
 impl<const L: usize> ExtendedPlant<L> {
-    /// Moves the zones to the end of the sample.
+    /// Moves the zones to the end of the sample, in two parts if it has a turn.
     #[inline(always)]
     pub(crate) fn advance(
         &self,
         state: &mut ExtendedState<L>,
         moment: &Moment,
         power_w_per_m: [f64; L],
+        turn: Option<&Turn<L>>,
         ambient_degc: f64,
     ) {
         let mut acting = Acting {
@@ -66,15 +67,13 @@ impl<const L: usize> ExtendedPlant<L> {
         self.effects.ambient(moment, &mut acting.ambient_degc);
         let mut stage = Stage::whole(acting);
         state.residual_k = [0.0; L];
-        if self.path.in_parts {
-            let past = &state.rod.dead_time;
-            let (share, earlier_w_per_m) = (past.earlier_share, past.earlier_w_per_m);
-            stage.divide(Part::Earlier, &share, moment.dt_s);
-            stage.acting.power_w_per_m = earlier_w_per_m;
+        if let Some(turn) = turn {
+            stage.divide(Part::Earlier, &turn.share, moment.dt_s);
+            stage.acting.power_w_per_m = turn.earlier_w_per_m;
             self.advance_part(state, &stage, moment.dt_s, ambient_degc);
             self.show(state, moment, Instant::Turn);
-            stage.divide(Part::Later, &share, moment.dt_s);
-            stage.acting.power_w_per_m = power_w_per_m;
+            stage.divide(Part::Later, &turn.share, moment.dt_s);
+            stage.acting.power_w_per_m = turn.later_w_per_m;
         }
         self.advance_part(state, &stage, moment.dt_s, ambient_degc);
         if self.path.wants_middle {

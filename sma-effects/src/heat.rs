@@ -35,6 +35,15 @@ impl<const L: usize> ZoneHeat<L> {
         })
     }
 
+    /// What the baseline loses at a temperature, W/m; nothing below that of the surroundings.
+    #[inline(always)]
+    pub(crate) fn lost(&self, temperature_degc: &[f64; L], ambient_degc: f64) -> [f64; L] {
+        core::array::from_fn(|l| {
+            let above_k = temperature_degc[l] - ambient_degc;
+            self.conductance_w_per_m_k[l] * if above_k > 0.0 { above_k } else { 0.0 }
+        })
+    }
+
     /// The whole sample is the baseline's; a part of it is what [`progress`] makes of that, written so
     /// that a part of no length leaves the temperature, and one of full length is the whole, to the last bit.
     #[inline(always)]

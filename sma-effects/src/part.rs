@@ -22,6 +22,16 @@ pub(crate) fn unit(x: f64) -> f64 {
     if x < 1.0 { x } else { 1.0 }
 }
 
+/// A sample in two parts: the rod may turn from heating to cooling between them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turn<const L: usize> {
+    /// Share of the sample before it, 0 to 1.
+    pub(crate) share: [f64; L],
+    /// Constant powers that leave what those of the parts do, W/m.
+    pub(crate) earlier_w_per_m: [f64; L],
+    pub(crate) later_w_per_m: [f64; L],
+}
+
 /// Which part of a sample is being computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {

@@ -7,6 +7,7 @@ use crate::effects::Effects;
 use crate::heat::ZoneHeat;
 use crate::hypothesis::{Own, Place};
 use crate::loop_scale::LoopScale;
+use crate::part::Turn;
 use crate::{
     EffectId, EffectSet, EffectValues, ExtendedState, Hypothesis, Need, PhysicsError, Setting,
 };
@@ -50,8 +51,9 @@ pub struct ExtendedPlant<const L: usize = 1> {
 pub(crate) struct Path {
     /// A sample must be solved for its end.
     pub(crate) implicit: bool,
-    /// A sample has two parts.
-    pub(crate) in_parts: bool,
+    /// The power reaches the rod late; the supply lags, so that a sample in which the rod turns has two parts.
+    is_late: bool,
+    lags: bool,
     pub(crate) wants_middle: bool,
     pub(crate) changes_ambient: bool,
     pub(crate) stands_in_zone: bool,
@@ -70,7 +72,8 @@ impl Path {
         Self {
             // The solution is written with a shift of the loop, the plain step is not.
             implicit: active.meets(Effects::<L>::IMPLICIT) | own.has(Place::Shift),
-            in_parts: active.contains(EffectId::DeadTime),
+            is_late: active.contains(EffectId::DeadTime),
+            lags: active.contains(EffectId::SupplyLag),
             wants_middle: active.meets(Effects::<L>::WANT_MIDDLE) | delays_output,
             changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
             stands_in_zone: active.meets(Effects::<L>::STAND_IN_ZONE),
@@ -85,7 +88,7 @@ impl Path {
     /// Whether a sample is one step after another: heat, then fraction.
     #[inline(always)]
     fn is_plain(self) -> bool {
-        !(self.implicit | self.in_parts | self.wants_middle | self.stands_in_zone | self.has_ends)
+        !(self.implicit | self.is_late | self.wants_middle | self.stands_in_zone | self.has_ends)
     }
 }
 
@@ -173,10 +176,12 @@ impl<const L: usize> ExtendedPlant<L> {
         self.effects
             .power(&mut state.rod, &moment, &mut power_w_per_m);
         state.time_s += dt_s;
-        if self.path.is_plain() {
+        let turn = self.turn(state, power_w_per_m, input.ambient_degc, dt_s);
+        if self.path.is_plain() && turn.is_none() {
             self.advance_plainly(state, &moment, power_w_per_m, input.ambient_degc);
         } else {
-            self.advance(state, &moment, power_w_per_m, input.ambient_degc);
+            let ambient_degc = input.ambient_degc;
+            self.advance(state, &moment, power_w_per_m, turn.as_ref(), ambient_degc);
         }
         if let Some(own) = &mut state.own {
             own.end(&state.middle.temperature_degc);
@@ -195,6 +200,26 @@ impl<const L: usize> ExtendedPlant<L> {
                 &mut state.recorded_degc,
             );
         }
+    }
+
+    /// Where the rod may turn within the sample.
+    #[inline(always)]
+    fn turn(
+        &self,
+        state: &ExtendedState<L>,
+        power_w_per_m: [f64; L],
+        ambient_degc: f64,
+        dt_s: f64,
+    ) -> Option<Turn<L>> {
+        if self.path.is_late {
+            return Some(state.rod.dead_time.turn(power_w_per_m));
+        }
+        if !self.path.lags {
+            return None;
+        }
+        let lost_w_per_m = self.heat.lost(&state.middle.temperature_degc, ambient_degc);
+        let lag = &self.effects.supply_lag;
+        lag.turn(&state.rod.supply_lag, &lost_w_per_m, &power_w_per_m, dt_s)
     }
 
     /// Evaluates the own hypotheses at the start of a sample.

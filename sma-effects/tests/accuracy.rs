@@ -51,14 +51,7 @@ fn halving_the_step_changes_less_than_a_ten_thousandth_of_the_stroke() {
 fn a_step_far_smaller_changes_little_more() {
     for effect in EffectId::ALL {
         let change = refined(effect, 0.2, 40);
-        // Within a sample the supply's lag moves the turning point of the temperature: it is not seen
-        // there, however the sample is halved, until halves are as short as the lag.
-        let limit = if effect == EffectId::SupplyLag {
-            2e-3
-        } else {
-            1e-4
-        };
-        assert!(change < limit, "{effect} {change:e}");
+        assert!(change < 1e-4, "{effect} {change:e}");
     }
 }
 

@@ -1,7 +1,7 @@
 use missing_physics::EffectBlock;
 
 use super::view::block_of;
-use crate::{CaseLine, Family};
+use crate::CaseLine;
 
 /// Bins of stated probabilities.
 const BINS: usize = 10;
@@ -30,7 +30,7 @@ impl Calibration {
     pub(super) fn of(lines: &[CaseLine]) -> Self {
         let mut names = Vec::new();
         for line in lines {
-            let other_loop = matches!(line.case.family, Family::OtherLoop | Family::OtherLoopClean);
+            let other_loop = line.case.family.has_other_loop();
             for finding in &line.verdict.findings {
                 let is_right = line.truths().any(|truth| truth == finding.effect);
                 let is_of_the_loop = block_of(&finding.effect) == Some(EffectBlock::Transformation);

@@ -1,7 +1,7 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Instant, Moment, Seen, without_memory_in_zones};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
-use crate::part::{progress, unit};
+use crate::part::{Turn, progress, unit};
 
 /// Samples (sub-steps count) that the delay spans at most.
 const LONGEST_SAMPLES: usize = 64;
@@ -65,9 +65,9 @@ pub(crate) struct Past<const L: usize> {
     length_s: Vec<f64>,
     newest: usize,
     /// Share of the current sample before the delayed power last changes, 0 to 1.
-    pub(crate) earlier_share: [f64; L],
+    earlier_share: [f64; L],
     /// Power in that part, W/m.
-    pub(crate) earlier_w_per_m: [f64; L],
+    earlier_w_per_m: [f64; L],
 }
 
 impl<const L: usize> Lanes<L> {
@@ -220,6 +220,15 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 }
 
 impl<const L: usize> Past<L> {
+    /// The current sample in two parts, the later one with the power that is on in the end.
+    pub(crate) fn turn(&self, later_w_per_m: [f64; L]) -> Turn<L> {
+        Turn {
+            share: self.earlier_share,
+            earlier_w_per_m: self.earlier_w_per_m,
+            later_w_per_m,
+        }
+    }
+
     #[inline(always)]
     fn push(&mut self, power_w_per_m: [f64; L], length_s: f64) {
         self.newest = (self.newest + 1) % self.length_s.len();

@@ -1,3 +1,7 @@
+use core::f64::consts::FRAC_1_PI;
+
+use wiener::hysteresis::atan;
+
 use crate::EffectValues;
 use crate::effect::{Base, Before, Effect, Standing, Trial, ZoneStart, without_memory_of_the_rod};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
@@ -6,16 +10,12 @@ use crate::play::{play, play_at};
 
 /// Half of the width of the R-phase's own loop, K: 3 K in all, of 1.5 to 5 K in the literature (unchecked).
 const HALF_WIDTH_K: f64 = 1.5;
-/// Half of the range of temperatures over which it forms, K: as narrow as its loop is (our choice).
-const HALF_RANGE_K: f64 = 3.0;
-
 parameters! {
     /// Austenite first becomes R-phase on cooling, and gives back a part of the stroke.
     ///
     /// ```text
     /// stroke share = p (1 - r (1 - ρ(v))),   v = play of ±1.5 K on T
-    /// ρ = s²(3 - 2s),   s = (v - T_R)/(6 K) + ½ clamped to [0, 1]
-    /// T_R = T_mid - T_c + d
+    /// ρ = ½ + atan((v - T_R)/h)/π,   T_R = T_mid - T_c + d
     /// ```
     ///
     /// Only what is austenite can be R-phase, so the step shows where austenite is cold: on cooling, d
@@ -31,6 +31,8 @@ parameters! {
         /// Its temperature above the middle of the cooling curve d, K; -10 to 60. A partner: without a
         /// share it does nothing.
         r_phase_above_k: EffectParameter::partner("K", 15.0, [-10.0, 60.0], &[2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0]),
+        /// Spread of its loop h, K, as that of the main one in eq. 4; 0.3 to 4. A partner: without a share it does nothing.
+        r_phase_spread_k: EffectParameter::partner("K", 1.5, [0.3, 4.0], &[]),
     }
 }
 
@@ -42,7 +44,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
-    equation: "y = gain ξ (1 - r (1 - ρ(T))),  ρ rises from 0 to 1 where the R-phase forms",
+    equation: "y = gain ξ (1 - r (1 - ρ(T))),  ρ = ½ + atan((T - T_R)/h)/π",
     sentence: "on cooling, {value} of the stroke is given back early, {partner} above the main transformation",
 };
 
@@ -50,6 +52,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
 pub(crate) struct Lanes<const L: usize> {
     share: [f64; L],
     middle_degc: [f64; L],
+    spread_k: [f64; L],
     scale: LoopScale<L>,
 }
 
@@ -69,6 +72,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         Self {
             share: values.map(|lane| lane.r_phase.r_phase_share),
             middle_degc,
+            spread_k: values.map(|lane| lane.r_phase.r_phase_spread_k),
             scale: LoopScale::new(base.params),
         }
     }
@@ -88,10 +92,8 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn stroke(&self, zone: &[f64; L], at: &Standing<L>, fraction: &mut [f64; L]) {
         for l in 0..L {
             let driven_degc = play(zone[l], at.temperature_degc[l], HALF_WIDTH_K);
-            let s = (driven_degc - self.middle_degc[l]) * (0.5 / HALF_RANGE_K) + 0.5;
-            let s = if s > 0.0 { s } else { 0.0 };
-            let s = if s < 1.0 { s } else { 1.0 };
-            let given_back = 1.0 - s * s * (3.0 - 2.0 * s);
+            let above = (driven_degc - self.middle_degc[l]) / self.spread_k[l];
+            let given_back = 0.5 - atan(above) * FRAC_1_PI;
             fraction[l] -= self.share[l] * (self.scale.span[l] * at.transformed[l] * given_back);
         }
     }

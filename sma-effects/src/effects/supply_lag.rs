@@ -4,6 +4,7 @@ use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, without_memory_in_zones};
 use crate::elementary::mean_exponential;
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::part::Turn;
 
 parameters! {
     /// The supply follows the drive with a time constant.
@@ -21,7 +22,8 @@ parameters! {
     /// W(k) = φ(a - k dt)/φ(a),   φ(x) = (e^x - 1)/x,   a = dt/τ
     /// ```
     ///
-    /// Before the first sample the drive counts as off.
+    /// Where the fading power passes what the rod loses, the rod turns from heating to cooling or back: such a sample is
+    /// computed in two parts. Before the first sample the drive counts as off.
     SupplyLag {
         /// Time constant θ, s; 0 to 2.
         supply_lag_s: EffectParameter::size("s", 0.02, [0.0, 2.0])
@@ -48,11 +50,14 @@ pub(crate) struct Lanes<const L: usize> {
     amplitude_lags: bool,
 }
 
-/// Where the supply is, and what fades over a sample.
+/// Where the supply was and is, and what fades over a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Supply<const L: usize> {
-    /// Square root of the power if the amplitude lags, else the power.
+    /// Square root of the power if the amplitude lags, else the power: at the end of the sample, at its start, and
+    /// toward what it goes.
     level: [f64; L],
+    started: [f64; L],
+    wanted: [f64; L],
     retained: [f64; L],
     /// W(1/θ), W(2/θ).
     weight: [f64; L],
@@ -74,6 +79,8 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn rod(&self) -> Supply<L> {
         Supply {
             level: [0.0; L],
+            started: [0.0; L],
+            wanted: [0.0; L],
             retained: [0.0; L],
             weight: [0.0; L],
             double_weight: [0.0; L],
@@ -93,20 +100,101 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     #[inline(always)]
     fn power(&self, supply: &mut Supply<L>, _: &Moment, power_w_per_m: &mut [f64; L]) {
+        supply.started = supply.level;
         for l in 0..L {
-            let wanted = power_w_per_m[l];
-            let level = if self.amplitude_lags {
-                wanted.sqrt()
-            } else {
-                wanted
-            };
-            let behind = supply.level[l] - level;
-            supply.level[l] = level + behind * supply.retained[l];
+            let wanted = self.level(power_w_per_m[l]);
+            let behind = supply.level[l] - wanted;
+            supply.wanted[l] = wanted;
+            supply.level[l] = wanted + behind * supply.retained[l];
             power_w_per_m[l] += if self.amplitude_lags {
-                2.0 * level * behind * supply.weight[l] + behind * behind * supply.double_weight[l]
+                2.0 * wanted * behind * supply.weight[l] + behind * behind * supply.double_weight[l]
             } else {
                 behind * supply.weight[l]
             };
         }
+    }
+}
+
+impl<const L: usize> Lanes<L> {
+    /// What lags of a power.
+    #[inline(always)]
+    fn level(&self, power_w_per_m: f64) -> f64 {
+        if self.amplitude_lags {
+            power_w_per_m.sqrt()
+        } else {
+            power_w_per_m
+        }
+    }
+
+    /// The sample that the supply was just asked for in two parts, if in any lane the fading power passes what the rod loses,
+    /// `lost_w_per_m` at the start of it. The other lanes have no earlier part.
+    #[inline(always)]
+    pub(crate) fn turn(
+        &self,
+        supply: &Supply<L>,
+        lost_w_per_m: &[f64; L],
+        power_w_per_m: &[f64; L],
+        dt_s: f64,
+    ) -> Option<Turn<L>> {
+        let mut turns = false;
+        for l in 0..L {
+            let lost = self.level(lost_w_per_m[l]);
+            turns |= (supply.started[l] - lost) * (supply.level[l] - lost) < 0.0;
+        }
+        turns.then(|| self.parted(supply, lost_w_per_m, power_w_per_m, dt_s))
+    }
+
+    #[inline(never)]
+    fn parted(
+        &self,
+        supply: &Supply<L>,
+        lost_w_per_m: &[f64; L],
+        power_w_per_m: &[f64; L],
+        dt_s: f64,
+    ) -> Turn<L> {
+        let mut turn = Turn {
+            share: [0.0; L],
+            earlier_w_per_m: [0.0; L],
+            later_w_per_m: *power_w_per_m,
+        };
+        for l in 0..L {
+            let wanted = supply.wanted[l];
+            let behind = supply.started[l] - wanted;
+            let power = |level: f64| {
+                if self.amplitude_lags {
+                    level * level
+                } else {
+                    level
+                }
+            };
+            // When the supply is at a level, s.
+            let at_s = |level: f64| -self.lag_s[l] * libm::log((level - wanted) / behind);
+            let lost = lost_w_per_m[l];
+            // Until then the rod goes on, and loses more: half of what its first pace would make of it.
+            let first_s = at_s(self.level(lost));
+            let beyond = power(supply.started[l]) - lost;
+            let grown = lost + 0.5 * beyond * first_s / self.tau_s[l];
+            let share = at_s(self.level(grown)) / dt_s;
+            if !(share > 0.0 && share < 1.0) {
+                continue;
+            }
+            let part = |behind: f64, share: f64| {
+                let faded = share * dt_s / self.lag_s[l];
+                let a = share * dt_s / self.tau_s[l];
+                let weight = |rate: f64| mean_exponential(a - rate) / mean_exponential(a);
+                power(wanted)
+                    + if self.amplitude_lags {
+                        2.0 * wanted * behind * weight(faded)
+                            + behind * behind * weight(2.0 * faded)
+                    } else {
+                        behind * weight(faded)
+                    }
+            };
+            let left = behind * libm::exp(-share * dt_s / self.lag_s[l]);
+            turn.share[l] = share;
+            turn.earlier_w_per_m[l] = part(behind, share);
+            turn.later_w_per_m[l] = part(left, 1.0 - share);
+        }
+        turn
     }
 }
