@@ -29,6 +29,9 @@ pub(crate) const GATE: f64 = 0.8;
 /// The same where more than noise is left, of models with effects that not every rod has: beside the paper's loop.
 const GATE_IN_PART: f64 = 0.93;
 
+/// The same from which two effects hold one another's names up: what is wrong comes to nine tenths.
+const NEARLY_ALL: f64 = 0.95;
+
 /// Units of log-likelihood within which another model does as well: odds of e³, 20 to 1.
 const AS_WELL: f64 = 3.0;
 
@@ -506,7 +509,7 @@ fn shared(search: &Search<'_>, effects: CandidateSet) -> CandidateSet {
 
 /// Effects of a model whose names the others do not carry. Where a model does not reach the noise something else is
 /// going on, to which several effects can bend together: there a name is for what passes the gate without the
-/// others, beside what every rod has.
+/// others, beside what every rod has, or for two that account for nearly all. A loop of any shape bends to anything.
 fn upheld(
     search: &mut Search<'_>,
     trial: &Trial,
@@ -515,6 +518,11 @@ fn upheld(
 ) -> Result<CandidateSet, IdentifyError> {
     let is_far = |node: &Node| Trial::far_off(node, noise);
     if !search.get(effects).is_some_and(is_far) {
+        return Ok(effects);
+    }
+    let share = trial.explained(search, visited(search, effects))?;
+    let is_nearly_all = share.is_some_and(|share| share.lower >= NEARLY_ALL);
+    if is_nearly_all && effects.len() <= 2 && !effects.contains(EffectId::LoopShape) {
         return Ok(effects);
     }
     let universal: CandidateSet = effects.iter().filter(|&one| is_universal(one)).collect();
