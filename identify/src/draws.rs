@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::fitted::point;
-use crate::{SavedModel, Scale, Scope};
+use crate::{Fit, FittedParameter, ParameterCovariance, SavedModel, Scale, Scope};
 
 /// Points drawn around an identified model.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,55 +25,66 @@ impl SavedModel {
     /// Same seed, same draws.
     #[must_use]
     pub fn draws(&self, n: usize, seed: u64) -> Draws {
-        let infos: Vec<_> = self.parameters.iter().map(|one| &one.info).collect();
-        let estimate = point(&self.parameters, 0);
-        // Which row of the covariance is which parameter; those of later recordings are not drawn.
-        let mut rows = Vec::new();
-        let mut left_out = Vec::new();
-        for (k, info) in infos.iter().enumerate() {
-            let name = match info.scope {
-                Scope::Shared => info.name.to_owned(),
-                Scope::PerRecording => format!("{}[0]", info.name),
-            };
-            let Some(row) = self
-                .covariance
-                .names
-                .iter()
-                .position(|other| *other == name)
-            else {
-                continue;
-            };
-            if self.covariance.matrix[row][row].is_finite() {
-                rows.push((k, row));
-            } else {
-                left_out.push(info.name);
-            }
-        }
-        let root = square_root(rows.len(), |i, j| {
-            self.covariance.matrix[rows[i].1][rows[j].1]
-        });
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let points = (0..n)
-            .map(|_| {
-                let normal: Vec<f64> = rows
-                    .iter()
-                    .map(|_| StandardNormal.sample(&mut rng))
-                    .collect();
-                let mut drawn = estimate.clone();
-                for (i, &(k, _)) in rows.iter().enumerate() {
-                    let moved: f64 = (0..rows.len()).map(|j| root[(i, j)] * normal[j]).sum();
-                    let info = &infos[k];
-                    let value = match info.scale {
-                        Scale::Linear => estimate[k] + moved,
-                        Scale::Logarithmic => estimate[k] * moved.exp(),
-                    };
-                    drawn[k] = value.clamp(info.bounds.lower, info.bounds.upper);
-                }
-                drawn
-            })
-            .collect();
-        Draws { points, left_out }
+        draws(&self.parameters, &self.covariance, n, seed)
     }
+}
+
+impl Fit {
+    /// The same of a fit that was not saved.
+    #[must_use]
+    pub fn draws(&self, n: usize, seed: u64) -> Draws {
+        draws(&self.parameters, &self.covariance, n, seed)
+    }
+}
+
+fn draws(
+    parameters: &[FittedParameter],
+    covariance: &ParameterCovariance,
+    n: usize,
+    seed: u64,
+) -> Draws {
+    let infos: Vec<_> = parameters.iter().map(|one| &one.info).collect();
+    let estimate = point(parameters, 0);
+    // Which row of the covariance is which parameter; those of later recordings are not drawn.
+    let mut rows = Vec::new();
+    let mut left_out = Vec::new();
+    for (k, info) in infos.iter().enumerate() {
+        let name = match info.scope {
+            Scope::Shared => info.name.to_owned(),
+            Scope::PerRecording => format!("{}[0]", info.name),
+        };
+        let mut names = covariance.names.iter();
+        let Some(row) = names.position(|other| *other == name) else {
+            continue;
+        };
+        if covariance.matrix[row][row].is_finite() {
+            rows.push((k, row));
+        } else {
+            left_out.push(info.name);
+        }
+    }
+    let root = square_root(rows.len(), |i, j| covariance.matrix[rows[i].1][rows[j].1]);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let points = (0..n)
+        .map(|_| {
+            let normal: Vec<f64> = rows
+                .iter()
+                .map(|_| StandardNormal.sample(&mut rng))
+                .collect();
+            let mut drawn = estimate.clone();
+            for (i, &(k, _)) in rows.iter().enumerate() {
+                let moved: f64 = (0..rows.len()).map(|j| root[(i, j)] * normal[j]).sum();
+                let info = &infos[k];
+                let value = match info.scale {
+                    Scale::Linear => estimate[k] + moved,
+                    Scale::Logarithmic => estimate[k] * moved.exp(),
+                };
+                drawn[k] = value.clamp(info.bounds.lower, info.bounds.upper);
+            }
+            drawn
+        })
+        .collect();
+    Draws { points, left_out }
 }
 
 /// The symmetric square root of a covariance: it stands rounding below zero, which Cholesky's does not.

@@ -1,6 +1,7 @@
 //! `rod.toml`: what is known of the rig.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::ops::Range;
 use std::path::Path;
 
@@ -12,6 +13,9 @@ use wiener::thermal::RodParams;
 
 use crate::source::{Source, read};
 use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState};
+
+/// Resistivity of NiTi, Ω m: vendors of wire give 0.76e-6 to 0.82e-6, cold and hot.
+const NITI_OHM_M: f64 = 0.8e-6;
 
 /// What a rod file says, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -347,6 +351,14 @@ impl Rod {
             resistance_ohm_per_m: self.resistance_ohm_per_m.unwrap_or(1.0),
             convective_coefficient_w_per_m2_k: 1.0,
         })
+    }
+
+    /// Resistance per meter, Ω/m: that of the file, else that of NiTi in the section of the rod; 1 where that is not given
+    /// either, by which powers are known by their ratios only.
+    pub(crate) fn resistance_or_typical_ohm_per_m(&self) -> f64 {
+        let typical = |diameter_m: f64| NITI_OHM_M / (PI * diameter_m * diameter_m / 4.0);
+        let typical = self.diameter_m.map(typical);
+        self.resistance_ohm_per_m.or(typical).unwrap_or(1.0)
     }
 
     /// The keys without which temperatures are known by their ratios only: heat capacity and

@@ -48,17 +48,24 @@ enum Heat {
         heat_capacity_j_per_m_k: f64,
         resistance_ohm_per_m: f64,
     },
-    /// Neither: the steady rise per unit of drive stands beside the time constant. At 1 Ω/m a drive of
-    /// one unit heats with this power, W/m.
-    Constants { unit_power_w_per_m: f64 },
+    /// Not both: the steady rise per unit of drive stands beside the time constant. A drive of one unit heats with
+    /// this power, W/m.
+    Constants {
+        unit_power_w_per_m: f64,
+        resistance_ohm_per_m: f64,
+    },
 }
 
 impl Heat {
     fn of(rod: &Rod, drive: Drive) -> Result<Self, IdentifyError> {
         Ok(match rod.material() {
-            None => Self::Constants {
-                unit_power_w_per_m: drive.power_w_per_m([1.0], [1.0])[0],
-            },
+            None => {
+                let resistance_ohm_per_m = rod.resistance_or_typical_ohm_per_m();
+                Self::Constants {
+                    unit_power_w_per_m: drive.power_w_per_m([1.0], [resistance_ohm_per_m])[0],
+                    resistance_ohm_per_m,
+                }
+            }
             Some(material) => {
                 let heat = material.heat_balance().map_err(wiener::WienerError::from)?;
                 Self::Known {
@@ -96,8 +103,8 @@ impl WienerModel {
         let drive = cascade.drive;
         let heat = Heat::of(rod, drive)?;
         let mut parameters = parameters(first.output_unit(), ambient_degc, tau_bounds_s(training)?);
-        if let Heat::Constants { unit_power_w_per_m } = heat {
-            let mut rise = rise(drive, unit_power_w_per_m, training);
+        if let Heat::Constants { .. } = heat {
+            let mut rise = rise(drive, training);
             // A recorded temperature fixes the scale.
             if training
                 .iter()
@@ -131,7 +138,7 @@ impl WienerModel {
         let heat = Heat::of(rod, cascade.drive)?;
         let mut parameters = parameters("1", 0.0, Bounds::NONE);
         if matches!(heat, Heat::Constants { .. }) {
-            parameters.push(rise(cascade.drive, 1.0, &[]));
+            parameters.push(rise(cascade.drive, &[]));
         }
         Ok(Self {
             cascade,
@@ -206,12 +213,15 @@ impl WienerModel {
                 conductance_w_per_m_k: heat_capacity_j_per_m_k / point[TAU],
                 resistance_ohm_per_m,
             },
-            Heat::Constants { unit_power_w_per_m } => {
+            Heat::Constants {
+                unit_power_w_per_m,
+                resistance_ohm_per_m,
+            } => {
                 let conductance_w_per_m_k = unit_power_w_per_m / point[RISE];
                 HeatBalanceParams {
                     heat_capacity_j_per_m_k: point[TAU] * conductance_w_per_m_k,
                     conductance_w_per_m_k,
-                    resistance_ohm_per_m: 1.0,
+                    resistance_ohm_per_m,
                 }
             }
         };
@@ -313,11 +323,11 @@ pub(crate) fn start_share() -> ParameterInfo {
 
 /// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of
 /// the training data heats by [`ASSUMED_RISE_K`] in the end.
-fn rise(drive: Drive, unit_power_w_per_m: f64, training: &[Recording]) -> ParameterInfo {
+fn rise(drive: Drive, training: &[Recording]) -> ParameterInfo {
     let drives = training.iter().map(Recording::largest_drive);
     let largest = drives.fold(0.0, f64::max);
-    let [power_w_per_m] = drive.power_w_per_m([largest], [1.0]);
-    let value = ASSUMED_RISE_K * unit_power_w_per_m / power_w_per_m;
+    let [unit, most] = drive.power_w_per_m([1.0, largest], [1.0; 2]);
+    let value = ASSUMED_RISE_K * unit / most;
     let (name, unit) = match drive {
         Drive::Current => ("lambda_k_per_a2", "K/A²"),
         Drive::Duty { .. } => ("rise_k_per_duty", "K"),

@@ -9,8 +9,8 @@ mod common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles, with_output};
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, Loss, OffsetSource, ParameterVector, RefineConfig,
-    WienerModel, fit, refine, validate,
+    Fit, FitConfig, ForwardModel, IdentifyError, Loss, OffsetSource, ParameterState,
+    ParameterVector, RefineConfig, WienerModel, fit, refine, validate,
 };
 use recording::{Quantity, Recording, RecordingParts};
 use std::ops::ControlFlow;
@@ -433,4 +433,28 @@ fn samples_of_no_weight_are_left_out() {
     assert!(spoiled.mean_square > 0.1);
     let none = refine(&model, &training, &[], &all).unwrap_err();
     assert!(matches!(none, IdentifyError::NothingFinite));
+}
+
+#[test]
+fn without_a_specific_heat_the_drive_still_heats_with_its_power() {
+    let training = [recording("a.csv", triangles(600, 4.2), 0.5)];
+    let loss_w_per_m = |keys: &str| {
+        let text = format!("{keys}\nsurroundings.ambient_degc = 21.0");
+        let model = WienerModel::new(&rod(&text), Rule::LastReversal, &training).unwrap();
+        let infos = model.parameters();
+        let rise = infos.iter().find(|info| info.name == "lambda_k_per_a2");
+        let ParameterState::Fixed(rise_k) = rise.unwrap().state else {
+            panic!("nothing fixes the scale of temperature");
+        };
+        let mut point: Vec<f64> = infos.iter().map(|info| info.bounds.lower).collect();
+        point[infos.len() - 1] = rise_k;
+        rise_k * model.wiener_params(&point).heat.conductance_w_per_m_k
+    };
+    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+    // At 1 A in the end what comes in goes out.
+    assert!(close(loss_w_per_m("rod.resistance_ohm_per_m = 4.3"), 4.3));
+    // NiTi's 0.8 µΩ m in the section of the rod.
+    let niti = 0.8e-6 / (std::f64::consts::PI * 0.25e-3 * 0.25e-3);
+    assert!(close(loss_w_per_m("rod.diameter_mm = 0.5"), niti));
+    assert!(close(loss_w_per_m(""), 1.0));
 }

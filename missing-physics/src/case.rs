@@ -432,9 +432,10 @@ impl Node {
             let is_size = parameter.role == Role::Size;
             // Nothing is nowhere less: without a size there is no effect, and a play has no softness.
             let at_lower = value <= lower + margin && lower != 0.0;
-            // All of a delay may lie behind the rod.
-            let is_share = effect == EffectId::DeadTime && !is_size;
-            let at_upper = value >= upper - margin && !(is_size && ends_there || is_share);
+            // All of a delay may lie behind the rod, and clamps may warm up for as long as a run takes.
+            let may_end = effect == EffectId::DeadTime || effect == EffectId::EndConduction;
+            let is_end = if is_size { ends_there } else { may_end };
+            let at_upper = value >= upper - margin && !is_end;
             at_lower || at_upper
         })
     }

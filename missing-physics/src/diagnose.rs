@@ -16,7 +16,7 @@ use crate::diagnosis::{
     Diagnosis, Explained, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass,
     Remainder, Rung, Stage, Verdict,
 };
-use crate::elsewhere::validated;
+use crate::elsewhere::{spread, validated};
 use crate::explained::explained;
 use crate::families::{self, Tried};
 use crate::floor::{Measured, measured};
@@ -36,6 +36,9 @@ const FURTHER: f64 = 2.0;
 
 /// Share of the explainable error of the unseen recordings below which names that account for all do not hold there.
 const HELD: f64 = 0.4;
+
+/// Standard deviations up to which an error may be the parameters' uncertainty.
+const TWICE: f64 = 2.0;
 
 /// Error on unseen recordings over that on the training's up to which a model does there as well.
 const AS_NEAR: f64 = 1.2;
@@ -278,7 +281,7 @@ fn settled<'a>(
             .as_ref()
             .map(|extended| explained(baseline, extended, &judged, unseen, noise, base))
             .transpose()?;
-        let holds = holds(&judged, extended.as_ref(), explained.as_ref());
+        let holds = holds(&judged, extended.as_ref(), explained.as_ref(), unseen)?;
         last = Some(Settled {
             search: attempt.search,
             judged: if holds {
@@ -298,13 +301,12 @@ fn settled<'a>(
 }
 
 /// Whether names hold on the unseen recordings. Drifts and fatigue need not: they stay with their recording.
-fn holds(judged: &Judged, extended: Option<&ExtendedStage>, explained: Option<&Explained>) -> bool {
-    // As far off as where the model was fitted: the noise is larger than it was measured.
-    let as_near = extended.is_some_and(|extended| {
-        let unseen = Validated::rmse_of_all(&extended.stage.validated);
-        let most = AS_NEAR * extended.stage.fit.train_rmse;
-        unseen.is_some_and(|rmse| rmse < most)
-    });
+fn holds(
+    judged: &Judged,
+    extended: Option<&ExtendedStage>,
+    explained: Option<&Explained>,
+    unseen: &[Recording],
+) -> Result<bool, IdentifyError> {
     let stays =
         |named: &Named| named.effect.info().flexible || named.effect == EffectId::FunctionalFatigue;
     let fails = explained.is_some_and(|shares| {
@@ -316,7 +318,20 @@ fn holds(judged: &Judged, extended: Option<&ExtendedStage>, explained: Option<&E
             _ => share < HELD && tells,
         })
     });
-    !fails || as_near || judged.named.iter().any(stays)
+    if !fails || judged.named.iter().any(stays) {
+        return Ok(true);
+    }
+    extended.map_or(Ok(false), |extended| is_as_near(extended, unseen))
+}
+
+/// Whether a model is no further off the unseen recordings than where it was fitted, where the noise is larger than it was
+/// measured, and than the uncertainty of its parameters makes it where the training did not go.
+fn is_as_near(extended: &ExtendedStage, unseen: &[Recording]) -> Result<bool, IdentifyError> {
+    let ExtendedStage { model, stage, .. } = extended;
+    let spread = spread(model, &stage.fit, &stage.validated, unseen)?;
+    let most = (AS_NEAR * stage.fit.train_rmse).powi(2) + TWICE.powi(2) * spread;
+    let rmse = Validated::rmse_of_all(&stage.validated);
+    Ok(rmse.is_some_and(|rmse| rmse.powi(2) < most))
 }
 
 /// A look at what a model that was visited leaves; `at` holds the noise's standard deviation and the seed.

@@ -1,6 +1,8 @@
 //! A model where it was not fitted: in another recording.
 
-use identify::{ForwardModel, IdentifyError, ParameterInfo, Validated, validate_at};
+use identify::{
+    Fit, ForwardModel, IdentifyError, ParameterInfo, Scope, Validated, predict, validate_at,
+};
 use recording::Recording;
 
 use crate::{Candidate, EffectId, ExtendedModel};
@@ -54,4 +56,42 @@ pub(crate) fn validated(
     unseen
         .map(|recording| validate_at(model, &point, recording))
         .collect()
+}
+
+/// Models as likely as a fit by which its spread is told.
+const DRAWS: usize = 16;
+
+/// Mean square of what the uncertainty of a fit's parameters makes of unseen recordings, in the output unit: a run that goes
+/// where the training did not shows it, however right the model.
+pub(crate) fn spread(
+    model: &ExtendedModel,
+    fit: &Fit,
+    validated: &[Validated],
+    unseen: &[Recording],
+) -> Result<f64, IdentifyError> {
+    let drawn = fit.draws(DRAWS, fit.seed).points;
+    let infos = ForwardModel::parameters(model);
+    let (mut n, mut sum) = (0, 0.0);
+    for (validated, recording) in validated.iter().zip(unseen) {
+        let with_its_own = |point: &Vec<f64>| {
+            let mut point = without_drifts(model, point);
+            for (k, info) in infos.iter().enumerate() {
+                if info.scope == Scope::PerRecording {
+                    point[k] = validated.point[k];
+                }
+            }
+            point
+        };
+        let points: Vec<Vec<f64>> = drawn.iter().map(with_its_own).collect();
+        let shown = predict(model, &validated.point, recording)?.output;
+        model.simulate(&points, recording, &mut |block| {
+            let rows = block.displacement.chunks_exact(block.stride);
+            for (row, shown) in rows.zip(&shown[block.first_sample..]) {
+                let members = row[..block.members].iter();
+                sum += members.map(|other| (other - shown).powi(2)).sum::<f64>();
+            }
+        })?;
+        n += points.len() * recording.len();
+    }
+    Ok(if n > 0 { sum / n as f64 } else { 0.0 })
 }

@@ -63,6 +63,9 @@ const NEAR: f64 = 2.0;
 /// Mean square without a drift over that with it, from which others may stand beside it.
 const DRIFTED: f64 = 3.0;
 
+/// Mean square of a drift alone over that with others, from which these are not its own remainder.
+const HALVED: f64 = 2.0;
+
 /// Losses that grow faster than the temperature.
 const ACT_ALIKE: [[EffectId; 2]; 1] = [[EffectId::Radiation, EffectId::NaturalConvection]];
 
@@ -150,19 +153,22 @@ pub(crate) fn judge(
         return Ok(without);
     }
     let beside = judged(search, noise, tau_s)?;
-    if !beside.named.is_empty() && drifts(search, noise, beside.effects)? {
+    if !beside.named.is_empty() && drifts(search, noise, &beside)? {
         return Ok(beside);
     }
     search.part_from_drifts();
     Ok(without)
 }
 
-/// Whether a model with a drift leaves nothing but noise, and far more without the drift.
+/// Whether a model with a drift leaves nothing but noise, or nearly accounts for all with what stands beside the drift taking
+/// most of what that leaves: no smooth curve follows a drift all the way. Without the drift it must leave far more.
 fn drifts(
     search: &mut Search<'_>,
     noise: &Measured,
-    effects: CandidateSet,
+    beside: &Judged,
 ) -> Result<bool, IdentifyError> {
+    let effects = beside.effects;
+    let is_nearly_all = beside.explained.is_some_and(|share| share >= NEARLY_ALL);
     for drift in effects.iter().filter(|effect| effect.info().flexible) {
         let Some(less) = search.exchanged(effects, drift, None) else {
             continue;
@@ -171,7 +177,10 @@ fn drifts(
         // Cycles that drift apart make the noise of repeats look large: that at rest tells, too.
         let is_near = with.mean_square() < NEAR * noise.gate;
         let is_noise = !Trial::far_off(with, noise) && (is_near || leaves_noise(search, effects)?);
-        if !is_noise || without.mean_square() < DRIFTED * with.mean_square() {
+        let alone = search.get(CandidateSet::EMPTY.with(drift));
+        let halves = alone.is_some_and(|alone| HALVED * with.mean_square() < alone.mean_square());
+        let accounts = is_noise || is_nearly_all && halves;
+        if !accounts || without.mean_square() < DRIFTED * with.mean_square() {
             return Ok(false);
         }
     }
