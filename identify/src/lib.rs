@@ -48,7 +48,7 @@ pub use predict::{Prediction, predict};
 pub use refine::{RefineConfig, Refined, refine};
 pub use residual_noise::ResidualNoise;
 pub use rig_model::RigModel;
-pub use rod::{Limits, Load, ModelEntry, Rod};
+pub use rod::{Limits, Load, ModelEntry, NITI_OHM_M, NITI_RANGE_OHM_M, Rod};
 pub use sadeghi_model::SadeghiModel;
 pub use saved_model::{
     Identification, InputFile, Provenance, Role, SavedEffects, SavedModel, SavedRecording, Scores,

@@ -14,8 +14,14 @@ use wiener::thermal::RodParams;
 use crate::source::{Source, read};
 use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState};
 
-/// Resistivity of NiTi, Ω m: vendors of wire give 0.76e-6 to 0.82e-6, cold and hot.
-const NITI_OHM_M: f64 = 0.8e-6;
+/// Resistivity of NiTi, Ω m, that stands in for a resistance which is not given.
+pub const NITI_OHM_M: f64 = 0.8e-6;
+
+/// Its range, Ω m: vendors of wire give 0.76e-6 and 0.8e-6 cold, 0.82e-6 and 1e-6 hot.
+pub const NITI_RANGE_OHM_M: Bounds = Bounds {
+    lower: 0.76e-6,
+    upper: 1e-6,
+};
 
 /// What a rod file says, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -359,6 +365,14 @@ impl Rod {
         let typical = |diameter_m: f64| NITI_OHM_M / (PI * diameter_m * diameter_m / 4.0);
         let typical = self.diameter_m.map(typical);
         self.resistance_ohm_per_m.or(typical).unwrap_or(1.0)
+    }
+
+    /// Whether the power of the drive is that of NiTi's resistivity in the section of the rod: where the resistance counts
+    /// and is not given.
+    #[must_use]
+    pub fn assumes_resistivity(&self) -> bool {
+        let counts = self.drive_kind != Quantity::Power;
+        counts && self.resistance_ohm_per_m.is_none() && self.diameter_m.is_some()
     }
 
     /// The keys without which temperatures are known by their ratios only: heat capacity and

@@ -454,6 +454,27 @@ fn an_uncertain_specific_heat_widens_what_scales_with_it() {
 }
 
 #[test]
+fn without_a_resistance_a_heat_is_counted_in_the_power_of_nitis_resistivity() {
+    let folder = with_latent_heat();
+    let rod = std::fs::read_to_string(folder.path().join("rod.toml")).unwrap();
+    let kept = |line: &&str| !line.starts_with("resistance_ohm_per_m");
+    let without: Vec<&str> = rod.lines().filter(kept).collect();
+    std::fs::write(folder.path().join("rod.toml"), without.join("\n")).unwrap();
+    let json = json(folder.path(), &[]);
+    assert_eq!(
+        json["resistivity_range_carried"],
+        serde_json::json!([0.76e-6, 1e-6])
+    );
+    let found = &json["findings"][0];
+    assert_eq!(found["effect"], "latent-heat");
+    let sentence = found["sentence"].as_str().unwrap();
+    let said = "; for a resistivity of 0.76 to 1.0 µΩ m, since the resistance is not given: ";
+    assert!(sentence.contains(said), "{sentence}");
+    let end = |k: usize| found["parameters"][0]["ci95"][k].as_f64().unwrap();
+    assert!(end(0) < LATENT_HEAT_J_PER_KG && LATENT_HEAT_J_PER_KG < end(1));
+}
+
+#[test]
 fn a_saved_model_has_what_was_found() {
     let Diagnosed {
         document,
@@ -818,12 +839,13 @@ fn static_recordings_under_two_loads_tell_the_stress_coupling() {
         ("not_testable", Some("no recording has a resistance"))
     );
     // The same keys as with time.
+    let of_time = [
+        "simulations",
+        "specific_heat_range_carried",
+        "resistivity_range_carried",
+    ];
     for key in keys(not_validated()) {
-        assert!(
-            ["simulations", "specific_heat_range_carried"].contains(&key)
-                || json.get(key).is_some(),
-            "{key}"
-        );
+        assert!(of_time.contains(&key) || json.get(key).is_some(), "{key}");
     }
     let text = stdout(&mut diagnose(folder.path(), &["other.csv", "--quiet"]));
     assert!(

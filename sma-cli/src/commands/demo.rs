@@ -261,6 +261,7 @@ impl Known {
             diagnosis,
             without: &[],
             specific_heat: None,
+            resistivity: None,
             memory: MEMORY.name(),
             missing_for_temperature: Vec::new(),
             input_notes: vec![demo_rig::CONCEALED.to_owned()],

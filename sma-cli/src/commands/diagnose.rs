@@ -16,6 +16,7 @@ use crate::commands::on_threads;
 use crate::earlier::Earlier;
 use crate::figure::{Drawn, Gallery, figures};
 use crate::kept::{self, Kept};
+use crate::known_to_a_range::{carry_resistivity, carry_specific_heat};
 use crate::memory::Memory;
 use crate::next_run;
 use crate::outcome::Outcome;
@@ -27,7 +28,6 @@ use crate::report::plot::{self, Left};
 use crate::report::static_diagnosed::StaticDiagnosed;
 use crate::resume::Starts;
 use crate::sink::{Sink, deliver};
-use crate::specific_heat;
 use crate::terminal::{bar, say};
 
 /// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
@@ -196,7 +196,8 @@ fn with_time(
         },
     )?;
     bar.finish_and_clear();
-    let heat = specific_heat::carry(&rig.rod, plain, &mut diagnosis);
+    let specific_heat = carry_specific_heat(&rig.rod, plain, &mut diagnosis);
+    let resistivity = carry_resistivity(&rig.rod, &mut diagnosis);
     let run = diagnosis
         .next_experiment
         .as_ref()
@@ -221,7 +222,8 @@ fn with_time(
     let diagnosed = Diagnosed {
         diagnosis: &diagnosis,
         without: &args.without,
-        specific_heat: heat,
+        specific_heat,
+        resistivity,
         memory: args.memory.name(),
         missing_for_temperature: if plain.knows_temperature() {
             Vec::new()

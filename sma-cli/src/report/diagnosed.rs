@@ -25,6 +25,8 @@ pub(crate) struct Diagnosed<'a> {
     pub(crate) without: &'a [EffectId],
     /// Range of the specific heat, J/(kg K), if the intervals hold for it.
     pub(crate) specific_heat: Option<Bounds>,
+    /// Range of the resistivity that stands in for the resistance, Ω m, if the intervals hold for it.
+    pub(crate) resistivity: Option<Bounds>,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub(crate) memory: &'static str,
     /// Keys of the rod file without which temperatures are arbitrary.
@@ -256,6 +258,13 @@ impl Diagnosed<'_> {
                 "the intervals of what scales with the specific heat hold for {} to {} J/(kg K)",
                 significant(range.lower),
                 significant(range.upper)
+            ));
+        }
+        if let Some(range) = self.resistivity {
+            notes.push(format!(
+                "rod.toml does not give resistance_ohm_per_m: what is counted in watts holds for {} to {} µΩ m",
+                significant(1e6 * range.lower),
+                significant(1e6 * range.upper)
             ));
         }
         if !self.missing_for_temperature.is_empty() {

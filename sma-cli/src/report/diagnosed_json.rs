@@ -46,6 +46,7 @@ impl Diagnosed<'_> {
             "next_experiment": diagnosis.next_experiment.as_ref().map(next_experiment),
             "simulations": diagnosis.simulations,
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
+            "resistivity_range_carried": self.resistivity.map(|range| [range.lower, range.upper]),
             "memory": self.memory,
             "notes": self.notes(),
         })
