@@ -95,3 +95,37 @@ pub(crate) fn spread(
     }
     Ok(if n > 0 { sum / n as f64 } else { 0.0 })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use identify::{FitConfig, fit};
+
+    use super::*;
+    use crate::synthetic::{NOISE_MM, Synthetic};
+    use crate::{EffectSet, EffectValues};
+
+    #[test]
+    fn the_spread_over_the_training_is_the_noise_that_the_parameters_took_in() {
+        let synthetic = Synthetic::of(EffectSet::EMPTY, EffectValues::default(), 1);
+        let case = synthetic.case();
+        let node = case.baseline().unwrap();
+        let config = FitConfig {
+            starts: 0,
+            from: vec![node.coordinates.clone()],
+            ..FitConfig::default()
+        };
+        let training = &synthetic.training;
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let fitted = fit(&node.model, training, &config, go_on).unwrap();
+        let validated = validated(&node.model, &fitted.point(0), training).unwrap();
+        let found = spread(&node.model, &fitted, &validated, training).unwrap();
+        let n: usize = training.iter().map(Recording::len).sum();
+        let expected = NOISE_MM * NOISE_MM * node.coordinates.len() as f64 / n as f64;
+        assert!(
+            (0.3..3.0).contains(&(found / expected)),
+            "{found} {expected}"
+        );
+    }
+}
