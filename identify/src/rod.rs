@@ -359,11 +359,17 @@ impl Rod {
         })
     }
 
+    /// Cross section, m², where the diameter is given.
+    #[must_use]
+    pub fn section_m2(&self) -> Option<f64> {
+        self.diameter_m
+            .map(|diameter_m| PI * diameter_m * diameter_m / 4.0)
+    }
+
     /// Resistance per meter, Ω/m: that of the file, else that of NiTi in the section of the rod; 1 where that is not given
     /// either, by which powers are known by their ratios only.
     pub(crate) fn resistance_or_typical_ohm_per_m(&self) -> f64 {
-        let typical = |diameter_m: f64| NITI_OHM_M / (PI * diameter_m * diameter_m / 4.0);
-        let typical = self.diameter_m.map(typical);
+        let typical = self.section_m2().map(|section_m2| NITI_OHM_M / section_m2);
         self.resistance_ohm_per_m.or(typical).unwrap_or(1.0)
     }
 

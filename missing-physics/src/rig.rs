@@ -11,9 +11,6 @@ use crate::Setting;
 /// coefficients per length are for an assumed strain.
 #[must_use]
 pub fn setting_of_rod(rod: &Rod, output_unit: &str) -> Setting {
-    let section_m2 = rod
-        .diameter_m
-        .map(|diameter_m| PI * diameter_m * diameter_m / 4.0);
     let lever = rod.load.and_then(|load| load.lever);
     let per_m = match output_unit {
         "m" => Some(1.0),
@@ -22,7 +19,8 @@ pub fn setting_of_rod(rod: &Rod, output_unit: &str) -> Setting {
         _ => None,
     };
     Setting {
-        mass_kg_per_m: section_m2
+        mass_kg_per_m: rod
+            .section_m2()
             .zip(rod.density_kg_per_m3)
             .map(|(section_m2, density)| section_m2 * density),
         surface_m2_per_m: rod.diameter_m.map(|diameter_m| PI * diameter_m),

@@ -58,14 +58,10 @@ pub(crate) fn carry_resistivity(rod: &Rod, diagnosis: &mut Diagnosis) -> Option<
         } else {
             [1.0 / upper, 1.0 / lower]
         },
-        power: power_of_drive,
+        power: |effect, _| i32::from(is_counted_in_watts(effect)),
     };
-    let findings = diagnosis.findings.iter().chain(&diagnosis.suspects);
-    let mut parameters = findings.flat_map(|finding| {
-        let units = finding.parameters.iter().map(|one| one.unit);
-        units.map(|unit| power_of_drive(finding.effect, unit))
-    });
-    let goes_with_it = parameters.any(|power| power != 0);
+    let mut findings = diagnosis.findings.iter().chain(&diagnosis.suspects);
+    let goes_with_it = findings.any(|finding| is_counted_in_watts(finding.effect));
     resistivity.carry(diagnosis, |_| ());
     goes_with_it.then_some(range)
 }
@@ -166,13 +162,15 @@ fn ends(ends: [f64; 2], unit: &str) -> String {
     }
 }
 
-fn power_of_drive(effect: Candidate, _unit: &str) -> i32 {
-    match effect.effect() {
-        Some(EffectId::LatentHeat | EffectId::Radiation) => 1,
-        _ => 0,
-    }
+/// Whether the size of an effect is that of a heat flow beside the power of the drive.
+fn is_counted_in_watts(effect: Candidate) -> bool {
+    matches!(
+        effect.effect(),
+        Some(EffectId::LatentHeat | EffectId::Radiation)
+    )
 }
 
+/// Power of C_p with which a parameter scales at the same displacement.
 fn power_of_specific_heat(effect: Candidate, unit: &str) -> i32 {
     match (effect.effect(), unit) {
         // What radiation adds to the linear loss grows with the square of the temperature difference.
@@ -264,7 +262,7 @@ mod tests {
         let resistivity = Uncertain {
             said: "a resistivity of 0.76 to 1.0 µΩ m".to_owned(),
             ends: [0.95, 1.25],
-            power: power_of_drive,
+            power: |effect, _| i32::from(is_counted_in_watts(effect)),
         };
         resistivity.widen(&mut one);
         assert_ends(one.parameters[0].ci95, [0.95 * 14e3, 1.25 * 16e3]);
