@@ -89,10 +89,12 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let is_rigid = |named: &Named| {
         !named.effect.info().flexible && named.effect != EffectId::FunctionalFatigue
     };
+    // Nor does a smooth curve follow the surroundings all the way: that looks like such noise, too.
+    let beside_ambient = (judged.named.iter()).any(|named| named.effect == EffectId::AmbientDrift);
     let is_form = is_far && judged.named.iter().all(is_rigid);
     let may_be_noise = |named: &Named| match floor.class {
         NoiseClass::OneOverF => {
-            named.effect == EffectId::SensorDrift
+            (named.effect == EffectId::SensorDrift && !beside_ambient)
                 || (named.effect == EffectId::FunctionalFatigue && leaves_much && !is_all)
         }
         NoiseClass::Colored => named.effect.info().flexible && !is_far,

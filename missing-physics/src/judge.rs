@@ -66,6 +66,10 @@ const DRIFTED: f64 = 3.0;
 /// Mean square of a drift alone over that with others, from which these are not its own remainder.
 const HALVED: f64 = 2.0;
 
+/// Share of the likelihood that an effect must bring to have a name beside what drifts through the run, and what drifts
+/// itself: what a smooth law leaves of a real drift is noise with a memory, of which others take in up to 4 and 8 %.
+const BESIDE: [f64; 2] = [0.05, 0.1];
+
 /// Losses that grow faster than the temperature.
 const ACT_ALIKE: [[EffectId; 2]; 1] = [[EffectId::Radiation, EffectId::NaturalConvection]];
 
@@ -178,8 +182,11 @@ fn drifts(
         let is_near = with.mean_square() < NEAR * noise.gate;
         let is_noise = !Trial::far_off(with, noise) && (is_near || leaves_noise(search, effects)?);
         let alone = search.get(CandidateSet::EMPTY.with(drift));
-        let halves = alone.is_some_and(|alone| HALVED * with.mean_square() < alone.mean_square());
-        let accounts = is_noise || is_nearly_all && halves;
+        let is_own = alone.is_some_and(|alone| {
+            HALVED * with.mean_square() < alone.mean_square()
+                || share_of_likelihood(search, with, alone) > BESIDE[0]
+        });
+        let accounts = is_noise || is_nearly_all && is_own;
         if !accounts || without.mean_square() < DRIFTED * with.mean_square() {
             return Ok(false);
         }
@@ -222,7 +229,10 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
     let lack = lack(search, best)?;
     let gained = 2.0 * (best.noise.nats() - search.baseline().noise.nats());
     let by_lack = gained / (gained + lack.beyond);
-    let share = explained.filter(|_| trial.tells(best, noise));
+    // A flexible shape must hold where it was not fitted, whatever it leaves; and what explains nearly all there does.
+    let is_flexible = effects.iter().any(|effect| effect.info().flexible);
+    let share = explained
+        .filter(|share| is_flexible || share.lower >= NEARLY_ALL || trial.tells(best, noise));
     let share = share.map_or(by_lack, |share| share.lower);
     let explained = explained.map(|share| share.value);
     let left = 1.0 - explained.unwrap_or(by_lack).min(by_lack);
@@ -423,7 +433,8 @@ fn pruned(
                 };
                 let [with, without] = [*effects, less].map(|set| visited(search, set));
                 let is_needed = completes && lack(search, without)?.p_value < BEYOND_DOUBT;
-                if is_needed || takes_the_rest(with, without, trial.noise) {
+                let rests = takes_the_rest(with, without, trial.noise);
+                if is_needed || rests || stands_beside_drifts(search, with, without, effect) {
                     continue;
                 }
             }
@@ -455,6 +466,24 @@ fn takes_the_rest(with: &Node, without: &Node, noise: f64) -> bool {
     let [with, without] = [with, without].map(Node::mean_square);
     let is_left = without > MUCH_LEFT * noise;
     is_left && gained > BEYOND && without - with > THE_REST * (without - noise)
+}
+
+/// Whether an effect is told beside what drifts through the run.
+fn stands_beside_drifts(
+    search: &Search<'_>,
+    with: &Node,
+    without: &Node,
+    effect: Candidate,
+) -> bool {
+    let drifts = |one: Candidate| one.info().flexible || one == EffectId::FunctionalFatigue;
+    let least = BESIDE[usize::from(drifts(effect))];
+    without.effects.iter().any(drifts) && share_of_likelihood(search, with, without) > least
+}
+
+/// What a model has beyond another of the likelihood that it has beyond the plain one.
+fn share_of_likelihood(search: &Search<'_>, with: &Node, without: &Node) -> f64 {
+    let [with, without, plain] = [with, without, search.baseline()].map(|node| node.noise.nats());
+    (with - without) / (with - plain)
 }
 
 /// Whether a model that was visited leaves noise alone.

@@ -218,17 +218,14 @@ impl<'a> Search<'a> {
     }
 
     /// Whether a model may be chosen: none of its effects is pressed against a bound, and no flexible one helps others to
-    /// their names; a drift may stand beside them once these have failed without.
+    /// their names; drifts may stand beside them once these have failed without.
     pub(crate) fn admits(&self, node: &Node) -> bool {
-        let mut flexible = node.effects.iter().filter(|one| one.info().flexible);
-        let may_stand = match (flexible.next(), flexible.next()) {
-            (None, _) => true,
-            (Some(one), None) => {
-                node.effects.len() == 1
-                    || self.beside_drifts && DRIFTS.iter().any(|drift| one == *drift)
-            }
-            _ => false,
-        };
+        let is_drift = |one: Candidate| DRIFTS.iter().any(|drift| one == *drift);
+        let may_stand = node.effects.len() == 1
+            || node
+                .effects
+                .iter()
+                .all(|one| !one.info().flexible || self.beside_drifts && is_drift(one));
         may_stand && !node.is_held()
     }
 
@@ -359,10 +356,10 @@ impl<'a> Search<'a> {
     ///
     /// What is far from all models is no noise with a memory: there the memory of the residual takes in the very
     /// mismatch that models differ by, and only the size of the residual tells, with as many samples as are
-    /// independent in what the baseline leaves.
+    /// independent in what the baseline leaves. What a smooth drift leaves of a real one is such noise, beside it.
     fn evidence(&self, node: &Node) -> (f64, f64) {
         let dispersion = self.dispersion();
-        if dispersion <= MISFIT {
+        if dispersion <= MISFIT || self.beside_drifts {
             let n = self.case.layout.len() as f64 / dispersion;
             return (node.noise.nats() / dispersion, n);
         }

@@ -37,8 +37,6 @@ pub struct Setting {
     pub run_length_s: Option<f64>,
     /// Time on the clock of the drifts at which the recording starts, s; ≥ 0.
     pub start_s: f64,
-    /// Full transformation cycles before the recording starts; ≥ 0.
-    pub cycles_before: f64,
     /// Temperature at which the rod has its length, °C. It moves only the offset. 20 °C by default,
     /// the reference temperature of ISO 1.
     pub reference_degc: f64,
@@ -61,7 +59,6 @@ impl Default for Setting {
             length_output: None,
             run_length_s: None,
             start_s: 0.0,
-            cycles_before: 0.0,
             reference_degc: 20.0,
             sub_steps: 1,
             newton_iterations: 3,
@@ -94,13 +91,12 @@ impl Setting {
                 _ => {}
             }
         }
-        for (name, value, unit) in [
-            ("start_s", self.start_s, "s"),
-            ("cycles_before", self.cycles_before, "cycles"),
-        ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(PhysicsError::Negative { name, value, unit });
-            }
+        if !(self.start_s >= 0.0 && self.start_s.is_finite()) {
+            return Err(PhysicsError::Negative {
+                name: "start_s",
+                value: self.start_s,
+                unit: "s",
+            });
         }
         if !self.reference_degc.is_finite() {
             return Err(PhysicsError::NotFinite {

@@ -129,13 +129,6 @@ fn a_setting_is_checked() {
             }),
             format!("start_s = {shown} s: must be finite and >= 0")
         );
-        assert_eq!(
-            of(Setting {
-                cycles_before: value,
-                ..plain
-            }),
-            format!("cycles_before = {shown} cycles: must be finite and >= 0")
-        );
     }
     assert_eq!(
         of(Setting {

@@ -553,30 +553,27 @@ fn asymmetry_moves_the_limiting_curves_by_the_formula() {
 }
 
 #[test]
-fn fatigue_shifts_the_loop_by_the_logarithm_of_the_cycles() {
+fn fatigue_shifts_the_loop_with_the_cycles_and_fades() {
     let mut values = EffectValues::default();
     values.functional_fatigue.fatigue_k = 3.0;
     values.functional_fatigue.fatigue_stroke_loss = 0.05;
-    let setting = Setting {
-        cycles_before: 0.5,
-        ..setting(EffectSet::of(EffectId::FunctionalFatigue))
-    };
-    let shown = trace(&setting, &params(), &values, &current_a(DT_S), DT_S);
+    values.functional_fatigue.fatigue_fading = 0.6;
+    let shown = with_effect(EffectId::FunctionalFatigue, &values, DT_S);
     let operator = operator(Rule::LastReversal);
     let mut memory = operator.on_limiting_curve(Branch::Cooling, [AMBIENT_DEGC]);
-    let mut cycles = 0.5;
+    let mut cycles = 0.0_f64;
     for k in 0..shown.fraction.len() {
         if k > 0 {
             cycles += 0.5 * (shown.fraction[k] - shown.fraction[k - 1]).abs();
         }
-        let log = ((1.0 + cycles) / 1.5_f64).ln();
-        let [expected] = operator.commit(&mut memory, [shown.temperature_degc[k] - 3.0 * log]);
+        let come = (-0.6 * cycles).exp_m1() / (-0.6_f64).exp_m1();
+        let [expected] = operator.commit(&mut memory, [shown.temperature_degc[k] - 3.0 * come]);
         assert_abs_diff_eq!(shown.fraction[k], expected, epsilon = 1e-10);
         let of = params();
-        let stroke = of.gain * (expected * (1.0 - 0.05 * log)) + of.offset;
+        let stroke = of.gain * (expected * (1.0 - 0.05 * come)) + of.offset;
         assert_abs_diff_eq!(shown.displacement[k], stroke, epsilon = 1e-9);
     }
-    assert!(cycles > 2.0);
+    assert!(cycles > 1.5);
 }
 
 #[test]

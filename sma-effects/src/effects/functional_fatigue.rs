@@ -6,20 +6,23 @@ use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
 use crate::loop_scale::LoopScale;
 
 parameters! {
-    /// The loop drifts with the transformations that the rod has gone through, and the stroke with it.
+    /// The loop drifts with the transformations that the rod has gone through, and the stroke with it, less and less.
     ///
     /// ```text
-    /// ξ = loop(T - a s),   u → u (1 - b s),   s = ln((1 + n)/(1 + n_0)),   n = n_0 + ½ ∫|dp|
+    /// ξ = loop(T - a s),   u → u (1 - b s),   s = (1 - exp(-k n))/(1 - exp(-k)),   n = ½ ∫|dp|
     /// ```
     ///
-    /// n counts full cycles, partial ones by their path; n_0 is the setting's `cycles_before`. Nothing
-    /// drifts at rest, which tells it from ambient drift.
+    /// n counts full cycles from the start of the recording, partial ones by their path; s is 1 after the first. What the rod
+    /// went through before is in a and b: this law knows only what is still to come. Nothing drifts at rest, which tells it
+    /// from ambient drift.
     FunctionalFatigue {
-        /// Shift of the loop per natural logarithm of the cycle count a, K; -8 to 8.
-        fatigue_k: EffectParameter::size("K", 1.0, [-8.0, 8.0])
+        /// Shift of the loop by the first cycle a, K; -5 to 5.
+        fatigue_k: EffectParameter::size("K", 1.0, [-5.0, 5.0])
             .unchecked([1.0, 4.0], "10 to 20 K over 100 to 10,000 cycles"),
-        /// Loss of stroke b, share of it per natural logarithm of the cycle count; -0.2 to 0.2.
+        /// Loss of stroke by the first cycle b, share of it; -0.2 to 0.2.
         fatigue_stroke_loss: EffectParameter::size("1", 0.01, [-0.2, 0.2]),
+        /// Rate at which it fades k, 1/cycle; 0, where it never does, to 1. A partner.
+        fatigue_fading: EffectParameter::partner("1/cycle", 0.2, [0.0, 1.0], &[0.0, 0.05, 0.1, 0.2, 0.5]),
     }
 }
 
@@ -31,90 +34,100 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[],
     parameters: PARAMETERS,
-    equation: "ξ = loop(T - a s),  u' = u (1 - b s),  s = ln((1 + n)/(1 + n_0)),  n cycles so far",
-    sentence: "the loop and its stroke drift with the number of cycles, by {value} for each factor of 2.7",
+    equation: "ξ = loop(T - a s),  u' = u (1 - b s),  s = (1 - exp(-k n))/(1 - exp(-k)),  n cycles so far",
+    sentence: "the loop and its stroke drift with the number of cycles, by {value} in the first, fading at {partner}",
 };
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
-    per_log_k: [f64; L],
-    loss_per_log: [f64; L],
+    shift_k: [f64; L],
+    loss: [f64; L],
+    fading: [f64; L],
+    /// ds/dn at first: k/(1 - exp(-k)).
+    first: [f64; L],
     scale: LoopScale<L>,
-    cycles_before: f64,
 }
 
-/// How often the rod has transformed.
+/// How far the drift of a zone has come.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Path<const L: usize> {
-    /// 1 + n.
-    cycles: [f64; L],
-    /// ln((1 + n)/(1 + n_0)).
-    log: [f64; L],
+pub(crate) struct Come<const L: usize> {
+    /// s.
+    come: [f64; L],
+    /// ds/dn over the first: exp(-k n).
+    rate: [f64; L],
 }
 
-/// ln(1 + x) for 0 ≤ x ≤ ½, error ≤ 1e-14 for the x ≤ 0.1 of a sample.
-///
-/// ```text
-/// ln(1 + x) = 2 (z + z³/3 + z⁵/5 + …),   z = x/(2 + x)
-/// ```
+/// exp(-x) and (1 - exp(-x))/x for 0 ≤ x ≤ ½, error ≤ 1e-7; for the x ≤ 0.1 of a sample ≤ 1e-11 (Padé, of order 3 by 3).
 #[inline(always)]
-fn log_step(x: f64) -> f64 {
-    let z = x / (2.0 + x);
-    let square = z * z;
-    let sum = 1.0 / 3.0
-        + square * (1.0 / 5.0 + square * (1.0 / 7.0 + square * (1.0 / 9.0 + square / 11.0)));
-    2.0 * (z + z * square * sum)
+fn decay(x: f64) -> (f64, f64) {
+    let even = 120.0 + 12.0 * x * x;
+    let odd = 60.0 + x * x;
+    let all = even + x * odd;
+    ((even - x * odd) / all, 2.0 * odd / all)
+}
+
+impl<const L: usize> Lanes<L> {
+    /// What transformations add to s, and the rate after them.
+    #[inline(always)]
+    fn added(&self, l: usize, zone: &Come<L>, change: f64) -> (f64, f64) {
+        let cycles = 0.5 * change.abs();
+        let (rate, mean) = decay(self.fading[l] * cycles);
+        let before = self.first[l] * zone.rate[l];
+        (before * mean * cycles, zone.rate[l] * rate)
+    }
 }
 
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory_of_the_rod!();
     const STANDS_IN_ZONE: bool = true;
-    type Zone = Path<L>;
+    type Zone = Come<L>;
     const IMPLICIT: bool = true;
     const SHOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
+        let fading = values.map(|lane| lane.functional_fatigue.fatigue_fading);
         Self {
-            per_log_k: values.map(|lane| lane.functional_fatigue.fatigue_k),
-            loss_per_log: values.map(|lane| lane.functional_fatigue.fatigue_stroke_loss),
+            shift_k: values.map(|lane| lane.functional_fatigue.fatigue_k),
+            loss: values.map(|lane| lane.functional_fatigue.fatigue_stroke_loss),
+            fading,
+            first: fading.map(|k| if k > 0.0 { -k / libm::expm1(-k) } else { 1.0 }),
             scale: LoopScale::new(base.params),
-            cycles_before: base.setting.cycles_before,
         }
     }
 
-    fn zone(&self, _: &ZoneStart<L>) -> Path<L> {
-        Path {
-            cycles: [1.0 + self.cycles_before; L],
-            log: [0.0; L],
+    fn zone(&self, _: &ZoneStart<L>) -> Come<L> {
+        Come {
+            come: [0.0; L],
+            rate: [1.0; L],
         }
     }
 
     #[inline(always)]
-    fn shift(&self, zone: &Path<L>, from: &Before<L>, to: &Trial<L>, shift: &mut Shift<L>) {
+    fn shift(&self, zone: &Come<L>, from: &Before<L>, to: &Trial<L>, shift: &mut Shift<L>) {
         for l in 0..L {
             let change = to.transformed[l] - from.transformed[l];
-            let added = 0.5 * change.abs();
-            let log = zone.log[l] + log_step(added / zone.cycles[l]);
-            shift.kelvin[l] += self.per_log_k[l] * log;
+            let (added, rate) = self.added(l, zone, change);
+            shift.kelvin[l] += self.shift_k[l] * (zone.come[l] + added);
             let direction = if change < 0.0 { -0.5 } else { 0.5 };
             shift.per_k[l] +=
-                self.per_log_k[l] * (direction * to.slope_per_k[l] / (zone.cycles[l] + added));
+                self.shift_k[l] * (direction * to.slope_per_k[l] * self.first[l] * rate);
         }
     }
 
     #[inline(always)]
-    fn commit(&self, zone: &mut Path<L>, from: &Before<L>, to: &Trial<L>) {
+    fn commit(&self, zone: &mut Come<L>, from: &Before<L>, to: &Trial<L>) {
         for l in 0..L {
-            let added = 0.5 * (to.transformed[l] - from.transformed[l]).abs();
-            zone.log[l] += log_step(added / zone.cycles[l]);
-            zone.cycles[l] += added;
+            let change = to.transformed[l] - from.transformed[l];
+            let (added, rate) = self.added(l, zone, change);
+            zone.come[l] += added;
+            zone.rate[l] = rate;
         }
     }
 
     #[inline(always)]
-    fn stroke(&self, zone: &Path<L>, at: &Standing<L>, fraction: &mut [f64; L]) {
+    fn stroke(&self, zone: &Come<L>, at: &Standing<L>, fraction: &mut [f64; L]) {
         for l in 0..L {
-            let lost = self.loss_per_log[l] * zone.log[l];
+            let lost = self.loss[l] * zone.come[l];
             fraction[l] -= lost * (self.scale.span[l] * at.transformed[l]);
         }
     }
