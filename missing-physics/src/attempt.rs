@@ -4,6 +4,7 @@ use identify::IdentifyError;
 
 use crate::case::{Case, Node};
 use crate::diagnosis::{Floor, NoiseClass, Verdict};
+use crate::elsewhere::is_rigid;
 use crate::floor::Measured;
 use crate::judge::{Judged, LARGE, Named, judge, visited, without_effects};
 use crate::search::{Search, is_universal};
@@ -85,13 +86,10 @@ fn licensed(search: &Search<'_>, judged: Judged, noise: &Measured) -> (Judged, F
     let is_far = plain.mean_square() > LOWERED * best.mean_square();
     let leaves_much = best.mean_square() > MUCH * noise.gate;
     let is_all = plain.mean_square() > ALL * best.mean_square();
-    // What has a form of its own and halves the error is no noise: rigid effects lower noise by a few percent.
-    let is_rigid = |named: &Named| {
-        !named.effect.info().flexible && named.effect != EffectId::FunctionalFatigue
-    };
     // Nor does a smooth curve follow the surroundings all the way: that looks like such noise, too.
     let beside_ambient = (judged.named.iter()).any(|named| named.effect == EffectId::AmbientDrift);
-    let is_form = is_far && judged.named.iter().all(is_rigid);
+    // What has a form of its own and halves the error is no noise: rigid effects lower noise by a few percent.
+    let is_form = is_far && judged.named.iter().all(|named| is_rigid(named.effect));
     let may_be_noise = |named: &Named| match floor.class {
         NoiseClass::OneOverF => {
             (named.effect == EffectId::SensorDrift && !beside_ambient)

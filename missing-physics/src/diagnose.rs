@@ -16,7 +16,7 @@ use crate::diagnosis::{
     Diagnosis, Explained, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass,
     Remainder, Rung, Stage, Verdict,
 };
-use crate::elsewhere::{spread, validated};
+use crate::elsewhere::{is_rigid, spread, validated};
 use crate::explained::explained;
 use crate::families::{self, Tried};
 use crate::floor::{Measured, measured};
@@ -307,8 +307,7 @@ fn holds(
     explained: Option<&Explained>,
     unseen: &[Recording],
 ) -> Result<bool, IdentifyError> {
-    let stays =
-        |named: &Named| named.effect.info().flexible || named.effect == EffectId::FunctionalFatigue;
+    let stays = |named: &Named| !is_rigid(named.effect);
     let fails = explained.is_some_and(|shares| {
         // Where hardly anything was to be explained the share says nothing.
         let interval = shares.validate_interval;

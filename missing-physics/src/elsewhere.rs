@@ -7,9 +7,16 @@ use recording::Recording;
 
 use crate::{Candidate, EffectId, ExtendedModel};
 
-/// Whether the parameters of an effect are those of a recording.
+/// What moves slowly and on its own: its parameters are those of a recording.
+pub(crate) const DRIFTS: [EffectId; 2] = [EffectId::SensorDrift, EffectId::AmbientDrift];
+
 pub(crate) fn is_drift(effect: Candidate) -> bool {
-    effect == EffectId::AmbientDrift || effect == EffectId::SensorDrift
+    DRIFTS.iter().any(|drift| effect == *drift)
+}
+
+/// Whether an effect does the same in every recording: it is no drift, no fatigue, and has a form of its own.
+pub(crate) fn is_rigid(effect: Candidate) -> bool {
+    !effect.info().flexible && effect != EffectId::FunctionalFatigue
 }
 
 /// The point for another recording: of a drift of the surroundings it has the mean, which is as a loop that lies

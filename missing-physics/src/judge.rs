@@ -4,6 +4,7 @@ use identify::IdentifyError;
 
 use crate::case::Node;
 use crate::diagnosis::Verdict;
+use crate::elsewhere::is_rigid;
 use crate::floor::Measured;
 use crate::lack::lack;
 use crate::projection::dot;
@@ -165,7 +166,8 @@ pub(crate) fn judge(
 }
 
 /// Whether a model with a drift leaves nothing but noise, or nearly accounts for all with what stands beside the drift taking
-/// most of what that leaves: no smooth curve follows a drift all the way. Without the drift it must leave far more.
+/// most of what that leaves, or its share of the likelihood: no smooth curve follows a drift all the way. Without the drift
+/// it must leave far more.
 fn drifts(
     search: &mut Search<'_>,
     noise: &Measured,
@@ -433,8 +435,10 @@ fn pruned(
                 };
                 let [with, without] = [*effects, less].map(|set| visited(search, set));
                 let is_needed = completes && lack(search, without)?.p_value < BEYOND_DOUBT;
-                let rests = takes_the_rest(with, without, trial.noise);
-                if is_needed || rests || stands_beside_drifts(search, with, without, effect) {
+                if is_needed
+                    || takes_the_rest(with, without, trial.noise)
+                    || stands_beside_drifts(search, with, without, effect)
+                {
                     continue;
                 }
             }
@@ -475,7 +479,7 @@ fn stands_beside_drifts(
     without: &Node,
     effect: Candidate,
 ) -> bool {
-    let drifts = |one: Candidate| one.info().flexible || one == EffectId::FunctionalFatigue;
+    let drifts = |one: Candidate| !is_rigid(one);
     let least = BESIDE[usize::from(drifts(effect))];
     without.effects.iter().any(drifts) && share_of_likelihood(search, with, without) > least
 }

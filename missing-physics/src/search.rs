@@ -6,6 +6,7 @@ use identify::{Fit, IdentifyError};
 use rayon::prelude::*;
 
 use crate::case::{Case, Node};
+use crate::elsewhere::{DRIFTS, is_drift};
 use crate::scores::{Score, as_one, sizes_of};
 use crate::screening::{Sifted, sift};
 use crate::settle::settled;
@@ -42,9 +43,6 @@ const UNIVERSAL: [EffectId; 4] = [
     EffectId::NaturalConvection,
     EffectId::Radiation,
 ];
-
-/// What moves slowly and on its own.
-const DRIFTS: [EffectId; 2] = [EffectId::SensorDrift, EffectId::AmbientDrift];
 
 /// Odds against each other effect, in units of log-likelihood: 20 to 1.
 const ODDS: f64 = 3.0;
@@ -220,7 +218,6 @@ impl<'a> Search<'a> {
     /// Whether a model may be chosen: none of its effects is pressed against a bound, and no flexible one helps others to
     /// their names; drifts may stand beside them once these have failed without.
     pub(crate) fn admits(&self, node: &Node) -> bool {
-        let is_drift = |one: Candidate| DRIFTS.iter().any(|drift| one == *drift);
         let may_stand = node.effects.len() == 1
             || node
                 .effects

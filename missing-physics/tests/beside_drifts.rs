@@ -7,16 +7,10 @@
 
 mod common;
 
-use common::{noisy, params, played, recording, setting};
-use fixtures::wire::ROD;
-use identify::{Rod, WienerModel};
+use common::{DT_S, diagnosed_under, found, noisy, params, played, setting};
 use missing_physics::{
-    DiagnoseConfig, Diagnosis, EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting,
-    Verdict, diagnose,
+    Diagnosis, EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting, Verdict,
 };
-use wiener::hysteresis::Rule;
-
-const DT_S: f64 = 0.2;
 
 /// Surroundings that wander, faster than a curve through four knots follows.
 const WANDERING: &str = r#"
@@ -43,14 +37,7 @@ fn current_a() -> Vec<f64> {
 /// What the tool says of a wire with effects.
 fn of_wire(setting: Setting, effects: EffectValues) -> Diagnosis {
     let output = played(&Extended { setting }, params(), effects, &current_a(), DT_S);
-    let training = [recording("made-up.csv", current_a(), noisy(output), DT_S)];
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
-    let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
-    let config = DiagnoseConfig {
-        setting: common::setting(),
-        ..DiagnoseConfig::default()
-    };
-    diagnose(&base, &training, &[], &config, &mut |_| ()).unwrap()
+    diagnosed_under(current_a(), noisy(output), &[])
 }
 
 /// The wire in surroundings that wander by some 3 K, its output late by so much.
@@ -64,13 +51,6 @@ fn in_the_open(output_lag_s: f64) -> Diagnosis {
     effects.own[0][0] = 0.4;
     effects.output_lag.output_lag_s = output_lag_s;
     of_wire(setting, effects)
-}
-
-fn found(diagnosis: &Diagnosis) -> Vec<&str> {
-    let ids = diagnosis.findings.iter().map(|one| one.effect.id());
-    let mut found: Vec<&str> = ids.collect();
-    found.sort_unstable();
-    found
 }
 
 #[test]

@@ -7,12 +7,11 @@
 
 mod common;
 
-use common::{current_a, diagnosed, noisy, output_mm, recording, setting};
+use common::{current_a, diagnosed, found, noisy, output_mm, recording, setting};
 use fixtures::wire::ROD;
 use identify::{Rod, WienerModel};
 use missing_physics::{
-    DiagnoseConfig, Diagnosis, EffectId, EffectSet, EffectValues, LoopFamily, Setting, Verdict,
-    diagnose,
+    DiagnoseConfig, EffectId, EffectSet, EffectValues, LoopFamily, Setting, Verdict, diagnose,
 };
 use wiener::hysteresis::Rule;
 
@@ -22,16 +21,6 @@ fn wire(loop_family: LoopFamily, effects: EffectSet) -> Setting {
         active: effects,
         ..setting()
     }
-}
-
-fn found(diagnosis: &Diagnosis) -> Vec<&str> {
-    let mut found: Vec<&str> = diagnosis
-        .findings
-        .iter()
-        .map(|one| one.effect.id())
-        .collect();
-    found.sort_unstable();
-    found
 }
 
 #[test]

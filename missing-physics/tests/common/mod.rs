@@ -16,7 +16,7 @@ use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
 use wiener::{Profile, Start, WienerParams};
 
-const DT_S: f64 = 0.2;
+pub(crate) const DT_S: f64 = 0.2;
 
 const NOISE_MM: f64 = 0.005;
 
@@ -118,8 +118,17 @@ pub(crate) fn noisy(output: Vec<f64>) -> Vec<f64> {
 
 /// Diagnosis of an output, with hypotheses beside the catalogue.
 pub(crate) fn diagnosed(output: Vec<f64>, hypotheses: &'static [Hypothesis]) -> Diagnosis {
+    diagnosed_under(current_a(), output, hypotheses)
+}
+
+/// The same of an output under another drive.
+pub(crate) fn diagnosed_under(
+    current_a: Vec<f64>,
+    output: Vec<f64>,
+    hypotheses: &'static [Hypothesis],
+) -> Diagnosis {
     let rod = Rod::parse("rod.toml", ROD).unwrap();
-    let training = [recording("made-up.csv", current_a(), output, DT_S)];
+    let training = [recording("made-up.csv", current_a, output, DT_S)];
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: Setting {
@@ -129,4 +138,12 @@ pub(crate) fn diagnosed(output: Vec<f64>, hypotheses: &'static [Hypothesis]) -> 
         ..DiagnoseConfig::default()
     };
     diagnose(&base, &training, &[], &config, &mut |_| ()).unwrap()
+}
+
+/// Ids of what was found, in alphabetical order.
+pub(crate) fn found(diagnosis: &Diagnosis) -> Vec<&str> {
+    let ids = diagnosis.findings.iter().map(|one| one.effect.id());
+    let mut found: Vec<&str> = ids.collect();
+    found.sort_unstable();
+    found
 }

@@ -17,8 +17,7 @@ parameters! {
     /// from ambient drift.
     FunctionalFatigue {
         /// Shift of the loop by the first cycle a, K; -5 to 5.
-        fatigue_k: EffectParameter::size("K", 1.0, [-5.0, 5.0])
-            .unchecked([1.0, 4.0], "10 to 20 K over 100 to 10,000 cycles"),
+        fatigue_k: EffectParameter::size("K", 1.0, [-5.0, 5.0]),
         /// Loss of stroke by the first cycle b, share of it; -0.2 to 0.2.
         fatigue_stroke_loss: EffectParameter::size("1", 0.01, [-0.2, 0.2]),
         /// Rate at which it fades k, 1/cycle; 0, where it never does, to 1. A partner.
