@@ -6,8 +6,8 @@ use crate::case::{Case, Node};
 use crate::diagnosis::{Floor, NoiseClass, Verdict};
 use crate::elsewhere::is_rigid;
 use crate::floor::Measured;
-use crate::judge::{Judged, LARGE, Named, judge, visited, without_effects};
-use crate::search::{Search, is_universal};
+use crate::judge::{Judged, LARGE, Named, is_crowd, judge, visited, without_effects};
+use crate::search::Search;
 use crate::slip::is_slip;
 use crate::{CandidateSet, EffectId};
 
@@ -20,9 +20,6 @@ const MUCH: f64 = 5.0;
 
 /// Factor by which no noise is lowered by a law.
 const ALL: f64 = 30.0;
-
-/// Most rigid effects with a name that not every rod has: more of them together bend to whatever is there.
-const MOST_ODD: usize = 2;
 
 /// A search and what is said of it.
 #[derive(Debug)]
@@ -61,8 +58,7 @@ impl Terms<'_> {
     /// What they come to, and the noise.
     pub(crate) fn judged(&self, search: &mut Search<'_>) -> Result<(Judged, Floor), IdentifyError> {
         let judged = judge(search, self.noise, self.tau_s)?;
-        let is_odd = |named: &&Named| !is_universal(named.effect) && !named.effect.info().flexible;
-        let is_crowd = judged.named.iter().filter(is_odd).count() > MOST_ODD;
+        let is_crowd = is_crowd(judged.named.iter().map(|named| named.effect));
         let best = visited(search, judged.effects);
         let slips = !judged.named.is_empty() && is_slip(search.case, best)?;
         let judged = if is_crowd || slips {

@@ -23,7 +23,7 @@ use crate::floor::{Measured, measured};
 use crate::judge::{GATE, Judged, Named};
 use crate::ladder::ladder;
 use crate::locate::{Located, locate, remainder_shape};
-use crate::next_experiment::{Rival, next_experiment};
+use crate::next_experiment::{Rival, next_experiment, record_surroundings};
 use crate::search::Search;
 use crate::whiten::Whitener;
 use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, LoopFamily, Setting};
@@ -364,6 +364,11 @@ fn next(
 ) -> Result<Option<NextExperiment>, IdentifyError> {
     let unsure = judged.named.iter().filter(|named| !named.others.is_empty());
     let strongest = unsure.max_by(|a, b| a.contribution.total_cmp(&b.contribution));
+    if let Some(named) = strongest.filter(|named| drift_is_guessed(search, judged.effects, named)) {
+        let others = named.others.iter().map(|(other, _)| *other);
+        let separates = std::iter::once(named.effect).chain(others).collect();
+        return Ok(Some(record_surroundings(separates)));
+    }
     let mut rivals = match strongest {
         Some(named) => in_its_place(search, judged.effects, named),
         None if judged.verdict == Verdict::Unexplained => nearest(search, judged.effects),
@@ -380,6 +385,15 @@ fn next(
         strongest.is_some() || run.is_some_and(|run| run.separation > FURTHER * run.separation_now)
     };
     Ok(next.filter(tells_more))
+}
+
+/// Whether a drift of the surroundings is in a model, or may be in the place of a name, and nobody recorded it.
+fn drift_is_guessed(search: &Search<'_>, effects: CandidateSet, named: &Named) -> bool {
+    let others = named.others.iter().map(|(other, _)| *other);
+    let may_drift = |effect| effect == EffectId::AmbientDrift;
+    let mut training = search.case.training.iter();
+    effects.iter().chain(others).any(may_drift)
+        && training.all(|recording| recording.ambient_degc().is_none())
 }
 
 /// A model with a name, and those with what else it could be.

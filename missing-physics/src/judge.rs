@@ -6,7 +6,7 @@ use crate::case::Node;
 use crate::diagnosis::Verdict;
 use crate::elsewhere::is_rigid;
 use crate::floor::Measured;
-use crate::lack::lack;
+use crate::lack::{BEYOND_DOUBT, LACK_OF_FIT, lack};
 use crate::projection::dot;
 use crate::scores::Score;
 use crate::search::{MOST_EFFECTS, Search, is_universal};
@@ -35,12 +35,6 @@ const NEARLY_ALL: f64 = 0.95;
 
 /// Units of log-likelihood within which another model does as well: odds of e³, 20 to 1.
 const AS_WELL: f64 = 3.0;
-
-/// Probability of a lack of fit under noise alone, below which there is one.
-const LACK_OF_FIT: f64 = 0.01;
-
-/// The same where nothing else speaks for it.
-const BEYOND_DOUBT: f64 = 1e-6;
 
 /// Share of the explainable error below which a remainder is not worth a word.
 const SMALL_REMAINDER: f64 = 0.02;
@@ -73,6 +67,9 @@ const BESIDE: [f64; 2] = [0.05, 0.1];
 
 /// Losses that grow faster than the temperature.
 const ACT_ALIKE: [[EffectId; 2]; 1] = [[EffectId::Radiation, EffectId::NaturalConvection]];
+
+/// Most rigid effects with a name that not every rod has.
+const MOST_ODD: usize = 2;
 
 /// Neighbors of a model that are tried.
 const NEIGHBORS: usize = 4;
@@ -206,7 +203,7 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
         effects = chosen(search, effects.len());
         contributions = pruned(search, &trial, &mut effects)?;
     }
-    let mut named = names(search, effects, contributions)?;
+    let mut named = names(search, &trial, effects, contributions)?;
     for _ in 0..ROUNDS {
         // What was refitted in a name's place may have come out ahead.
         let Some(better) = ahead(search, effects) else {
@@ -214,7 +211,7 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
         };
         effects = better;
         let contributions = pruned(search, &trial, &mut effects)?;
-        named = names(search, effects, contributions)?;
+        named = names(search, &trial, effects, contributions)?;
     }
     let upheld = upheld(search, &trial, noise, effects)?;
     let shared = shared(search, effects);
@@ -271,12 +268,13 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
 /// The effects of a model with what else they could be.
 fn names(
     search: &mut Search<'_>,
+    trial: &Trial,
     effects: CandidateSet,
     contributions: Vec<(Candidate, f64)>,
 ) -> Result<Vec<Named>, IdentifyError> {
     let mut named = Vec::new();
     for (effect, contribution) in contributions {
-        let (probability, others) = alternatives(search, effects, effect)?;
+        let (probability, others) = alternatives(search, trial, effects, effect)?;
         named.push(Named {
             effect,
             others,
@@ -287,10 +285,12 @@ fn names(
     Ok(named)
 }
 
-/// A model of as many effects that is far more credible.
+/// A model of as many effects, none of which acts like another, that is far more credible.
 fn ahead(search: &Search<'_>, effects: CandidateSet) -> Option<CandidateSet> {
     let least = search.credit(effects) + AS_WELL;
-    let best = most_credible(search, |node| node.effects.len() == effects.len())?;
+    let has_twins = |set: CandidateSet| set.iter().any(|one| has_twin(one, set));
+    let is_one = |node: &Node| node.effects.len() == effects.len() && !has_twins(node.effects);
+    let best = most_credible(search, is_one)?;
     (search.credit(best) > least).then_some(best)
 }
 
@@ -416,6 +416,8 @@ fn pruned(
     trial: &Trial,
     effects: &mut CandidateSet,
 ) -> Result<Vec<(Candidate, f64)>, IdentifyError> {
+    // What a larger model needs stays when what acts like another leaves it, and some of the other's form is left.
+    let mut needed = CandidateSet::EMPTY;
     loop {
         if let Some(less) = without_slight(search, *effects) {
             *effects = less;
@@ -424,18 +426,21 @@ fn pruned(
         let contributions = contributions(search, trial, *effects)?;
         let weak = contributions.iter().filter(|(_, share)| *share < OWN_SHARE);
         let weak: Vec<(Candidate, f64)> = weak.copied().collect();
-        let completes = !weak.is_empty() && leaves_noise(search, *effects)?;
         let mut idle = Vec::new();
         for (effect, share) in weak {
             // What acts like another of the model takes in what is only the other's form.
-            if !acts_like(effect).any(|other| effects.contains(other)) {
+            if !has_twin(effect, *effects) {
                 let Some(less) = search.exchanged(*effects, effect, None) else {
                     // Nothing can be fitted without it.
                     continue;
                 };
                 let [with, without] = [*effects, less].map(|set| visited(search, set));
-                let is_needed = completes && lack(search, without)?.p_value < BEYOND_DOUBT;
-                if is_needed
+                if !is_crowd(with.effects.iter())
+                    && lack(search, with)?.is_mended(&lack(search, without)?)
+                {
+                    needed = needed.with(effect);
+                }
+                if needed.contains(effect)
                     || takes_the_rest(with, without, trial.noise)
                     || stands_beside_drifts(search, with, without, effect)
                 {
@@ -453,6 +458,13 @@ fn pruned(
             None => return Ok(contributions),
         }
     }
+}
+
+/// Whether a set has more rigid effects that not every rod has than may have a name: more of them together bend to whatever
+/// is there.
+pub(crate) fn is_crowd(effects: impl IntoIterator<Item = Candidate>) -> bool {
+    let is_odd = |one: &Candidate| !is_universal(*one) && !one.info().flexible;
+    effects.into_iter().filter(is_odd).count() > MOST_ODD
 }
 
 /// A model of several effects without one that is too small for its name.
@@ -609,17 +621,57 @@ fn acts_like(effect: Candidate) -> impl Iterator<Item = Candidate> {
     })
 }
 
+/// Whether a set has what acts like an effect in every rig.
+fn has_twin(effect: Candidate, effects: CandidateSet) -> bool {
+    acts_like(effect).any(|other| effects.contains(other))
+}
+
 /// What acts like an effect in every rig, and could not be tried for want of what it needs: as likely.
 fn untried(search: &Search<'_>, effect: Candidate) -> impl Iterator<Item = Candidate> {
     acts_like(effect).filter(|&other| search.may_be(other) && search.case.missing(other).is_some())
 }
 
+/// Rates of fading, 1/cycle, and losses of stroke over their usual share of the shift, below which a fatigue has neither.
+const UNFADING: f64 = 0.01;
+const STROKE_KEPT: f64 = 0.1;
+
+/// A drift of the surroundings, for a fatigue that neither fades nor takes stroke: as likely.
+fn drift_by_another_name(node: &Node, effect: Candidate) -> Option<Candidate> {
+    let values = node
+        .values(effect)
+        .filter(|_| effect == EffectId::FunctionalFatigue)?;
+    let &[shift_k, loss, fading] = values else {
+        return None;
+    };
+    let [shift, stroke, _] = [0, 1, 2].map(|k| effect.info().parameters[k].typical);
+    let keeps_stroke = (loss / stroke).abs() < STROKE_KEPT * (shift_k / shift).abs();
+    (keeps_stroke && fading < UNFADING).then_some(EffectId::AmbientDrift.into())
+}
+
+/// The model in which an effect is compared with others: with what acts like another of its effects beside that, if it takes in
+/// what is only the other's form, which would speak for whatever mends that.
+fn formed(search: &Search<'_>, effects: CandidateSet, effect: Candidate) -> CandidateSet {
+    let others = effects.iter().filter(|&other| other != effect);
+    let with_twin = others.flat_map(acts_like).map(|twin| effects.with(twin));
+    let far_better = with_twin.filter(|&set| {
+        let is_admitted = search.get(set).is_some_and(|node| search.admits(node));
+        is_admitted && !has_twin(effect, set) && search.behind(effects, set) > BEYOND
+    });
+    far_better.last().unwrap_or(effects)
+}
+
 /// Probability of an effect against those that would do as well in its place, and these.
 fn alternatives(
     search: &mut Search<'_>,
+    trial: &Trial,
     effects: CandidateSet,
     effect: Candidate,
 ) -> Result<(f64, Vec<(Candidate, f64)>), IdentifyError> {
+    // What a smooth law leaves of a real drift is no noise: likelihoods tell the less the more of it there is.
+    let beside_drifts = effects.iter().any(|one| !is_rigid(one));
+    let left = visited(search, effects).mean_square() / trial.noise;
+    let tempered = if beside_drifts { left.max(1.0) } else { 1.0 };
+    let effects = formed(search, effects, effect);
     let mut weights = Vec::new();
     for (rival, cosine) in rivals(search, effects, effect)? {
         if cosine < ALIKE {
@@ -627,14 +679,20 @@ fn alternatives(
         }
         if let Some(set) = search.exchanged(effects, effect, Some(&rival)) {
             search.finish(&[set])?;
-            let behind = search.behind(set, effects);
+            let behind = search.behind(set, effects) / tempered;
             let is_credible = |node: &Node| search.admits(node) && !search.is_outdone(node);
             if behind < AS_WELL && search.get(set).is_some_and(is_credible) {
                 weights.push((rival.effect, (-behind).exp()));
             }
         }
     }
-    weights.extend(untried(search, effect).map(|other| (other, 1.0)));
+    let node = visited(search, effects);
+    let untold = drift_by_another_name(node, effect).filter(|&other| search.may_be(other));
+    weights.extend(
+        untried(search, effect)
+            .chain(untold)
+            .map(|other| (other, 1.0)),
+    );
     let total = 1.0 + weights.iter().map(|(_, weight)| weight).sum::<f64>();
     let listed = if effect.info().flexible {
         OF_FLEXIBLE

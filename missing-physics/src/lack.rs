@@ -17,6 +17,23 @@ pub(crate) struct Lack {
     pub(crate) p_value: f64,
 }
 
+/// Probability under noise alone, below which there is a lack of fit.
+pub(crate) const LACK_OF_FIT: f64 = 0.01;
+
+/// The same where nothing else speaks for it.
+pub(crate) const BEYOND_DOUBT: f64 = 1e-6;
+
+/// Share of a lack that comes back without an effect from which that takes it away.
+const MOST: f64 = 2.0 / 3.0;
+
+impl Lack {
+    /// Whether a model that leaves this mends what one with an effect less leaves: all or most of it.
+    pub(crate) fn is_mended(&self, without: &Self) -> bool {
+        let takes_most = without.beyond - self.beyond > MOST * without.beyond;
+        without.p_value < BEYOND_DOUBT && (self.p_value > LACK_OF_FIT || takes_most)
+    }
+}
+
 /// How much of a node's residual lies along terms of any shape in the blocks of the cascade.
 pub(crate) fn lack(search: &Search<'_>, node: &Node) -> Result<Lack, IdentifyError> {
     let case = search.case;

@@ -461,6 +461,20 @@ fn play(run: &Run, separates: &[Candidate]) -> String {
     )
 }
 
+/// What to do where a drift of the surroundings, which nobody recorded, is or may be part of the model: no run is worth as much
+/// as their temperature.
+pub(crate) fn record_surroundings(separates: Vec<Candidate>) -> NextExperiment {
+    NextExperiment {
+        sentence: format!(
+            "Record the temperature of the surroundings, as a column ambient_degc, before you play any other run: while their \
+             drift is only guessed, nothing tells {} apart.",
+            names(&separates)
+        ),
+        separates,
+        run: None,
+    }
+}
+
 fn measure(distance: f64, now: f64, separates: &[Candidate]) -> String {
     format!(
         "Record the rod's temperature in runs like these: that would put {} standard deviations between {}; these \

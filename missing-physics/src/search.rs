@@ -505,8 +505,13 @@ impl<'a> Search<'a> {
                 .zip(&score.sizes)
                 .map(|(k, &size)| {
                     let typical = parameters[k].typical;
-                    let magnitude = size.abs().clamp(most[0] * typical, most[1] * typical);
                     let [lower, upper] = parameters[k].bounds;
+                    // What cannot be negative starts small: from a bound there is no way.
+                    let size = match parameters[k].sign() {
+                        Sign::NonNegative => size.max(0.0),
+                        Sign::Either => size,
+                    };
+                    let magnitude = size.abs().clamp(most[0] * typical, most[1] * typical);
                     magnitude.copysign(size).clamp(FAR * lower, FAR * upper)
                 })
                 .collect()

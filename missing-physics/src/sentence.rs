@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::diagnosis::Estimate;
 use crate::drives::short;
-use crate::{EffectInfo, LoopFamily, Role};
+use crate::{EffectInfo, EffectParameter, LoopFamily, Role};
 
 /// A quantity as people say it: value, half of its interval, unit.
 struct Said {
@@ -79,6 +79,8 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         .iter()
         .zip(estimates)
         .filter(|(parameter, _)| parameter.role == Role::Size);
+    // What the name rests on, or the largest.
+    let carries = |parameter: &EffectParameter| parameter.least > 0.0;
     let largest = sizes
         .map(|(parameter, estimate)| {
             (
@@ -87,7 +89,7 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
                 estimate,
             )
         })
-        .max_by(|a, b| a.0.total_cmp(&b.0));
+        .max_by(|a, b| carries(a.1).cmp(&carries(b.1)).then(a.0.total_cmp(&b.0)));
     let partner = info
         .parameters
         .iter()

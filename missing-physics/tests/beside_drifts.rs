@@ -92,9 +92,37 @@ fn a_lag_is_named_beside_a_fatigue_that_dwarfs_it() {
     assert_eq!(diagnosis.verdict, Verdict::Explained);
     let mut findings = diagnosis.findings.iter();
     let fatigue = findings.find(|one| one.effect == EffectId::FunctionalFatigue);
+    assert!(fatigue.unwrap().could_also_be.is_empty(), "{fatigue:?}");
     let [shift_k, _, fading] = &fatigue.unwrap().parameters[..] else {
         panic!("{fatigue:?}");
     };
     assert!((shift_k.value / -2.0 - 1.0).abs() < 0.05, "{shift_k:?}");
     assert!((fading.value - 0.3).abs() < 0.05, "{fading:?}");
+}
+
+#[test]
+fn a_fatigue_that_neither_fades_nor_takes_stroke_may_be_the_surroundings() {
+    let setting = Setting {
+        active: EffectSet::of(EffectId::FunctionalFatigue),
+        ..setting()
+    };
+    let mut effects = EffectValues::default();
+    effects.functional_fatigue.fatigue_k = -0.4;
+    effects.functional_fatigue.fatigue_fading = 0.0;
+    let diagnosis = of_wire(setting, effects);
+    assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
+    let [finding] = &diagnosis.findings[..] else {
+        panic!("{:?}", diagnosis.findings);
+    };
+    assert_eq!(finding.effect, EffectId::FunctionalFatigue);
+    let mut others = finding.could_also_be.iter();
+    assert!(others.any(|other| *other == EffectId::AmbientDrift));
+    // A thermometer beside the rod settles it, and no run does better.
+    let next = diagnosis.next_experiment.unwrap();
+    assert!(next.run.is_none());
+    assert!(
+        next.sentence.contains("a column ambient_degc"),
+        "{}",
+        next.sentence
+    );
 }

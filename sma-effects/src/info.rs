@@ -19,8 +19,8 @@ pub struct EffectInfo {
     pub parameters: &'static [EffectParameter],
     /// What it adds to the model, in a line; the effect's own documentation says it exactly.
     pub equation: &'static str,
-    /// Sentence for a report. `{value}` stands for the size with its unit (of several, for the largest in
-    /// magnitude), `{partner}` for the partner with its unit.
+    /// Sentence for a report. `{value}` stands for the size with its unit (of several, for the one
+    /// that its name rests on, which has a `least`, or the largest in magnitude), `{partner}` for the partner with its unit.
     pub sentence: &'static str,
 }
 

@@ -176,8 +176,10 @@ fn convection_is_a_power_of_the_rise() {
 
 #[test]
 fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power() {
+    const RISE_PER_K: f64 = 5e-4;
     let mut values = EffectValues::default();
     values.phase_dependent_resistance.resistance_change = 0.2;
+    values.phase_dependent_resistance.resistance_rise_per_k = RISE_PER_K;
     for drive in DRIVES {
         let setting = Setting {
             drive,
@@ -185,15 +187,18 @@ fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power()
         };
         let samples = drive_of(drive, &current_a(DT_S));
         let shown = trace(&setting, &params(), &values, &samples, DT_S);
-        let of_share = |p: f64| match drive {
-            Drive::Current => 1.0 + 0.2 * p,
-            Drive::Duty { .. } | Drive::Voltage { .. } => 1.0 / (1.0 + 0.2 * p),
-            Drive::Power { .. } => 1.0,
+        let heating = |p: f64, degc: f64| {
+            let ratio = (1.0 + 0.2 * p) * (1.0 + RISE_PER_K * (degc - setting.reference_degc));
+            match drive {
+                Drive::Current => ratio,
+                Drive::Duty { .. } | Drive::Voltage { .. } => 1.0 / ratio,
+                Drive::Power { .. } => 1.0,
+            }
         };
         let fine = Fine {
             shares: &[1.0],
             latent_j_per_m: 0.0,
-            net: &|_, i, degc, p| vec![joule(i) * of_share(p[0]) - loss(degc[0])],
+            net: &|_, i, degc, p| vec![joule(i) * heating(p[0], degc[0]) - loss(degc[0])],
         };
         let (expected, _) = fine.run(&current_a(DT_S));
         let gap = largest(&shown.displacement, &expected) / params().gain;

@@ -5,22 +5,26 @@ use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
 
 parameters! {
-    /// The resistance changes with the phase.
+    /// The resistance changes with the phase, and rises with the temperature as that of every metal.
     ///
     /// ```text
-    /// R(p) = R (1 + ρ p) = R r
-    /// current:        P = i² R r
-    /// duty, voltage:  P = (V/l)² r/(R r̄²)     (r̄ that of the whole rod: it sets the current)
+    /// R(p, T) = R (1 + ρ p)(1 + a (T - T_ref)) = R r h
+    /// current:        P = i² R r h
+    /// duty, voltage:  P = (V/l)² r/(R r̄² h)     (r̄ that of the whole rod: it sets the current)
     /// power:          no effect
     /// ```
     ///
     /// The resistance of the baseline is that of the cold rod, as one measures it; ρ = (R_A - R_M)/R_M. In a rod of one
-    /// temperature r = r̄, and a duty heats with 1/r. Shares are between those at the ends of the sample. The sign is not
-    /// agreed: resistivity, its temperature coefficient and the geometry compete.
+    /// temperature r = r̄, and a duty heats with 1/r. Shares and temperatures are between those at the ends of the sample. The
+    /// sign of ρ is not agreed: resistivity and geometry compete. A rise alone has another name: it acts like a loss of heat.
     PhaseDependentResistance {
         /// Relative change of the resistance over the transformation ρ; -0.9 to 0.9.
         resistance_change: EffectParameter::size("1", 0.1, [-0.9, 0.9])
-            .unchecked([0.08, 0.15], "76 (M), 82 (A) µΩ cm, but also 102 (M), 89 (A)"),
+            .unchecked([0.08, 0.15], "76 (M), 82 (A) µΩ cm, but also 102 (M), 89 (A)")
+            .at_least(0.01),
+        /// Temperature coefficient of the resistance a, 1/K; 0 to 1e-3.
+        resistance_rise_per_k: EffectParameter::size("1/K", 2.5e-4, [0.0, 1e-3])
+            .unchecked([2e-4, 3e-4], "both phases"),
     }
 }
 
@@ -32,13 +36,15 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::ElectricalDrive],
     parameters: PARAMETERS,
-    equation: "R = R_0 (1 + ρ ξ)",
+    equation: "R = R_0 (1 + ρ ξ)(1 + a (T - T_ref))",
     sentence: "the rod's resistance changes by {value} of its value while transforming",
 };
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
     change: [f64; L],
+    rise_per_k: [f64; L],
+    reference_degc: f64,
     given: Given,
 }
 
@@ -57,6 +63,8 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {
             change: values.map(|lane| lane.phase_dependent_resistance.resistance_change),
+            rise_per_k: values.map(|lane| lane.phase_dependent_resistance.resistance_rise_per_k),
+            reference_degc: base.setting.reference_degc,
             given: match base.drive() {
                 Drive::Current => Given::Current,
                 Drive::Duty { .. } | Drive::Voltage { .. } => Given::Voltage,
@@ -67,14 +75,17 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     #[inline(always)]
     fn flow(&self, acting: &Acting<L>, from: &Before<L>, to: &Trial<L>, flow: &mut Flow<L>) {
-        let change = &self.change;
+        let (change, rise) = (&self.change, &self.rise_per_k);
         match self.given {
             Given::Current => {
                 for l in 0..L {
                     let power = acting.power_w_per_m[l];
-                    let own = from.counted_transformed(to, l);
-                    flow.w_per_m[l] += power * (change[l] * own);
-                    flow.per_transformed[l] += power * (from.counted[l] * change[l]);
+                    let phase = change[l] * from.counted_transformed(to, l);
+                    let heat = rise[l] * (from.counted_degc(to, l) - self.reference_degc);
+                    flow.w_per_m[l] += power * (phase + heat + phase * heat);
+                    let counted = power * from.counted[l];
+                    flow.per_transformed[l] += counted * change[l] * (1.0 + heat);
+                    flow.per_k[l] += counted * rise[l] * (1.0 + phase);
                 }
             }
             Given::Voltage => {
@@ -82,12 +93,17 @@ impl<const L: usize> Effect<L> for Lanes<L> {
                     let power = acting.power_w_per_m[l];
                     let own = from.counted_transformed(to, l);
                     let mean = from.counted_mean(to, l);
+                    let warm_k = from.counted_degc(to, l) - self.reference_degc;
+                    let cooler = 1.0 / (1.0 + rise[l] * warm_k);
                     let conductance = 1.0 / (1.0 + change[l] * mean);
                     let own_ratio = (1.0 + change[l] * own) * conductance;
-                    flow.w_per_m[l] += power * (own_ratio * conductance - 1.0);
-                    let per_share = from.counted[l] * change[l] * conductance * conductance;
-                    flow.per_transformed[l] += power * per_share;
-                    flow.per_mean[l] -= power * (2.0 * per_share * own_ratio);
+                    let factor = own_ratio * conductance * cooler;
+                    flow.w_per_m[l] += power * (factor - 1.0);
+                    let counted = power * from.counted[l];
+                    let per_share = counted * change[l] * conductance * conductance * cooler;
+                    flow.per_transformed[l] += per_share;
+                    flow.per_mean[l] -= 2.0 * per_share * own_ratio;
+                    flow.per_k[l] -= counted * rise[l] * cooler * factor;
                 }
             }
             Given::Power => {}
