@@ -74,6 +74,9 @@ const LOG_ODDS: f64 = 5.0;
 const LOOSE: f64 = 1e-3;
 /// Share of the material that is as good as none.
 const NOTHING: f64 = 1e-13;
+/// What a branch may be stretched by, and its rounding with it. Back to a start between the limiting curves it must lead
+/// farther than relays do.
+const STRETCH: f64 = 1e8;
 
 /// The curves of lanes side by side, other than the paper's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,7 +162,7 @@ impl<const L: usize> Curves<L> {
         };
         let (way, _) = self.way(lane, &natural, end.temperature_k);
         let left = sign * (end.level_k - start.level_k);
-        let rise = if way > NOTHING && left > 0.0 {
+        let rise = if way > NOTHING && left > 0.0 && left < STRETCH * way {
             left / way
         } else {
             0.0

@@ -28,9 +28,12 @@ proptest! {
     #[test]
     fn branches_are_monotone_continuous_and_within_0_and_1(
         family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(),
-        share in 0.0..1.0,
+        share in prop_oneof![Just(0.0), 0.0..1.0],
     ) {
         let material = of_family(family, shape, rule);
+        // Only what is remembered whole, from a limiting curve, leads no branch farther than relays do.
+        let is_stretched = share > 0.0 || rule == Rule::LastReversal;
+        let rounding = if is_stretched { 1e-5 } else { ROUNDING };
         let mut memory = material.between_limiting_curves([path[0]], [share]);
         for pair in path.windows(2) {
             let mut before = walk(&material, &mut memory, &[pair[0]]);
@@ -43,8 +46,8 @@ proptest! {
                 prop_assert!(sensed.slope_per_k[0] >= 0.0);
                 let fraction = walk(&material, &mut memory, &[temperature]);
                 prop_assert_eq!(sensed.fraction[0].to_bits(), fraction.to_bits());
-                prop_assert!((-ROUNDING..=1.0 + ROUNDING).contains(&fraction), "{}", fraction);
-                prop_assert!((fraction - before) * (pair[1] - pair[0]).signum() >= -ROUNDING);
+                prop_assert!((-rounding..=1.0 + rounding).contains(&fraction), "{}", fraction);
+                prop_assert!((fraction - before) * (pair[1] - pair[0]).signum() >= -rounding);
                 before = fraction;
             }
         }
@@ -126,6 +129,9 @@ proptest! {
         let material = of_family(family, shape, Rule::Nested);
         let between = material.between_limiting_curves([degc], [share]);
         let [fraction] = material.peek(&between, [degc]).fraction;
+        // Where nothing lies between the curves, rounding alone may put it outside.
+        let ends = [0.0, 1.0].map(|end| material.peek(&material.between_limiting_curves([degc], [end]), [degc]));
+        prop_assume!(ends[1].fraction[0] - ends[0].fraction[0] > ROUNDING);
         let memory = material.at([degc], [fraction]).unwrap();
         let [again] = material.peek(&memory, [degc]).fraction;
         prop_assert!((again - fraction).abs() < 1e-9, "{} {}", again, fraction);
