@@ -3,10 +3,13 @@
 use identify::IdentifyError;
 
 use crate::case::{Case, Node};
+use crate::choice::visited;
 use crate::diagnosis::{Floor, NoiseClass, Verdict};
 use crate::elsewhere::is_rigid;
 use crate::floor::Measured;
-use crate::judge::{Judged, LARGE, Named, is_crowd, judge, visited, without_effects};
+use crate::judge::{Judged, LARGE, judge, without_effects};
+use crate::names::Named;
+use crate::prune::is_crowd;
 use crate::search::Search;
 use crate::slip::is_slip;
 use crate::{CandidateSet, EffectId};

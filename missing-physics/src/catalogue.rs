@@ -3,7 +3,8 @@
 use identify::{FittedParameter, IdentifyError, ParameterState};
 
 use crate::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
-use crate::judge::{Judged, Named};
+use crate::judge::Judged;
+use crate::names::Named;
 use crate::scores::Score;
 use crate::screening::{POWER, at_their_sizes};
 use crate::search::Search;

@@ -6,8 +6,11 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit
 
 use crate::attempt::{Attempt, Terms};
 use crate::case::{Case, Node};
+use crate::choice::visited;
 use crate::diagnosis::Verdict;
-use crate::judge::{GATE, Judged, Named, OF_FLEXIBLE, OWN_SHARE, visited};
+use crate::judge::{GATE, Judged};
+use crate::names::{Named, OF_FLEXIBLE};
+use crate::prune::OWN_SHARE;
 use crate::search::{BEYOND_DOUBT, OUTDONE, Search};
 use crate::{CandidateSet, EffectId, LoopFamily};
 
