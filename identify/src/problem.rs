@@ -78,8 +78,8 @@ impl<'a> Problem<'a> {
         recordings: &'a [Recording],
     ) -> Result<Self, IdentifyError> {
         let vector = ParameterVector::new(model.parameters(), recordings.len());
-        // A central difference takes two lanes a coordinate beside the point itself.
-        let most = (BATCH - 1) / 2;
+        // A difference takes a lane a coordinate beside the point itself.
+        let most = BATCH - 1;
         let found = vector.acting_on(0).count();
         if found > most {
             return Err(IdentifyError::TooManyParameters { found, most });
@@ -444,18 +444,23 @@ impl<'a> Problem<'a> {
     }
 
     /// Some points and what differences by the acting coordinates take around one of them. At a bound they are
-    /// one-sided, between equal bounds there is none.
+    /// one-sided, between equal bounds there is none; central ones are so for as many coordinates, from the first, as there are
+    /// lanes for.
     fn batch(&self, r: usize, points: &[Vec<f64>], around: usize, sides: Sides) -> Batch {
         let center = &points[around];
         let mut points = points.to_vec();
         let mut differences = Vec::new();
+        let mut to_spare = BATCH.saturating_sub(points.len() + self.vector.acting_on(r).count());
         for j in self.vector.acting_on(r) {
             let bound = &self.bounds[j];
             let range = bound.upper - bound.lower;
             let steps = match sides {
-                Sides::Both => [-DIFFERENCE, DIFFERENCE],
-                Sides::One if center[j] + DIFFERENCE * range <= bound.upper => [0.0, DIFFERENCE],
-                Sides::One => [-DIFFERENCE, 0.0],
+                Sides::Both if to_spare > 0 => {
+                    to_spare -= 1;
+                    [-DIFFERENCE, DIFFERENCE]
+                }
+                _ if center[j] + DIFFERENCE * range <= bound.upper => [0.0, DIFFERENCE],
+                _ => [-DIFFERENCE, 0.0],
             };
             let mut ends = [center[j]; 2];
             let mut lanes = [around; 2];

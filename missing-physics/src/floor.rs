@@ -29,8 +29,8 @@ pub(crate) struct Measured {
     pub(crate) upper: Option<f64>,
     /// Standard deviation of rounding, where a converter's step is seen.
     pub(crate) rounding: Option<f64>,
-    /// Whether repeated cycles were measured.
-    pub(crate) has_repeats: bool,
+    /// Variance among repeated cycles, where there were some.
+    pub(crate) repeats: Option<f64>,
     /// Standard error of the variance of holds and repeats, as a share of it: they are often short.
     pub(crate) relative_error: f64,
 }
@@ -81,7 +81,7 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
         lower: lower.sqrt(),
         upper: pooled(&NoiseFloor::upper).map(f64::sqrt),
         rounding: rounding.map(f64::sqrt),
-        has_repeats: repeats.is_some(),
+        repeats,
         relative_error: if n > 0.0 { (2.0 / n).sqrt() } else { 0.0 },
     }
 }
@@ -104,7 +104,7 @@ impl Measured {
     pub(crate) fn forbids(&self, class: NoiseClass, gained: f64) -> bool {
         match class {
             NoiseClass::White | NoiseClass::Colored => false,
-            NoiseClass::OneOverF => !self.has_repeats,
+            NoiseClass::OneOverF => self.repeats.is_none(),
             NoiseClass::Quantized => gained < self.rounding.unwrap_or(0.0).powi(2),
         }
     }
@@ -186,7 +186,7 @@ mod tests {
             lower: 1.0,
             upper,
             rounding: None,
-            has_repeats: true,
+            repeats: upper,
             relative_error: 0.1,
         };
         assert!(among_repeats(Some(4.0)).is_unsteady(16.0));

@@ -5,15 +5,16 @@ use identify::IdentifyError;
 use crate::case::Node;
 use crate::choice::{AS_WELL, ROUNDS, ahead, chosen, settled, visited};
 use crate::diagnosis::Verdict;
+use crate::elsewhere::is_drift;
 use crate::floor::Measured;
 use crate::lack::{BEYOND_DOUBT, LACK_OF_FIT, lack};
 use crate::names::{Named, names};
-use crate::prune::{BESIDE, pruned, share_of_likelihood};
-use crate::search::{Search, is_universal};
+use crate::prune::{BESIDE, BEYOND, pruned, share_of_likelihood};
+use crate::search::{OUTDONE, Search, is_universal};
 use crate::series::Channel;
 use crate::tone::has_tone;
 use crate::trial::Trial;
-use crate::{CandidateSet, EffectBlock, EffectId, LoopFamily};
+use crate::{Candidate, CandidateSet, EffectBlock, EffectId, LoopFamily};
 
 /// Share of the explainable error that the whole model must explain for its names to hold.
 pub(crate) const GATE: f64 = 0.8;
@@ -38,6 +39,10 @@ const DRIFTED: f64 = 3.0;
 
 /// Mean square of a drift alone over that with others, from which these are not its own remainder.
 const HALVED: f64 = 2.0;
+
+/// Variance among repeated cycles beyond the noise over what a drift explains, below which that is no drift: of concealed ones
+/// it was 1 to 4, of other effects under a drift's name 0.01 at most (blind-trial, seed 66f801e5).
+const AMONG_REPEATS: f64 = 0.1;
 
 /// What the search comes to.
 #[derive(Debug, Clone)]
@@ -97,11 +102,12 @@ pub(crate) fn judge(
 ) -> Result<Judged, IdentifyError> {
     let without = judged(search, noise, tau_s)?;
     let best = visited(search, without.effects);
-    // A drift that is found alone may hide what stands beside it.
-    let is_drift = best.effects.iter().any(|one| one.info().flexible);
-    let hides = is_drift
+    // A drift that is found alone may hide what stands beside it, and several effects may stand for a drift and another.
+    let is_flexible = best.effects.iter().any(|one| one.info().flexible);
+    let hides = is_flexible
         && (best.mean_square() > NEAR * noise.gate || lack(search, best)?.p_value < BEYOND_DOUBT);
-    let is_settled = without.verdict != Verdict::Unexplained && !hides;
+    let is_settled =
+        without.verdict != Verdict::Unexplained && !hides && !is_drift_and_another(search, best);
     if is_settled || !search.grow_beside_drifts()? {
         search.part_from_drifts();
         return Ok(without);
@@ -114,6 +120,19 @@ pub(crate) fn judge(
     Ok(without)
 }
 
+/// Whether a drift with others, no more effects than a model has, leaves less than half of what that leaves, and is far more
+/// credible.
+fn is_drift_and_another(search: &Search<'_>, best: &Node) -> bool {
+    let drifting = search.nodes().filter(|node| {
+        node.effects.iter().any(is_drift)
+            && node.effects.len() <= best.effects.len()
+            && !node.is_held()
+    });
+    drifting
+        .filter(|node| OUTDONE * node.mean_square() < best.mean_square())
+        .any(|node| search.behind(best.effects, node.effects) > BEYOND)
+}
+
 /// Whether a model with a drift leaves nothing but noise, or nearly accounts for all with what stands beside the drift taking
 /// most of what that leaves, or its share of the likelihood: no smooth curve follows a drift all the way. Without the drift
 /// it must leave far more.
@@ -124,6 +143,9 @@ fn drifts(
 ) -> Result<bool, IdentifyError> {
     let effects = beside.effects;
     let is_nearly_all = beside.explained.is_some_and(|share| share >= NEARLY_ALL);
+    if !unseen_among_repeats(search, noise, effects).is_empty() {
+        return Ok(false);
+    }
     for drift in effects.iter().filter(|effect| effect.info().flexible) {
         let Some(less) = search.exchanged(effects, drift, None) else {
             continue;
@@ -143,6 +165,26 @@ fn drifts(
         }
     }
     Ok(true)
+}
+
+/// Drifts of a model that repeated cycles do not show: what drifts through the run moves them apart.
+fn unseen_among_repeats(
+    search: &mut Search<'_>,
+    noise: &Measured,
+    effects: CandidateSet,
+) -> CandidateSet {
+    let Some(repeats) = noise.repeats else {
+        return CandidateSet::EMPTY;
+    };
+    let mut is_unseen = |drift: Candidate| {
+        let less = search.exchanged(effects, drift, None)?;
+        let [with, without] = [effects, less].map(|set| visited(search, set).mean_square());
+        Some(repeats - noise.gate < AMONG_REPEATS * (without - with))
+    };
+    let drifts = effects.iter().filter(|&effect| is_drift(effect));
+    drifts
+        .filter(|&drift| is_unseen(drift).unwrap_or(false))
+        .collect()
 }
 
 /// Judges the models that are admitted.
@@ -167,13 +209,14 @@ fn judged(search: &mut Search<'_>, noise: &Measured, tau_s: f64) -> Result<Judge
     }
     let upheld = upheld(search, &trial, noise, effects)?;
     let shared = shared(search, effects);
+    let unseen = unseen_among_repeats(search, noise, effects);
     let (mut licensed, mut suspects): (Vec<Named>, Vec<Named>) =
         named.into_iter().partition(|named| {
             let is_shared = shared.contains(named.effect) || !named.others.is_empty();
             let fits =
                 |node: &Node| !node.is_pressed(named.effect) && !node.is_slight(named.effect);
             let has_size = search.get(effects).is_some_and(fits);
-            is_shared && upheld.contains(named.effect) && has_size
+            is_shared && upheld.contains(named.effect) && has_size && !unseen.contains(named.effect)
         });
     let best = visited(search, effects);
     let explained = trial.explained(search, best)?;

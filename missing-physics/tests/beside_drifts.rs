@@ -12,7 +12,7 @@ use missing_physics::{
     Diagnosis, EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting, Verdict,
 };
 
-/// Surroundings that wander, faster than a curve through four knots follows.
+/// Surroundings that wander, faster than a curve through eight knots follows.
 const WANDERING: &str = r#"
 [[hypothesis]]
 id = "surroundings"
@@ -62,7 +62,7 @@ fn a_lag_is_named_beside_surroundings_that_wander() {
         "{:?}",
         late.suspects
     );
-    // A curve through four knots leaves more than the noise of 5 µm, which is no effect's.
+    // A curve through eight knots leaves more than the noise of 5 µm, which is no effect's.
     let rmse = late.extended.unwrap().stage.fit.train_rmse;
     assert!(rmse > 7e-3, "{rmse}");
 }

@@ -239,13 +239,14 @@ fn drifts_stay_with_their_recordings() {
     let drifts = [EffectId::AmbientDrift, EffectId::SensorDrift];
     let mut made = made(&[EffectId::LatentHeat, drifts[0], drifts[1]], 0);
     for parameter in &mut made.stage.stage.fit.parameters {
-        match parameter.info.name {
-            "ambient_drift_1_k" => parameter.values[0] = 1.0,
-            "ambient_drift_2_k" => parameter.values[0] = 2.0,
-            "ambient_drift_3_k" => parameter.values[0] = 3.0,
-            "ambient_drift_4_k" => parameter.values[0] = 4.0,
-            "sensor_drift_2" => parameter.values[0] = 0.1,
-            _ => {}
+        let name = parameter.info.name;
+        let knot = name
+            .strip_prefix("ambient_drift_")
+            .and_then(|rest| rest.strip_suffix("_k"));
+        if let Some(knot) = knot {
+            parameter.values[0] = 0.5 * knot.parse::<f64>().unwrap();
+        } else if name == "sensor_drift_2" {
+            parameter.values[0] = 0.1;
         }
     }
     let text = made.saved().to_toml().unwrap();

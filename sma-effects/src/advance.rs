@@ -2,7 +2,7 @@
 
 use wiener::thermal::Sample;
 
-use crate::conduction::{NODES, Transfer};
+use crate::conduction::{NODES, PerZone, Transfer, ZONES, beyond_mean_k_per_s};
 use crate::effect::{Acting, Before, Instant, Mapped, Moment, Trial, counted};
 use crate::heat::Reference;
 use crate::hypothesis::OwnMemory;
@@ -33,6 +33,8 @@ struct Along<'a, const L: usize> {
     transfer: &'a Transfer<L>,
     /// Nodes above the surroundings at the start, K.
     above_k: [[f64; L]; NODES],
+    /// Heat into each zone beyond that at the mean conductivity, W/m.
+    beyond_w_per_m: PerZone<L>,
 }
 
 /// What became of a part of a sample in `Z` zones.
@@ -107,15 +109,29 @@ impl<const L: usize> ExtendedPlant<L> {
                     .transfers
                     .over(&length_s, &self.heat.per_tau_s, beyond_per_s);
                 let mut above_k = [ends.clamp_k; NODES];
+                let mut transformed = [state.middle.transformed; ZONES];
                 let zones = std::iter::once(&state.middle).chain(&ends.cells);
-                for (above_k, zone) in above_k.iter_mut().zip(zones) {
+                for (z, zone) in zones.enumerate() {
+                    transformed[z] = zone.transformed;
                     for l in 0..L {
-                        above_k[l] = zone.temperature_degc[l] - stage.acting.ambient_degc[l];
+                        above_k[z][l] = zone.temperature_degc[l] - stage.acting.ambient_degc[l];
                     }
                 }
-                leg.along = Some(Along { transfer, above_k });
-                let [first, second, last] = &mut ends.cells;
-                let zones = [&mut state.middle, first, second, last];
+                let start_k_per_s =
+                    beyond_mean_k_per_s(beyond_per_s, &conduction.ways, &above_k, &transformed);
+                let mut beyond_w_per_m = ends.beyond.over(&start_k_per_s, &length_s);
+                for beyond in &mut beyond_w_per_m {
+                    for l in 0..L {
+                        beyond[l] /= self.heat.per_capacity_k_m_per_j[l];
+                    }
+                }
+                leg.along = Some(Along {
+                    transfer,
+                    above_k,
+                    beyond_w_per_m,
+                });
+                let [first, second, third, fourth, last] = &mut ends.cells;
+                let zones = [&mut state.middle, first, second, third, fourth, last];
                 let advanced = self.advance_zones(zones, &leg);
                 let mut rate_k_per_s = advanced.extra_w_per_m;
                 for rate_k_per_s in &mut rate_k_per_s {
@@ -169,11 +185,14 @@ impl<const L: usize> ExtendedPlant<L> {
                 &mut reference_degc,
                 &mut sensitivity_k_m_per_w,
             );
+            extra_w_per_m = core::array::from_fn(|z| along.beyond_w_per_m[z]);
         }
         if let Some(own) = leg.own {
             for z in 0..Z {
                 own_shift_k[z] = own.shift_k[z];
-                extra_w_per_m[z] = own.flow_w_per_m[z];
+                for l in 0..L {
+                    extra_w_per_m[z][l] += own.flow_w_per_m[z][l];
+                }
                 for k in 0..Z {
                     for l in 0..L {
                         reference_degc[z][l] +=
@@ -256,7 +275,8 @@ impl<const L: usize> ExtendedPlant<L> {
         }
     }
 
-    /// Adds what heat along the rod does to temperatures at the end, and to what flows do to them.
+    /// Adds what heat along the rod does to temperatures at the end, and to what flows do to them: heat beyond the mean
+    /// conductivity's is one of these.
     #[inline(always)]
     fn conduct<const Z: usize>(
         &self,
@@ -268,12 +288,16 @@ impl<const L: usize> ExtendedPlant<L> {
         for z in 0..Z {
             let moved_k = along.transfer.moved_k(z, &along.above_k);
             for l in 0..L {
-                end_degc[z][l] += moved_k[l];
-                for k in 0..Z {
+                let by_itself = sensitivity_k_m_per_w[z][z][l];
+                end_degc[z][l] += moved_k[l] + by_itself * along.beyond_w_per_m[z][l];
+            }
+            for k in 0..Z {
+                for l in 0..L {
                     let warmed_s = along.transfer.warmed_s[z][k][l];
                     let added = warmed_s * self.heat.per_capacity_k_m_per_j[l];
                     sensitivity_k_m_per_w[z][k][l] += added;
-                    end_degc[z][l] += added * stage.acting.power_w_per_m[l];
+                    let power_w_per_m = stage.acting.power_w_per_m[l] + along.beyond_w_per_m[k][l];
+                    end_degc[z][l] += added * power_w_per_m;
                 }
             }
         }

@@ -21,6 +21,7 @@ mod set;
 mod setting;
 mod shown;
 mod solve;
+mod spline;
 mod start;
 mod state;
 mod values;

@@ -3,7 +3,7 @@
 use wiener::hysteresis::Branch;
 
 use crate::bracket::Bracket;
-use crate::conduction::{Ends, Transfers};
+use crate::conduction::{BeyondMean, Ends, Transfers};
 use crate::effect::{Before, Instant, Mapped, Shift, Trial, ZoneStart};
 use crate::hypothesis::{Place, SeenState};
 use crate::plant::ExtendedPlant;
@@ -46,6 +46,7 @@ impl<const L: usize> ExtendedPlant<L> {
                 cells: core::array::from_fn(|_| middle.clone()),
                 clamp_k: [0.0; L],
                 transfers: Transfers::NONE,
+                beyond: BeyondMean::NONE,
             })
         };
         let mut state = ExtendedState {

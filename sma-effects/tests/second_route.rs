@@ -207,22 +207,40 @@ fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power()
 }
 
 #[test]
-fn ambient_drift_is_straight_between_its_knots() {
+fn ambient_drift_is_smooth_through_its_knots() {
+    let knots_k = [2.0, -1.0, 3.0, 5.0, 4.5, -2.0, 0.0, 1.0];
     let mut values = EffectValues::default();
-    values.ambient_drift.ambient_drift_1_k = 2.0;
-    values.ambient_drift.ambient_drift_2_k = -1.0;
-    values.ambient_drift.ambient_drift_3_k = 3.0;
-    values.ambient_drift.ambient_drift_4_k = 5.0;
+    for (k, knot_k) in knots_k.into_iter().enumerate() {
+        *values.slot(EffectId::AmbientDrift, k).unwrap() = knot_k;
+    }
     let fine = Fine {
         shares: &[1.0],
         latent_j_per_m: 0.0,
         net: &|time_s, i, degc, _| {
-            let drift_k = drift(time_s / 120.0, [2.0, -1.0, 3.0, 5.0]);
-            let hotter = params().heat.conductance_w_per_m_k * drift_k;
+            let hotter = params().heat.conductance_w_per_m_k * wandered(time_s / 120.0, &knots_k);
             vec![joule(i) - loss(degc[0]) + hotter]
         },
     };
     compare(EffectId::AmbientDrift, &values, &fine, 5e-5);
+}
+
+/// Through 0 and knots at equal parts of the run, by Hermite's cubics: the slope at a knot is that of the line through its
+/// neighbors, at an end that to its neighbor.
+fn wandered(run_share: f64, knots: &[f64]) -> f64 {
+    let value = |k: usize| if k == 0 { 0.0 } else { knots[k - 1] };
+    let last = knots.len();
+    let slope = |k: usize| match k {
+        0 => value(1) - value(0),
+        k if k == last => value(last) - value(last - 1),
+        k => 0.5 * (value(k + 1) - value(k - 1)),
+    };
+    let place = last as f64 * run_share.clamp(0.0, 1.0);
+    let k = (place as usize).min(last - 1);
+    let x = place - k as f64;
+    value(k) * (1.0 + 2.0 * x) * (1.0 - x).powi(2)
+        + slope(k) * x * (1.0 - x).powi(2)
+        + value(k + 1) * x * x * (3.0 - 2.0 * x)
+        + slope(k + 1) * x * x * (x - 1.0)
 }
 
 /// Through 0 and knots at quarters of the run, by Neville's scheme.
@@ -242,7 +260,7 @@ fn drift(run_share: f64, knots: [f64; 4]) -> f64 {
 struct Ends {
     values: EffectValues,
     /// Lengths over that on which a fin cools; half of the middle first.
-    lengths: [f64; 4],
+    lengths: [f64; 6],
 }
 
 impl Ends {
@@ -252,35 +270,41 @@ impl Ends {
         values.end_conduction.contact_ratio = contact_ratio;
         values.end_conduction.clamp_warming = clamp_warming;
         values.end_conduction.clamp_s = clamp_s;
-        let shorter = 1.0 + 2.8 * 0.3;
-        let lengths = [1.0 / 0.3, 1.6, 0.8, 0.4].map(|length| length / shorter);
+        let shorter = 1.0 + 2.85 * 0.3;
+        let lengths = [1.0 / 0.3, 1.2, 0.7, 0.45, 0.3, 0.2].map(|length| length / shorter);
         Self { values, lengths }
     }
 
     /// The clamps are a zone without a share.
-    fn shares(&self) -> [f64; 5] {
+    fn shares(&self) -> [f64; 7] {
         std::array::from_fn(|z| self.lengths.get(z).map_or(0.0, |length| 0.3 * length))
     }
 
     /// Heat into each zone, W/m, and what warms the clamps as the rod's heat capacity would be warmed.
-    fn net(&self, i: f64, degc: &[f64]) -> Vec<f64> {
+    fn net(&self, i: f64, degc: &[f64], fractions: &[f64]) -> Vec<f64> {
+        const CLAMP: usize = 6;
         let ends = &self.values.end_conduction;
         let heat = params().heat;
-        let mut net: Vec<f64> = (0..4).map(|z| joule(i) - loss(degc[z])).collect();
-        for z in 0..4 {
-            let half = |z: usize| match z {
-                0 => 1.0 / (1.0 / 0.9_f64).hypot(2.0 / self.lengths[0]),
-                4 => ends.contact_ratio,
-                _ => 0.5 * self.lengths[z],
+        let mut net: Vec<f64> = (0..CLAMP).map(|z| joule(i) - loss(degc[z])).collect();
+        for z in 0..CLAMP {
+            // Ways to the next node over the conductivity, of the mean of 8.6 and 18 W/(m K).
+            let resistance = |z: usize| {
+                let conductivity = (8.6 + (18.0 - 8.6) * fractions[z]) / 13.3;
+                match z {
+                    0 => 1.0 / (1.0 / 0.9_f64).hypot(2.0 / self.lengths[0]) / conductivity,
+                    CLAMP => ends.contact_ratio,
+                    _ => 0.5 * self.lengths[z] / conductivity,
+                }
             };
-            let flow =
-                heat.conductance_w_per_m_k * (degc[z] - degc[z + 1]) / (half(z) + half(z + 1));
+            let flow = heat.conductance_w_per_m_k * (degc[z] - degc[z + 1])
+                / (resistance(z) + resistance(z + 1));
             net[z] -= flow / self.lengths[z];
-            if z < 3 {
+            if z + 1 < CLAMP {
                 net[z + 1] += flow / self.lengths[z + 1];
             }
         }
-        let behind_k = ends.clamp_warming * (degc[3] - AMBIENT_DEGC) - (degc[4] - AMBIENT_DEGC);
+        let behind_k =
+            ends.clamp_warming * (degc[CLAMP - 1] - AMBIENT_DEGC) - (degc[CLAMP] - AMBIENT_DEGC);
         net.push(heat.heat_capacity_j_per_m_k * behind_k / ends.clamp_s);
         net
     }
@@ -293,7 +317,7 @@ fn ends_exchange_heat_with_clamps_and_middle() {
         let fine = Fine {
             shares: &ends.shares(),
             latent_j_per_m: 0.0,
-            net: &|_, i, degc, _| ends.net(i, degc),
+            net: &|_, i, degc, fractions| ends.net(i, degc, fractions),
         };
         compare(EffectId::EndConduction, &ends.values, &fine, 1e-4);
     }
@@ -306,7 +330,7 @@ fn latent_heat_and_conduction_go_together() {
     let fine = Fine {
         shares: &ends.shares(),
         latent_j_per_m: 12_000.0 * rod().mass_kg_per_m(),
-        net: &|_, i, degc, _| ends.net(i, degc),
+        net: &|_, i, degc, fractions| ends.net(i, degc, fractions),
     };
     let active = EffectSet::of(EffectId::EndConduction).with(EffectId::LatentHeat);
     let current = current_a(DT_S);
@@ -323,8 +347,9 @@ fn latent_heat_and_conduction_go_together() {
 
 #[test]
 fn in_the_steady_state_the_ends_are_fins() {
-    // A fin in closed form: T_m - T = T_m e^(-x/ℓ)/(1 + c), so that the rod's mean is lower by φ T_m/(1 + c). A rod that
-    // expands, far below its transformation, shows its mean temperature.
+    // A fin in closed form: T_m - T = T_m e^(-x/ℓ)/(1 + c), so that the rod's mean is lower by φ T_m/(1 + c), with φ and c of
+    // martensite's conductivity. A rod that expands, far below its transformation, shows its mean temperature.
+    let cold: f64 = (8.6_f64 / 13.3).sqrt();
     let mut values = EffectValues::default();
     values.thermal_expansion.expansion_per_k = 1e-5;
     let active = EffectSet::of(EffectId::EndConduction).with(EffectId::ThermalExpansion);
@@ -347,7 +372,7 @@ fn in_the_steady_state_the_ends_are_fins() {
             values.end_conduction.contact_ratio = contact;
             values.end_conduction.clamp_warming = 0.0;
             let missing = 1.0 - rise(&values) / everywhere;
-            let of_a_fin = share / (1.0 + contact);
+            let of_a_fin = cold * share / (1.0 + cold * contact);
             assert!(
                 (missing / of_a_fin - 1.0).abs() < 0.08,
                 "{share} {contact}: {missing} {of_a_fin}"

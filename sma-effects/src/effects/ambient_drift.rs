@@ -1,7 +1,10 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, without_memory};
 use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
-use crate::knots::Knots;
+use crate::spline::Spline;
+
+/// Knots after the start.
+const KNOTS: usize = 8;
 
 const fn knot() -> EffectParameter {
     EffectParameter::size("K", 2.0, [-15.0, 15.0]).unchecked([1.0, 5.0], "rooms over a day")
@@ -11,21 +14,29 @@ parameters! {
     /// The surroundings become warmer or colder during the run.
     ///
     /// ```text
-    /// T_a(t) = T_a + v(s),   v of degree 4 through knots at s = ¼, ½, ¾, 1,   v(0) = 0
+    /// T_a(t) = T_a + v(s),   v smooth through knots at s = ⅛, ¼, … 1,   v(0) = 0
     /// s = (start + t)/run length
     /// ```
     ///
-    /// A flexible shape, since real drifts are not straight: it follows any slow change. The sample takes
-    /// the drift in its middle.
+    /// A flexible shape, since real drifts are not straight: it follows what is slower than some eighths of the run. The
+    /// sample takes the drift in its middle.
     AmbientDrift {
-        /// Change of the ambient temperature after a quarter of the run, K; -15 to 15.
+        /// Change of the ambient temperature after an eighth of the run, K; -15 to 15.
         ambient_drift_1_k: knot(),
-        /// After half of the run, K; -15 to 15.
+        /// After a quarter of the run, K; -15 to 15.
         ambient_drift_2_k: knot(),
-        /// After three quarters of the run, K; -15 to 15.
+        /// After three eighths of the run, K; -15 to 15.
         ambient_drift_3_k: knot(),
-        /// At the end of the run, K; -15 to 15.
+        /// After half of the run, K; -15 to 15.
         ambient_drift_4_k: knot(),
+        /// After five eighths of the run, K; -15 to 15.
+        ambient_drift_5_k: knot(),
+        /// After three quarters of the run, K; -15 to 15.
+        ambient_drift_6_k: knot(),
+        /// After seven eighths of the run, K; -15 to 15.
+        ambient_drift_7_k: knot(),
+        /// At the end of the run, K; -15 to 15.
+        ambient_drift_8_k: knot(),
     }
 }
 
@@ -37,13 +48,13 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     smoothness: Smoothness::Smooth,
     needs: &[Need::RunLength],
     parameters: PARAMETERS,
-    equation: "T_a(t) = T_a + v(t),  v smooth through four values",
+    equation: "T_a(t) = T_a + v(t),  v smooth through eight values",
     sentence: "the surroundings drift by up to {value} during the run",
 };
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lanes<const L: usize> {
-    knots: Knots<L>,
+    spline: Spline<L, KNOTS>,
 }
 
 impl<const L: usize> Effect<L> for Lanes<L> {
@@ -51,20 +62,29 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const CHANGES_AMBIENT: bool = true;
 
     fn new(values: &[EffectValues; L], _: &Base<'_, L>) -> Self {
+        let mut value = [[0.0; L]; KNOTS];
+        for (l, lane) in values.iter().enumerate() {
+            let AmbientDrift {
+                ambient_drift_1_k: v1,
+                ambient_drift_2_k: v2,
+                ambient_drift_3_k: v3,
+                ambient_drift_4_k: v4,
+                ambient_drift_5_k: v5,
+                ambient_drift_6_k: v6,
+                ambient_drift_7_k: v7,
+                ambient_drift_8_k: v8,
+            } = lane.ambient_drift;
+            for (knot, v) in value.iter_mut().zip([v1, v2, v3, v4, v5, v6, v7, v8]) {
+                knot[l] = v;
+            }
+        }
         Self {
-            knots: Knots {
-                value: [
-                    values.map(|lane| lane.ambient_drift.ambient_drift_1_k),
-                    values.map(|lane| lane.ambient_drift.ambient_drift_2_k),
-                    values.map(|lane| lane.ambient_drift.ambient_drift_3_k),
-                    values.map(|lane| lane.ambient_drift.ambient_drift_4_k),
-                ],
-            },
+            spline: Spline { value },
         }
     }
 
     #[inline(always)]
     fn ambient(&self, moment: &Moment, ambient_degc: &mut [f64; L]) {
-        self.knots.add(moment.run_share_middle, ambient_degc);
+        self.spline.add(moment.run_share_middle, ambient_degc);
     }
 }
