@@ -9,6 +9,7 @@ use identify::{
 use rayon::prelude::*;
 use recording::Recording;
 
+use crate::elsewhere::is_drift;
 use crate::folds::HeldOut;
 use crate::series::{Channel, Layout, Noise};
 use crate::{Candidate, CandidateSet, EffectId, ExtendedModel, LoopFamily, Need, Role, Setting};
@@ -16,7 +17,7 @@ use crate::{Candidate, CandidateSet, EffectId, ExtendedModel, LoopFamily, Need, 
 /// Iterations of a refinement that is only to be compared with others.
 const ITERATIONS: usize = 8;
 
-/// The same of models with one effect: all the rest grows from them.
+/// The same of models with one effect, from which all the rest grows, and of those with a drift.
 const FIRST_ITERATIONS: usize = 24;
 
 /// Other minima of the baseline that effects are tried at: what a large effect bends may fit best far from the truth.
@@ -128,7 +129,8 @@ impl<'a> Case<'a> {
         starts: &[Vec<f64>],
     ) -> Result<Node, IdentifyError> {
         let model = self.model(effects);
-        let iterations = if near.effects.is_empty() {
+        // A drift's knots follow another effect slowly.
+        let iterations = if near.effects.is_empty() || effects.iter().any(is_drift) {
             FIRST_ITERATIONS
         } else {
             ITERATIONS

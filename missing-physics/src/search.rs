@@ -232,7 +232,8 @@ impl<'a> Search<'a> {
         let mut grown = Vec::new();
         for drift in DRIFTS {
             let alone = CandidateSet::EMPTY.with(drift);
-            if self.get(alone).is_some_and(|node| !node.is_held()) {
+            // What presses it against a bound may be the other.
+            if self.get(alone).is_some() {
                 grown.extend(self.children(alone)?);
             }
         }
@@ -531,12 +532,14 @@ impl<'a> Search<'a> {
             starts.push(start(&first, 0.3));
         }
         let far = within([START[0], f64::INFINITY]);
-        if node.effects.is_empty() && far != first {
+        // A drift bends to whatever is there as the baseline does.
+        let is_bare = node.effects.iter().all(is_drift);
+        if is_bare && far != first {
             starts.push(start(&far, 1.0));
         }
         // A large size may have bent the baseline to where the linear view has the wrong sign.
         let sizes: Vec<usize> = sizes_of(effect).collect();
-        if let (true, [k]) = (node.effects.is_empty(), &sizes[..])
+        if let (true, [k]) = (is_bare, &sizes[..])
             && parameters[*k].sign() == Sign::Either
         {
             let typical = parameters[*k].typical;
