@@ -32,18 +32,18 @@ impl<const L: usize, const K: usize> Spline<L, K> {
 /// What the knot `own` of 1 to `last` counts at a place among them.
 #[inline(always)]
 fn weight(last: usize, own: usize, place: f64) -> f64 {
-    let end = last as f64;
-    let own_place = own as f64;
-    let mut weight = cubic(place - own_place);
+    let at = |knot: f64| cubic(place - knot);
+    let (before, behind) = (-1.0, last as f64 + 1.0);
+    let mut weight = at(own as f64);
     // The knots beyond the ends are made of those within.
     if own == 1 {
-        weight -= cubic(place + 1.0);
+        weight -= at(before);
     }
     if own == last {
-        weight += 2.0 * cubic(place - (end + 1.0));
+        weight += 2.0 * at(behind);
     }
     if own + 1 == last {
-        weight -= cubic(place - (end + 1.0));
+        weight -= at(behind);
     }
     weight
 }

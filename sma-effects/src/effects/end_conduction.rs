@@ -87,7 +87,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
                 lanes.share[0][l] -= lanes.share[z][l];
             }
             let ways = ways(ends, &lengths, shrunk);
-            let per_s = exchanged(ends, &lengths, shrunk, (tau_s[l], &ways));
+            let per_s = exchanged(ends, tau_s[l], &lengths, shrunk, &ways);
             for z in 0..ZONES {
                 for side in 0..2 {
                     lanes.ways[z][side][l] = ways[z][side];
@@ -123,9 +123,10 @@ fn ways(ends: &EndConduction, lengths: &[f64; CELLS], shrunk: f64) -> [[f64; 2];
 /// Rates of exchange between the nodes: ℓ²/τ over the product of a zone's length and the way to its neighbor.
 fn exchanged(
     ends: &EndConduction,
+    tau_s: f64,
     lengths: &[f64; CELLS],
     shrunk: f64,
-    (tau_s, ways): (f64, &[[f64; 2]; ZONES]),
+    ways: &[[f64; 2]; ZONES],
 ) -> Rates {
     let mut per_s = [[0.0; NODES]; NODES];
     // The inverse of a node's length; a clamp has none.
