@@ -11,7 +11,7 @@ use crate::diagnosis::Verdict;
 use crate::judge::{GATE, Judged};
 use crate::names::{Named, OF_FLEXIBLE};
 use crate::prune::OWN_SHARE;
-use crate::search::{BEYOND_DOUBT, OUTDONE, Search};
+use crate::search::{BEYOND_DOUBT_NATS, OUTDONE, Search};
 use crate::{CandidateSet, EffectId, LoopFamily};
 
 /// Families beside the paper's.
@@ -134,7 +134,7 @@ fn least(search: &Search<'_>) -> f64 {
 /// Leaves those attempts that are far more credible than names beside the paper's loop.
 pub(crate) fn keep_ahead(attempts: &mut Vec<Attempt<'_>>, papers: &Search<'_>, judged: &Judged) {
     let least = match papers.get(judged.effects) {
-        Some(node) if !judged.named.is_empty() => worth(papers, node) + BEYOND_DOUBT,
+        Some(node) if !judged.named.is_empty() => worth(papers, node) + BEYOND_DOUBT_NATS,
         _ => f64::NEG_INFINITY,
     };
     attempts.retain(|attempt| worth(papers, attempt.chosen()) > least);
@@ -169,7 +169,7 @@ fn with_loop(
         Verdict::Unexplained => Verdict::ExplainedInPart,
         verdict => verdict,
     };
-    if contribution < OWN_SHARE || gained < BEYOND_DOUBT {
+    if contribution < OWN_SHARE || gained < BEYOND_DOUBT_NATS {
         return Ok(None);
     }
     let rescaled = |named: Vec<Named>| {

@@ -7,10 +7,10 @@ use crate::choice::{AS_WELL, ROUNDS, ahead, chosen, settled, visited};
 use crate::diagnosis::Verdict;
 use crate::elsewhere::is_drift;
 use crate::floor::Measured;
-use crate::lack::{BEYOND_DOUBT, LACK_OF_FIT, lack};
+use crate::lack::{BEYOND_DOUBT_P, LACK_OF_FIT, lack};
 use crate::names::{Named, names};
-use crate::prune::{BESIDE, BEYOND, pruned, share_of_likelihood};
-use crate::search::{OUTDONE, Search, is_universal};
+use crate::prune::{BESIDE, pruned, share_of_likelihood};
+use crate::search::{BEYOND_DOUBT_NATS, OUTDONE, Search, is_universal};
 use crate::series::Channel;
 use crate::tone::has_tone;
 use crate::trial::Trial;
@@ -105,7 +105,7 @@ pub(crate) fn judge(
     // A drift that is found alone may hide what stands beside it, and several effects may stand for a drift and another.
     let is_flexible = best.effects.iter().any(|one| one.info().flexible);
     let hides = is_flexible
-        && (best.mean_square() > NEAR * noise.gate || lack(search, best)?.p_value < BEYOND_DOUBT);
+        && (best.mean_square() > NEAR * noise.gate || lack(search, best)?.p_value < BEYOND_DOUBT_P);
     let is_settled =
         without.verdict != Verdict::Unexplained && !hides && !is_drift_and_another(search, best);
     if is_settled || !search.grow_beside_drifts()? {
@@ -130,7 +130,7 @@ fn is_drift_and_another(search: &Search<'_>, best: &Node) -> bool {
     });
     drifting
         .filter(|node| OUTDONE * node.mean_square() < best.mean_square())
-        .any(|node| search.behind(best.effects, node.effects) > BEYOND)
+        .any(|node| search.behind(best.effects, node.effects) > BEYOND_DOUBT_NATS)
 }
 
 /// Whether a model with a drift leaves nothing but noise, or nearly accounts for all with what stands beside the drift taking
@@ -266,7 +266,7 @@ pub(crate) fn without_effects(search: &Search<'_>, noise: &Measured, p_value: f6
     let is_left = p_value < LACK_OF_FIT;
     // The noise of a thermometer is not measured: there only what is beyond doubt counts.
     let has_thermometer = plain.noise.temperature.n_samples > 0;
-    if has_thermometer && p_value < BEYOND_DOUBT {
+    if has_thermometer && p_value < BEYOND_DOUBT_P {
         return Verdict::Unexplained;
     }
     // Slow errors look like noise with a long memory: where the noise was measured, their size tells.

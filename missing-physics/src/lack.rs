@@ -21,7 +21,7 @@ pub(crate) struct Lack {
 pub(crate) const LACK_OF_FIT: f64 = 0.01;
 
 /// The same where nothing else speaks for it.
-pub(crate) const BEYOND_DOUBT: f64 = 1e-6;
+pub(crate) const BEYOND_DOUBT_P: f64 = 1e-6;
 
 /// Share of a lack that comes back without an effect from which that takes it away.
 const MOST: f64 = 2.0 / 3.0;
@@ -30,7 +30,7 @@ impl Lack {
     /// Whether a model that leaves this mends what one with an effect less leaves: all or most of it.
     pub(crate) fn is_mended(&self, without: &Self) -> bool {
         let takes_most = without.beyond - self.beyond > MOST * without.beyond;
-        without.p_value < BEYOND_DOUBT && (self.p_value > LACK_OF_FIT || takes_most)
+        without.p_value < BEYOND_DOUBT_P && (self.p_value > LACK_OF_FIT || takes_most)
     }
 }
 

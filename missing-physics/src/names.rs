@@ -6,9 +6,8 @@ use crate::case::Node;
 use crate::choice::{AS_WELL, visited};
 use crate::elsewhere::is_rigid;
 use crate::projection::dot;
-use crate::prune::BEYOND;
 use crate::scores::Score;
-use crate::search::Search;
+use crate::search::{BEYOND_DOUBT_NATS, Search};
 use crate::trial::Trial;
 use crate::{Candidate, CandidateSet, EffectId};
 
@@ -114,7 +113,7 @@ fn formed(search: &Search<'_>, effects: CandidateSet, effect: Candidate) -> Cand
     let with_twin = others.flat_map(acts_like).map(|twin| effects.with(twin));
     let far_better = with_twin.filter(|&set| {
         let is_admitted = search.get(set).is_some_and(|node| search.admits(node));
-        is_admitted && !has_twin(effect, set) && search.behind(effects, set) > BEYOND
+        is_admitted && !has_twin(effect, set) && search.behind(effects, set) > BEYOND_DOUBT_NATS
     });
     far_better.last().unwrap_or(effects)
 }

@@ -7,7 +7,7 @@ use crate::choice::visited;
 use crate::elsewhere::is_rigid;
 use crate::lack::lack;
 use crate::names::has_twin;
-use crate::search::{Search, is_universal};
+use crate::search::{BEYOND_DOUBT_NATS, Search, is_universal};
 use crate::trial::{KNOWN, Trial};
 use crate::{Candidate, CandidateSet};
 
@@ -19,9 +19,6 @@ const MUCH_LEFT: f64 = 1.5;
 
 /// Share of what is left that it must take.
 const THE_REST: f64 = 0.5;
-
-/// Units of log-likelihood that it must bring.
-pub(crate) const BEYOND: f64 = 6.0;
 
 /// Share of the likelihood that an effect must bring to have a name beside what drifts through the run, and what drifts
 /// itself: what a smooth law leaves of a real drift is noise with a memory, of which others take in up to 4 and 8 %.
@@ -101,7 +98,7 @@ fn takes_the_rest(with: &Node, without: &Node, noise: f64) -> bool {
     let gained = with.noise.nats() - without.noise.nats();
     let [with, without] = [with, without].map(Node::mean_square);
     let is_left = without > MUCH_LEFT * noise;
-    is_left && gained > BEYOND && without - with > THE_REST * (without - noise)
+    is_left && gained > BEYOND_DOUBT_NATS && without - with > THE_REST * (without - noise)
 }
 
 /// Whether an effect is told beside what drifts through the run.

@@ -52,7 +52,7 @@ const COULD_MATTER: f64 = 0.7;
 
 /// Advantage in units of log-likelihood, parameters counted, from which a model is beyond doubt against
 /// another: odds of e⁶.
-pub(crate) const BEYOND_DOUBT: f64 = 6.0;
+pub(crate) const BEYOND_DOUBT_NATS: f64 = 6.0;
 
 /// Mean square over that of another model from which no memory of noise accounts for the difference.
 pub(crate) const OUTDONE: f64 = 2.0;
@@ -195,7 +195,7 @@ impl<'a> Search<'a> {
         for (rank, &effects) in frontier.iter().enumerate() {
             // Where the best model leaves nothing, others are followed only if they are near.
             let is_closed = rank > 0 && grown.is_empty();
-            if is_closed && self.behind(effects, frontier[0]) > BEYOND_DOUBT {
+            if is_closed && self.behind(effects, frontier[0]) > BEYOND_DOUBT_NATS {
                 continue;
             }
             for child in self.children(effects)? {
@@ -283,7 +283,7 @@ impl<'a> Search<'a> {
         };
         let fit = Arc::new(settled(self.case, &before.node, swarms, self.seed)?);
         let node = self.case.fitted(&before.node, &fit)?;
-        let is_elsewhere = node.noise.nats() - before.node.noise.nats() > BEYOND_DOUBT;
+        let is_elsewhere = node.noise.nats() - before.node.noise.nats() > BEYOND_DOUBT_NATS;
         self.visited[index] = Visited {
             // Around the same end the scores are the same.
             sifted: before.sifted.clone().filter(|_| !is_elsewhere),
