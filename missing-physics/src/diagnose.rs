@@ -9,6 +9,7 @@ use identify::{
 };
 use recording::Recording;
 
+use crate::advice::record_surroundings;
 use crate::attempt::{Attempt, Terms};
 use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
@@ -24,7 +25,7 @@ use crate::judge::{GATE, Judged};
 use crate::ladder::ladder;
 use crate::locate::{Located, locate, remainder_shape};
 use crate::names::Named;
-use crate::next_experiment::{Rival, next_experiment, record_surroundings};
+use crate::next_experiment::{Rival, next_experiment};
 use crate::search::Search;
 use crate::whiten::Whitener;
 use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, LoopFamily, Setting};

@@ -1,33 +1,9 @@
 //! The library of runs that a rig could play.
 
+use crate::bench::{Bench, Levels};
+
 /// Fewest samples of half a period.
 const FEWEST_SAMPLES: f64 = 2.0;
-
-/// Lowest and highest drive of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Levels {
-    pub(crate) low: f64,
-    pub(crate) high: f64,
-}
-
-/// What runs are made for.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Bench {
-    /// Time between samples, s.
-    pub(crate) dt_s: f64,
-    /// Time constant of the rod, s.
-    pub(crate) tau_s: f64,
-    /// Longest run, s.
-    pub(crate) longest_s: f64,
-    /// From nothing to the largest drive.
-    pub(crate) full: Levels,
-    /// Between which the rod transforms all but completely, either way.
-    pub(crate) working: Levels,
-    /// Between which it stays in the middle of its stroke.
-    pub(crate) middle: Levels,
-    /// Unit of the drive; "1" for a pure number.
-    pub(crate) unit: String,
-}
 
 /// A run, sample by sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,13 +98,6 @@ pub(crate) fn library() -> Vec<Plan> {
     let (period, rest, most) = (8.0, 12.0, 6);
     plan(Apart { period, rest, most }, &[Full]);
     plans
-}
-
-impl Bench {
-    /// Samples of the longest run.
-    pub(crate) fn most_samples(&self) -> usize {
-        (self.longest_s / self.dt_s * (1.0 + 1e-9)).floor() as usize
-    }
 }
 
 impl Plan {

@@ -7,11 +7,12 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit
 use crate::attempt::{Attempt, Terms};
 use crate::case::{Case, Node};
 use crate::choice::visited;
+use crate::credit::{BEYOND_DOUBT_NATS, OUTDONE};
 use crate::diagnosis::Verdict;
 use crate::judge::{GATE, Judged};
 use crate::names::{Named, OF_FLEXIBLE};
 use crate::prune::OWN_SHARE;
-use crate::search::{BEYOND_DOUBT_NATS, OUTDONE, Search};
+use crate::search::Search;
 use crate::{CandidateSet, EffectId, LoopFamily};
 
 /// Families beside the paper's.

@@ -4,13 +4,14 @@ use identify::IdentifyError;
 
 use crate::case::Node;
 use crate::choice::{AS_WELL, ROUNDS, ahead, chosen, settled, visited};
+use crate::credit::{BEYOND_DOUBT_NATS, OUTDONE, is_universal};
 use crate::diagnosis::Verdict;
 use crate::elsewhere::is_drift;
 use crate::floor::Measured;
 use crate::lack::{BEYOND_DOUBT_P, LACK_OF_FIT, lack};
 use crate::names::{Named, names};
 use crate::prune::{BESIDE, pruned, share_of_likelihood};
-use crate::search::{BEYOND_DOUBT_NATS, OUTDONE, Search, is_universal};
+use crate::search::Search;
 use crate::series::Channel;
 use crate::tone::has_tone;
 use crate::trial::Trial;

@@ -1,13 +1,16 @@
 #![doc = include_str!("../README.md")]
 
+mod advice;
 mod attempt;
 mod bands;
+mod bench;
 mod blocks;
 mod candidate;
 mod case;
 mod catalogue;
 mod cells;
 mod choice;
+mod credit;
 mod diagnose;
 mod diagnosis;
 mod drives;
@@ -27,6 +30,7 @@ mod names;
 mod next_experiment;
 mod projection;
 mod prune;
+mod refit;
 mod regimes;
 mod remainder;
 mod ridge;

@@ -4,10 +4,11 @@ use identify::IdentifyError;
 
 use crate::case::Node;
 use crate::choice::{AS_WELL, visited};
+use crate::credit::BEYOND_DOUBT_NATS;
 use crate::elsewhere::is_rigid;
 use crate::projection::dot;
 use crate::scores::Score;
-use crate::search::{BEYOND_DOUBT_NATS, Search};
+use crate::search::Search;
 use crate::trial::Trial;
 use crate::{Candidate, CandidateSet, EffectId};
 

@@ -4,10 +4,11 @@ use identify::IdentifyError;
 
 use crate::case::Node;
 use crate::choice::visited;
+use crate::credit::{BEYOND_DOUBT_NATS, is_universal};
 use crate::elsewhere::is_rigid;
 use crate::lack::lack;
 use crate::names::has_twin;
-use crate::search::{BEYOND_DOUBT_NATS, Search, is_universal};
+use crate::search::Search;
 use crate::trial::{KNOWN, Trial};
 use crate::{Candidate, CandidateSet};
 

@@ -6,12 +6,14 @@ use identify::{Fit, IdentifyError};
 use rayon::prelude::*;
 
 use crate::case::{Case, Node};
+use crate::credit::{BEYOND_DOUBT_NATS, MISFIT};
 use crate::elsewhere::{DRIFTS, is_drift};
+use crate::refit::refit;
 use crate::scores::{Score, as_one, sizes_of};
 use crate::screening::{Sifted, sift};
 use crate::settle::settled;
-use crate::tangent::{Sensitivity, of_partner, sensitivities};
-use crate::{Candidate, CandidateSet, EffectId, Role, Sign};
+use crate::tangent::{Sensitivity, sensitivities};
+use crate::{Candidate, CandidateSet, EffectId};
 
 /// Most effects of a model.
 pub(crate) const MOST_EFFECTS: usize = 4;
@@ -30,38 +32,11 @@ const COSTLY: [usize; 2] = [4, 3];
 /// Mean square over that with an effect less from which, far from the noise, further effects lead nowhere either.
 const STALLED: f64 = 0.9;
 
-/// Residual over noise, squared, of the best model from which all are misfits.
-const MISFIT: f64 = 2.0;
-
 /// Swarms from which a chosen model is fitted, if it is still such a misfit: what is bent far leads nowhere from nearby.
 const SWARMS: u64 = 4;
 
-/// Effects that physics knows in every rod, whatever their size.
-const UNIVERSAL: [EffectId; 4] = [
-    EffectId::LatentHeat,
-    EffectId::ThermalExpansion,
-    EffectId::NaturalConvection,
-    EffectId::Radiation,
-];
-
-/// Odds against each other effect, in units of log-likelihood: 20 to 1.
-const ODDS: f64 = 3.0;
-
 /// Share of the critical score from which a candidate could matter.
 const COULD_MATTER: f64 = 0.7;
-
-/// Advantage in units of log-likelihood, parameters counted, from which a model is beyond doubt against
-/// another: odds of e⁶.
-pub(crate) const BEYOND_DOUBT_NATS: f64 = 6.0;
-
-/// Mean square over that of another model from which no memory of noise accounts for the difference.
-pub(crate) const OUTDONE: f64 = 2.0;
-
-/// Sizes, as shares of the typical one, between which a refit starts.
-const START: [f64; 2] = [0.05, 2.0];
-
-/// How far toward a bound a refit of one effect may start.
-const FAR: f64 = 0.9;
 
 /// A model and what could be added to it.
 #[derive(Debug, Clone)]
@@ -108,7 +83,7 @@ pub(crate) struct Search<'a> {
     /// The baseline at its other minima, until effects have been tried there.
     other_baselines: Vec<Node>,
     /// Whether a drift may stand beside other effects.
-    beside_drifts: bool,
+    pub(crate) beside_drifts: bool,
     /// Sets of effects that lead nowhere.
     dead: Vec<CandidateSet>,
     /// Models that were searched from where one with an effect more was fitted, after that one.
@@ -327,77 +302,9 @@ impl<'a> Search<'a> {
         errors.fold(f64::INFINITY, f64::min)
     }
 
-    /// The model that leaves least.
-    pub(crate) fn nearest(&self) -> &Node {
-        let nodes = self.nodes();
-        let nearest = nodes.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square()));
-        nearest.unwrap_or_else(|| self.baseline())
-    }
-
-    /// Mean square of what that leaves, over that of the noise; at least 1.
-    fn dispersion(&self) -> f64 {
-        let least = self.nearest().mean_square();
-        if self.noise > 0.0 {
-            (least / self.noise).max(1.0)
-        } else {
-            1.0
-        }
-    }
-
-    /// Whether all models leave so much more than noise that likelihoods and linear views are not to be believed
-    /// as they are.
-    pub(crate) fn is_misfit(&self) -> bool {
-        self.dispersion() > MISFIT
-    }
-
-    /// Log-likelihood of a model, and the number of samples that it is of.
-    ///
-    /// What is far from all models is no noise with a memory: there the memory of the residual takes in the very
-    /// mismatch that models differ by, and only the size of the residual tells, with as many samples as are
-    /// independent in what the baseline leaves. What a smooth drift leaves of a real one is such noise, beside it.
-    fn evidence(&self, node: &Node) -> (f64, f64) {
-        let dispersion = self.dispersion();
-        if dispersion <= MISFIT || self.beside_drifts {
-            let n = self.case.layout.len() as f64 / dispersion;
-            return (node.noise.nats() / dispersion, n);
-        }
-        let plain = &self.baseline().noise;
-        (node.noise.nats_of_size(plain), plain.n_effective())
-    }
-
-    /// Logarithm of the credibility of a model: its likelihood, Schwarz's price of its parameters, and the odds
-    /// against effects that not every rod has.
-    pub(crate) fn credit(&self, effects: CandidateSet) -> f64 {
-        self.worth(effects) - ODDS * n_odd(effects) as f64
-    }
-
     /// The model with these effects, if it was visited.
     pub(crate) fn get(&self, effects: CandidateSet) -> Option<&Node> {
         self.index(effects).map(|index| &self.visited[index].node)
-    }
-
-    /// Whether an admitted model without flexible effects, of no more effects, leaves less than half of what a model
-    /// leaves: that would be noise with a long memory, if it were noise, and costs little likelihood.
-    pub(crate) fn is_outdone(&self, node: &Node) -> bool {
-        let is_rigid = |other: &&Node| other.effects.iter().all(|one| !one.info().flexible);
-        self.nodes()
-            .filter(|other| other.effects.len() <= node.effects.len() && self.admits(other))
-            .filter(is_rigid)
-            .any(|other| OUTDONE * other.mean_square() < node.mean_square())
-    }
-
-    /// Log-likelihood of a model with Schwarz's price of its parameters.
-    pub(crate) fn worth(&self, effects: CandidateSet) -> f64 {
-        let Some(node) = self.get(effects) else {
-            return f64::NEG_INFINITY;
-        };
-        let (nats, n) = self.evidence(node);
-        nats - 0.5 * node.n_free() as f64 * n.max(1.0).ln()
-    }
-
-    /// By how much a model is behind another, both with their parameters counted.
-    pub(crate) fn behind(&self, effects: CandidateSet, ahead: CandidateSet) -> f64 {
-        self.worth(ahead) - self.worth(effects)
     }
 
     /// Models with one effect more that are significantly better.
@@ -464,7 +371,7 @@ impl<'a> Search<'a> {
         list.par_iter()
             .map(|score| {
                 let set = parent.effects.with(score.effect);
-                (set, self.refit(parent, score))
+                (set, refit(self.case, parent, score))
             })
             .collect()
     }
@@ -495,61 +402,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The model of a node with one effect more; `None` where no start leads anywhere.
-    fn refit(&self, node: &Node, score: &Score) -> Option<Node> {
-        let effect = score.effect;
-        let parameters = effect.info().parameters;
-        let model = self.case.model(node.effects.with(effect));
-        // Where the linear view points, and from a typical size: it is blind to what bends.
-        let within = |most: [f64; 2]| -> Vec<f64> {
-            sizes_of(effect)
-                .zip(&score.sizes)
-                .map(|(k, &size)| {
-                    let typical = parameters[k].typical;
-                    let [lower, upper] = parameters[k].bounds;
-                    // What cannot be negative starts small: from a bound there is no way.
-                    let size = match parameters[k].sign() {
-                        Sign::NonNegative => size.max(0.0),
-                        Sign::Either => size,
-                    };
-                    let magnitude = size.abs().clamp(most[0] * typical, most[1] * typical);
-                    magnitude.copysign(size).clamp(FAR * lower, FAR * upper)
-                })
-                .collect()
-        };
-        let first = within(START);
-        let start = |sizes: &[f64], scale: f64| {
-            self.case.moved(node, &model, |other, k| {
-                let own = (other == effect).then_some(k)?;
-                match parameters[own].role {
-                    Role::Size => sizes.get(own).map(|size| scale * size),
-                    Role::Partner { .. } => of_partner(effect, own, score.partner),
-                }
-            })
-        };
-        let mut starts = vec![start(&first, 1.0)];
-        if score.partner.is_some() {
-            starts.push(start(&first, 0.3));
-        }
-        let far = within([START[0], f64::INFINITY]);
-        // A drift bends to whatever is there as the baseline does.
-        let is_bare = node.effects.iter().all(is_drift);
-        if is_bare && far != first {
-            starts.push(start(&far, 1.0));
-        }
-        // A large size may have bent the baseline to where the linear view has the wrong sign.
-        let sizes: Vec<usize> = sizes_of(effect).collect();
-        if let (true, [k]) = (is_bare, &sizes[..])
-            && parameters[*k].sign() == Sign::Either
-        {
-            let typical = parameters[*k].typical;
-            let sizes = [typical, START[1] * typical].into_iter();
-            starts.extend(sizes.flat_map(|size| [size, -size].map(|size| start(&[size], 1.0))));
-        }
-        let effects = node.effects.with(effect);
-        self.case.refined(node, effects, &starts).ok()
-    }
-
     /// The model of a node without one of its effects, or with another in its place.
     pub(crate) fn exchanged(
         &mut self,
@@ -565,7 +417,7 @@ impl<'a> Search<'a> {
         match with {
             None => self.lighten(effects, less),
             Some(score) if self.index(set).is_none() => {
-                let node = self.refit(self.get(less)?, score);
+                let node = refit(self.case, self.get(less)?, score);
                 self.keep(set, node);
             }
             Some(_) => {}
@@ -603,22 +455,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether every rod has an effect, whatever its size.
-pub(crate) fn is_universal(effect: Candidate) -> bool {
-    UNIVERSAL.iter().any(|universal| effect == *universal)
-}
-
 /// Whether the rod has several zones: a simulation takes as long as ten.
 fn is_costly(effects: CandidateSet) -> bool {
     effects.contains(EffectId::EndConduction)
-}
-
-/// Number of effects that not every rod has.
-fn n_odd(effects: CandidateSet) -> usize {
-    effects
-        .iter()
-        .filter(|&effect| !is_universal(effect))
-        .count()
 }
 
 /// By how much a refit is better, as the score that a size of one degree would have.
