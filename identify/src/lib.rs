@@ -2,6 +2,7 @@
 
 mod cascade;
 mod cross_check;
+mod difference;
 mod draws;
 mod ended;
 mod error;
@@ -18,6 +19,7 @@ mod moments;
 mod parameter;
 mod predict;
 mod problem;
+mod quantities;
 mod refine;
 mod residual_noise;
 mod resistance_change;

@@ -6,17 +6,15 @@ use std::sync::{Mutex, PoisonError};
 use faer::Mat;
 use pso::Bound;
 use rayon::prelude::*;
-use recording::{Quantity, Recording};
+use recording::Recording;
 use wiener::Block;
 
+use crate::difference::{Batch, Sides};
 use crate::factor::Triangle;
 use crate::least_squares::{Linearized, SumOfSquares};
 use crate::moments::{BATCH, Moments, Solved, Weighed, solve_linear};
+use crate::quantities::one_unit;
 use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
-
-/// Step of a difference as a share of the coordinate's range: near the cube root of rounding, which is best for a
-/// central one. One-sided ones are then off by the size of the step, and a search ends nowhere else for that.
-const DIFFERENCE: f64 = 1e-6;
 
 /// ```text
 /// S(θ) = Σ w (y - gain f - offset)² + w_T Σ (T - T_recorded)²,   gain and offsets the best for θ
@@ -443,48 +441,10 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Some points and what differences by the acting coordinates take around one of them. At a bound they are
-    /// one-sided, between equal bounds there is none; central ones are so for as many coordinates, from the first, as there are
-    /// lanes for.
+    /// Some points, and others around one of them.
     fn batch(&self, r: usize, points: &[Vec<f64>], around: usize, sides: Sides) -> Batch {
-        let center = &points[around];
-        let mut points = points.to_vec();
-        let mut differences = Vec::new();
-        let mut to_spare = BATCH.saturating_sub(points.len() + self.vector.acting_on(r).count());
-        for j in self.vector.acting_on(r) {
-            let bound = &self.bounds[j];
-            let range = bound.upper - bound.lower;
-            let steps = match sides {
-                Sides::Both if to_spare > 0 => {
-                    to_spare -= 1;
-                    [-DIFFERENCE, DIFFERENCE]
-                }
-                _ if center[j] + DIFFERENCE * range <= bound.upper => [0.0, DIFFERENCE],
-                _ => [-DIFFERENCE, 0.0],
-            };
-            let mut ends = [center[j]; 2];
-            let mut lanes = [around; 2];
-            for side in 0..2 {
-                if steps[side] != 0.0 {
-                    ends[side] = (center[j] + steps[side] * range).clamp(bound.lower, bound.upper);
-                    lanes[side] = points.len();
-                    let mut moved = center.clone();
-                    moved[j] = ends[side];
-                    points.push(moved);
-                }
-            }
-            let distance = ends[1] - ends[0];
-            differences.push(Difference {
-                coordinate: j,
-                lanes,
-                per_distance: if distance > 0.0 { 1.0 / distance } else { 0.0 },
-            });
-        }
-        Batch {
-            points,
-            around,
-            differences,
-        }
+        let acting: Vec<usize> = self.vector.acting_on(r).collect();
+        Batch::new(&acting, &self.bounds, points, around, sides)
     }
 
     /// The residual to first order around a point, by central differences: for those who ask what is left open.
@@ -583,39 +543,6 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Sides on which a difference looks.
-#[derive(Debug, Clone, Copy)]
-enum Sides {
-    Both,
-    /// Half of the points, good enough to search by.
-    One,
-}
-
-/// Points that are simulated together, and differences around one of them.
-#[derive(Debug)]
-struct Batch {
-    points: Vec<Vec<f64>>,
-    around: usize,
-    differences: Vec<Difference>,
-}
-
-/// A difference by one coordinate.
-#[derive(Debug)]
-struct Difference {
-    coordinate: usize,
-    /// Points at its lower and its upper end.
-    lanes: [usize; 2],
-    /// 1 over the distance of these.
-    per_distance: f64,
-}
-
-impl Difference {
-    #[inline(always)]
-    fn quotient(&self, row: &[f64]) -> f64 {
-        (row[self.lanes[1]] - row[self.lanes[0]]) * self.per_distance
-    }
-}
-
 /// What one recording says of points, and of the surroundings of one of them.
 #[derive(Debug)]
 struct Seen {
@@ -670,67 +597,4 @@ fn linear_state(
         return Err(IdentifyError::NotSolvable { name: info.name });
     }
     Ok(info.state)
-}
-
-/// Recordings that are looked at together measure one thing in one unit, under one kind of drive.
-fn one_unit(recordings: &[Recording]) -> Result<(), IdentifyError> {
-    let Some(first) = recordings.first() else {
-        return Ok(());
-    };
-    for recording in recordings {
-        let expected = Quantities {
-            output_unit: first.output_unit(),
-            drive: first.drive_quantity(),
-            drive_unit: first.drive_unit(),
-        };
-        same_quantities(recording, first.name(), &expected)?;
-    }
-    Ok(())
-}
-
-/// What a recording measures, and in which units.
-pub(crate) struct Quantities<'a> {
-    pub(crate) output_unit: &'a str,
-    pub(crate) drive: Quantity,
-    pub(crate) drive_unit: &'a str,
-}
-
-impl Quantities<'_> {
-    fn drive(&self) -> String {
-        if self.drive_unit == self.drive.unit() {
-            self.drive.name().to_owned()
-        } else {
-            format!("an input in {}", self.drive_unit)
-        }
-    }
-}
-
-/// Refuses a recording that does not measure what `first` does.
-pub(crate) fn same_quantities(
-    recording: &Recording,
-    first: &str,
-    expected: &Quantities<'_>,
-) -> Result<(), IdentifyError> {
-    if recording.output_unit() != expected.output_unit {
-        return Err(IdentifyError::Units {
-            recording: recording.name().to_owned(),
-            found: recording.output_unit().to_owned(),
-            first: first.to_owned(),
-            expected: expected.output_unit.to_owned(),
-        });
-    }
-    let found = Quantities {
-        output_unit: recording.output_unit(),
-        drive: recording.drive_quantity(),
-        drive_unit: recording.drive_unit(),
-    };
-    if (found.drive, found.drive_unit) != (expected.drive, expected.drive_unit) {
-        return Err(IdentifyError::Drives {
-            recording: recording.name().to_owned(),
-            found: found.drive(),
-            first: first.to_owned(),
-            expected: expected.drive(),
-        });
-    }
-    Ok(())
 }

@@ -6,7 +6,7 @@ use wiener::WienerParams;
 use wiener::hysteresis::{LoopFamily, Rule};
 
 use crate::fitted::point;
-use crate::problem::{Quantities, same_quantities};
+use crate::quantities::{Quantities, same_quantities};
 use crate::validate::validate_at;
 use crate::{
     Fit, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance, ParameterVector,

@@ -3,7 +3,8 @@ use wiener::Block;
 
 use crate::fit::{range, root_mean_square, squares_about_own_mean};
 use crate::least_squares::{LeastSquaresConfig, minimize};
-use crate::problem::{Problem, Quantities, same_quantities};
+use crate::problem::Problem;
+use crate::quantities::{Quantities, same_quantities};
 use crate::{Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.

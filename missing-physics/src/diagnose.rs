@@ -9,13 +9,12 @@ use identify::{
 };
 use recording::Recording;
 
-use crate::advice::record_surroundings;
 use crate::attempt::{Attempt, Terms};
 use crate::case::{Case, Node};
 use crate::catalogue::{catalogue, finding};
 use crate::diagnosis::{
-    Diagnosis, Explained, ExtendedStage, Finding, Floor, Mismatch, NextExperiment, NoiseClass,
-    Remainder, Rung, Stage, Verdict,
+    Diagnosis, Explained, ExtendedStage, Finding, Floor, Mismatch, NoiseClass, Remainder, Rung,
+    Stage, Verdict,
 };
 use crate::elsewhere::{is_rigid, spread, validated};
 use crate::explained::explained;
@@ -25,16 +24,10 @@ use crate::judge::{GATE, Judged};
 use crate::ladder::ladder;
 use crate::locate::{Located, locate, remainder_shape};
 use crate::names::Named;
-use crate::next_experiment::{Rival, next_experiment};
+use crate::rivals::next;
 use crate::search::Search;
 use crate::whiten::Whitener;
 use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, LoopFamily, Setting};
-
-/// Most explanations that a run is sought for.
-const RIVALS: usize = 3;
-
-/// Factor by which a run must part models that are all far off more than the recordings at hand do.
-const FURTHER: f64 = 2.0;
 
 /// Share of the explainable error of the unseen recordings below which names that account for all do not hold there.
 const HELD: f64 = 0.4;
@@ -355,99 +348,6 @@ fn located<T>(
         floor,
         seed,
     })
-}
-
-/// The run that would tell apart a name that is not sure and what else it could be; where nothing accounts for the
-/// mismatch, the models that come nearest.
-fn next(
-    search: &Search<'_>,
-    judged: &Judged,
-    limits: &Limits,
-) -> Result<Option<NextExperiment>, IdentifyError> {
-    let unsure = judged.named.iter().filter(|named| !named.others.is_empty());
-    let strongest = unsure.max_by(|a, b| a.contribution.total_cmp(&b.contribution));
-    if let Some(named) = strongest.filter(|named| drift_is_guessed(search, judged.effects, named)) {
-        let others = named.others.iter().map(|(other, _)| *other);
-        let separates = std::iter::once(named.effect).chain(others).collect();
-        return Ok(Some(record_surroundings(separates)));
-    }
-    let mut rivals = match strongest {
-        Some(named) => in_its_place(search, judged.effects, named),
-        None if judged.verdict == Verdict::Unexplained => nearest(search, judged.effects),
-        None => Vec::new(),
-    };
-    rivals.truncate(RIVALS);
-    let Some(best) = rivals.first() else {
-        return Ok(None);
-    };
-    let next = next_experiment(search.case, &rivals, limits, &best.node.noise)?;
-    // Between models that are all far off, a run counts that parts them further than these recordings do.
-    let tells_more = |next: &NextExperiment| {
-        let run = next.run.as_ref();
-        strongest.is_some() || run.is_some_and(|run| run.separation > FURTHER * run.separation_now)
-    };
-    Ok(next.filter(tells_more))
-}
-
-/// Whether a drift of the surroundings is in a model, or may be in the place of a name, and nobody recorded it.
-fn drift_is_guessed(search: &Search<'_>, effects: CandidateSet, named: &Named) -> bool {
-    let others = named.others.iter().map(|(other, _)| *other);
-    let may_drift = |effect| effect == EffectId::AmbientDrift;
-    let mut training = search.case.training.iter();
-    effects.iter().chain(others).any(may_drift)
-        && training.all(|recording| recording.ambient_degc().is_none())
-}
-
-/// A model with a name, and those with what else it could be.
-fn in_its_place<'a>(
-    search: &'a Search<'_>,
-    effects: CandidateSet,
-    named: &Named,
-) -> Vec<Rival<'a>> {
-    let less = effects.without(named.effect);
-    let others = named.others.iter().map(|(effect, _)| *effect);
-    std::iter::once(named.effect)
-        .chain(others)
-        .filter_map(|effect| {
-            let node = search.get(less.with(effect))?;
-            Some(Rival { effect, node })
-        })
-        .collect()
-}
-
-/// The chosen model, or the most credible with effects, and the most credible others, each by an effect that the
-/// first does not have.
-fn nearest<'a>(search: &'a Search<'_>, chosen: CandidateSet) -> Vec<Rival<'a>> {
-    let with_effects = |node: &&Node| search.admits(node) && !node.effects.is_empty();
-    let mut nodes: Vec<&Node> = search.nodes().filter(with_effects).collect();
-    let rank = |node: &Node| (node.effects == chosen, search.credit(node.effects));
-    nodes.sort_by(|a, b| {
-        let (a, b) = (rank(a), rank(b));
-        b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
-    });
-    let own = |node: &Node, other: &Node| {
-        let mut own = node.effects.iter();
-        own.find(|&effect| !other.effects.contains(effect))
-    };
-    let Some((best, others)) = nodes.split_first() else {
-        return Vec::new();
-    };
-    let mut rivals: Vec<Rival<'_>> = Vec::new();
-    for &node in others {
-        let (Some(of_best), Some(effect)) = (own(best, node), own(node, best)) else {
-            continue;
-        };
-        if rivals.is_empty() {
-            rivals.push(Rival {
-                effect: of_best,
-                node: best,
-            });
-        }
-        if rivals.iter().all(|rival| rival.effect != effect) {
-            rivals.push(Rival { effect, node });
-        }
-    }
-    rivals
 }
 
 /// Blocks of what was found, with the probabilities of the names: what an effect can do is known better than

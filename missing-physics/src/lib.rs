@@ -35,6 +35,7 @@ mod regimes;
 mod remainder;
 mod ridge;
 mod rig;
+mod rivals;
 mod saved;
 mod scene;
 mod scores;
