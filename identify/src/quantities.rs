@@ -9,15 +9,10 @@ pub(crate) fn one_unit(recordings: &[Recording]) -> Result<(), IdentifyError> {
     let Some(first) = recordings.first() else {
         return Ok(());
     };
-    for recording in recordings {
-        let expected = Quantities {
-            output_unit: first.output_unit(),
-            drive: first.drive_quantity(),
-            drive_unit: first.drive_unit(),
-        };
-        same_quantities(recording, first.name(), &expected)?;
-    }
-    Ok(())
+    let expected = Quantities::of(first);
+    recordings
+        .iter()
+        .try_for_each(|recording| same_quantities(recording, first.name(), &expected))
 }
 
 /// What a recording measures, and in which units.
@@ -27,7 +22,15 @@ pub(crate) struct Quantities<'a> {
     pub(crate) drive_unit: &'a str,
 }
 
-impl Quantities<'_> {
+impl<'a> Quantities<'a> {
+    fn of(recording: &'a Recording) -> Self {
+        Self {
+            output_unit: recording.output_unit(),
+            drive: recording.drive_quantity(),
+            drive_unit: recording.drive_unit(),
+        }
+    }
+
     fn drive(&self) -> String {
         if self.drive_unit == self.drive.unit() {
             self.drive.name().to_owned()
@@ -51,11 +54,7 @@ pub(crate) fn same_quantities(
             expected: expected.output_unit.to_owned(),
         });
     }
-    let found = Quantities {
-        output_unit: recording.output_unit(),
-        drive: recording.drive_quantity(),
-        drive_unit: recording.drive_unit(),
-    };
+    let found = Quantities::of(recording);
     if (found.drive, found.drive_unit) != (expected.drive, expected.drive_unit) {
         return Err(IdentifyError::Drives {
             recording: recording.name().to_owned(),

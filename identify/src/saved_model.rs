@@ -1,6 +1,6 @@
 //! An identified model as a value that can be kept.
 
-use recording::{Recording, Sampling};
+use recording::Recording;
 use serde::{Deserialize, Serialize};
 use wiener::WienerParams;
 use wiener::hysteresis::{LoopFamily, Rule};
@@ -173,11 +173,7 @@ impl SavedModel {
             role,
             n_samples: recording.len(),
             largest_drive: recording.largest_drive(),
-            sample_time_s: match recording.sampling() {
-                Sampling::Uniform { dt_s } => Some(dt_s),
-                Sampling::Jittered { median_dt_s, .. } => Some(median_dt_s),
-                Sampling::Untimed => None,
-            },
+            sample_time_s: recording.sampling().usual_dt_s(),
             rmse,
         };
         Self {

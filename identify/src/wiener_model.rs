@@ -1,6 +1,6 @@
 //! The Wiener cascade as a model to be fitted.
 
-use recording::{Recording, Sampling};
+use recording::Recording;
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::HeatBalanceParams;
 use wiener::{Block, Drive, Profile, Start, WienerParams};
@@ -352,15 +352,10 @@ fn tau_bounds_s(training: &[Recording]) -> Result<Bounds, IdentifyError> {
         upper: 0.0,
     };
     for recording in training {
-        let dt_s = match recording.sampling() {
-            Sampling::Uniform { dt_s } => dt_s,
-            Sampling::Jittered { median_dt_s, .. } => median_dt_s,
-            Sampling::Untimed => {
-                return Err(IdentifyError::Untimed {
-                    recording: recording.name().to_owned(),
-                });
-            }
+        let untimed = || IdentifyError::Untimed {
+            recording: recording.name().to_owned(),
         };
+        let dt_s = recording.sampling().usual_dt_s().ok_or_else(untimed)?;
         bounds.lower = bounds.lower.min(dt_s);
         bounds.upper = bounds.upper.max(dt_s * recording.len() as f64);
     }

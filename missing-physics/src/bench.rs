@@ -1,7 +1,7 @@
 //! Within which limits runs are tried: those of the rig, and what the likeliest model says of the rod.
 
 use identify::{IdentifyError, Limits, predict};
-use recording::{Quantity, Recording, RecordingParts, Sampling};
+use recording::{Quantity, Recording, RecordingParts};
 
 use crate::EffectId;
 use crate::case::{Case, Node};
@@ -56,11 +56,7 @@ pub(crate) fn bench(
     let steps_s = case
         .training
         .iter()
-        .filter_map(|recording| match recording.sampling() {
-            Sampling::Uniform { dt_s } => Some(dt_s),
-            Sampling::Jittered { median_dt_s, .. } => Some(median_dt_s),
-            Sampling::Untimed => None,
-        });
+        .filter_map(|recording| recording.sampling().usual_dt_s());
     // What the logger has done it can do.
     let dt_s = steps_s.fold(f64::INFINITY, f64::min);
     let lengths_s = case.training.iter().map(|recording| {
@@ -75,6 +71,10 @@ pub(crate) fn bench(
         Quantity::Duty => most.min(1.0),
         _ => most,
     };
+    let full = Levels {
+        low: 0.0,
+        high: most,
+    };
     let mut bench = Bench {
         dt_s,
         tau_s: tau.map_or(dt_s, |tau| point[tau]),
@@ -82,18 +82,10 @@ pub(crate) fn bench(
             .duration_s
             .unwrap_or(longest_s)
             .min(MOST_SAMPLES * dt_s),
-        full: Levels {
-            low: 0.0,
-            high: most,
-        },
-        working: Levels {
-            low: 0.0,
-            high: most,
-        },
-        middle: Levels {
-            low: 0.0,
-            high: most,
-        },
+        full,
+        // Until it is known where the rod transforms.
+        working: full,
+        middle: full,
         unit: case.training[0].drive_unit().to_owned(),
     };
     levels(case, node, &point, &mut bench, hottest_degc)?;

@@ -62,6 +62,16 @@ pub struct Gap {
 }
 
 impl Sampling {
+    /// The usual step, s: the equal one, or the median of unequal ones; `None` for static data.
+    #[must_use]
+    pub const fn usual_dt_s(&self) -> Option<f64> {
+        match *self {
+            Self::Uniform { dt_s } => Some(dt_s),
+            Self::Jittered { median_dt_s, .. } => Some(median_dt_s),
+            Self::Untimed => None,
+        }
+    }
+
     /// The sampling of rising times.
     pub(crate) fn of(time_s: &[f64]) -> Self {
         let (Some(&first), Some(&last)) = (time_s.first(), time_s.last()) else {
