@@ -2,7 +2,10 @@
 
 use recording::{Quantity, Recording};
 use wiener::hysteresis::{Hysteresis, LimitingLoop, LoopParams, Memory, Rule, SineProximity};
-use wiener::{Block, Fleet, Input, Output, Plant, Profile, Started, WienerError, lockstep};
+use wiener::{
+    Block, Fleet, Input, Lanes, NARROW, Output, Plant, Profile, Started, WIDE, WienerError,
+    lockstep,
+};
 
 use crate::wiener_model::{start_share, zeta};
 use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale};
@@ -299,14 +302,11 @@ struct LoopState<const L: usize> {
     memory: Memory<L>,
 }
 
-impl Fleet for Loops {
-    type Member = LoopMember;
-    type Error = WienerError;
-
-    fn start<const L: usize>(
-        &self,
+impl Loops {
+    fn started<const L: usize>(
+        self,
         members: &[LoopMember; L],
-    ) -> Result<Started<L, impl Plant<L>>, WienerError> {
+    ) -> Result<Started<L, StaticLoop<L>>, WienerError> {
         let limits = LimitingLoop::new(members.map(|member| member.params))?;
         let proximity = SineProximity::new(members.map(|member| member.zeta))?;
         let plant = StaticLoop {
@@ -321,6 +321,25 @@ impl Fleet for Loops {
         let load_mpa = members[0].start_load_mpa;
         let state = plant.started(members.map(|member| member.start), load_mpa, share);
         Ok(Started { plant, state })
+    }
+}
+
+impl Fleet for Loops {
+    type Member = LoopMember;
+    type Error = WienerError;
+
+    fn narrow(
+        &self,
+        members: &[LoopMember; NARROW],
+    ) -> Result<Box<dyn Lanes<NARROW> + Send>, WienerError> {
+        Ok(self.started(members)?.boxed())
+    }
+
+    fn wide(
+        &self,
+        members: &[LoopMember; WIDE],
+    ) -> Result<Box<dyn Lanes<WIDE> + Send>, WienerError> {
+        Ok(self.started(members)?.boxed())
     }
 }
 

@@ -150,8 +150,7 @@ impl<'a> RestoredModel<'a> {
             params, effects, ..
         }) = restored.member(&saved.point(0), at_rest)
         {
-            ExtendedPlant::<1>::new(&restored.fleet.setting, &[params], &[effects])
-                .map_err(refused)?;
+            ExtendedPlant::new(&restored.fleet.setting, &params, &effects).map_err(refused)?;
         }
         Ok(restored)
     }

@@ -1,4 +1,4 @@
-use wiener::{Input, Plant};
+use wiener::{Input, Lanes};
 
 use crate::error::{all_finite, finite, not_negative};
 use crate::{Pid, PidState, Reference, Sample, TuneError};
@@ -131,12 +131,13 @@ impl<'a> ClosedLoop<'a> {
     /// Runs plants under their controllers, both from their states, and shows every sample to `visit`.
     ///
     /// The states are left at the end of the last sample, but commands that dead time still holds back are
-    /// lost. On the widest vectors with `wiener::widest_vectors`, if `visit` is `#[inline(always)]`.
+    /// lost. Plants are any [`Lanes`]: a [`Started`](wiener::Started) plant, or a trait object whose equations are
+    /// compiled elsewhere. The loop itself is on the widest vectors with `wiener::widest_vectors`, if `visit` is
+    /// `#[inline(always)]`.
     #[inline(always)]
-    pub fn run<const L: usize, Q: Plant<L>>(
+    pub fn run<const L: usize, P: Lanes<L> + ?Sized>(
         &self,
-        plant: &Q,
-        plant_state: &mut Q::State,
+        plants: &mut P,
         pid: &Pid<L>,
         pid_state: &mut PidState<L>,
         mut visit: impl FnMut(&Snapshot<L>),
@@ -148,7 +149,7 @@ impl<'a> ClosedLoop<'a> {
         let mut commands = [pid.last_drive(pid_state); MAX_DEAD_TIME_SAMPLES + 1];
         let mut place = 0;
         for k in 0..self.params.n_samples {
-            let mut shown = plant.output(plant_state);
+            let mut shown = plants.output();
             offset(&mut shown.displacement, disturbances.output_load, k);
             let mut measured = shown.displacement;
             offset(&mut measured, disturbances.measurement_noise, k);
@@ -175,7 +176,7 @@ impl<'a> ClosedLoop<'a> {
                 drive,
                 ambient_degc: self.params.ambient_degc,
             };
-            plant.step(plant_state, &input, dt_s);
+            plants.step(&input, dt_s);
         }
     }
 }

@@ -1,5 +1,5 @@
 use wiener::hysteresis::Branch;
-use wiener::{Plant, State};
+use wiener::{Plant, Started, State};
 
 use crate::{
     Approach, ClosedLoop, ClosedLoopParams, Disturbances, PidState, Reference, RodLoop, Sample,
@@ -104,7 +104,7 @@ impl RodLoop {
         let settling = ((settling_s / dt_s) as usize).min(MAX_SETTLING_SAMPLES);
         let window = ((WINDOW_TAUS * self.tau_s() / dt_s) as usize).min(MAX_SETTLING_SAMPLES)
             + WINDOW_SAMPLES * (params.dead_time_samples + 1);
-        let (mut state, mut pid_state) = self.started(start)?;
+        let (state, mut pid_state) = self.started(start)?;
         let closed_loop = ClosedLoop::new(ClosedLoopParams {
             reference: Reference::Step {
                 from: params.setpoint,
@@ -121,17 +121,15 @@ impl RodLoop {
             },
         })?;
         let mut outputs = Vec::with_capacity(WINDOWS * window);
-        closed_loop.run(
-            self.plant(),
-            &mut state,
-            self.pid(),
-            &mut pid_state,
-            |snapshot| {
-                if snapshot.k >= settling {
-                    outputs.push(snapshot.output[0]);
-                }
-            },
-        );
+        let mut rod = Started {
+            plant: *self.plant(),
+            state,
+        };
+        closed_loop.run(&mut rod, self.pid(), &mut pid_state, |snapshot| {
+            if snapshot.k >= settling {
+                outputs.push(snapshot.output[0]);
+            }
+        });
         Ok(sustained(&outputs, window, dt_s, self.smallest_amplitude()))
     }
 

@@ -1,16 +1,12 @@
 use rayon::prelude::*;
-use wiener::{Fleet, Plant, Started, widest_vectors};
+use wiener::{Fleet, Lanes, NARROW, WIDE, padded, widest_vectors};
 
 use crate::reference::edges_passed;
 use crate::robustness::EndingLanes;
 use crate::{
-    ClosedLoop, Ending, Pid, PidGains, PidParams, Reference, ResponseTerms, Terms, TuneError,
+    ClosedLoop, Ending, Pid, PidGains, PidParams, PidState, Reference, ResponseTerms, Snapshot,
+    Terms, TuneError,
 };
-
-/// Lanes of a full chunk: four vectors of eight, as in [`wiener::lockstep`].
-const WIDE: usize = 32;
-/// Lanes of a small chunk: one vector of eight.
-const NARROW: usize = 8;
 
 /// No drive, whatever the error.
 const IDLE: PidGains = PidGains {
@@ -134,11 +130,7 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> Task<'_, F> {
         let share = share.next_multiple_of(NARROW).clamp(NARROW, WIDE);
         let chunks: Vec<_> = cases
             .par_chunks(share)
-            .map(|chunk| match chunk.len() {
-                // Two widths: a plant with many effects takes the compiler long.
-                n if n <= NARROW => self.chunk::<NARROW>(chunk),
-                _ => self.chunk::<WIDE>(chunk),
-            })
+            .map(|chunk| self.chunk(chunk))
             .collect();
         let mut responses = Vec::with_capacity(cases.len());
         for chunk in chunks {
@@ -147,45 +139,137 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> Task<'_, F> {
         Ok(responses)
     }
 
-    /// The responses of 1 to `L` cases.
-    fn chunk<const L: usize>(
+    /// One response, sample by sample: the plant under a controller from where [`Task::responses`] starts.
+    ///
+    /// # Errors
+    ///
+    /// As [`Task::responses`].
+    pub fn show(
         &self,
-        cases: &[(F::Member, PidGains)],
-    ) -> Result<Vec<Response>, TaskError<F::Error>> {
-        // Empty lanes repeat the last case.
-        let lanes: [_; L] = core::array::from_fn(|l| cases[l.min(cases.len() - 1)]);
-        let members = lanes.map(|(member, _)| member);
-        let Started { plant, mut state } = self.fleet.start(&members).map_err(TaskError::Plant)?;
-        let pid = Pid::new(self.pid, &lanes.map(|(_, gains)| gains))?;
-        // A controller cannot rest at what is no number: it misses its first sample instead.
-        let shown = plant.output(&state).displacement;
-        let mut pid_state =
-            pid.rest(shown.map(|value| if value.is_finite() { value } else { 0.0 }))?;
-        let params = self.closed_loop.params();
-        let mut terms = ResponseTerms::<L>::new(&params.reference, self.pid.dt_s)?;
-        let mut ending = EndingLanes::<L>::new(params.n_samples, self.pid.limits);
-        widest_vectors(
-            #[inline(always)]
-            || {
-                self.closed_loop.run(
-                    &plant,
-                    &mut state,
-                    &pid,
-                    &mut pid_state,
-                    #[inline(always)]
-                    |snapshot| {
-                        terms.add(snapshot);
-                        ending.add(snapshot);
-                    },
-                );
-            },
-        );
-        let (terms, endings) = (terms.terms(), ending.endings());
-        Ok((0..cases.len())
-            .map(|l| Response {
-                terms: terms[l],
-                ending: endings[l],
-            })
-            .collect())
+        member: F::Member,
+        gains: PidGains,
+        visit: &mut dyn FnMut(&Snapshot),
+    ) -> Result<(), TaskError<F::Error>> {
+        let plants = self.fleet.narrow(&[member; NARROW]);
+        let plants = plants.map_err(TaskError::Plant)?;
+        Ok(show_first(
+            &self.closed_loop,
+            self.pid,
+            plants,
+            gains,
+            visit,
+        )?)
     }
+
+    /// The responses of 1 to [`WIDE`] cases.
+    fn chunk(&self, cases: &[(F::Member, PidGains)]) -> Result<Vec<Response>, TaskError<F::Error>> {
+        let members: Vec<F::Member> = cases.iter().map(|&(member, _)| member).collect();
+        let gains: Vec<PidGains> = cases.iter().map(|&(_, gains)| gains).collect();
+        // Two functions that are not generic: a loop around plants is compiled here, for all of them.
+        let responses = if cases.len() <= NARROW {
+            let plants = self.fleet.narrow(&padded(&members));
+            respond_narrow(
+                &self.closed_loop,
+                self.pid,
+                plants.map_err(TaskError::Plant)?,
+                &gains,
+            )
+        } else {
+            let plants = self.fleet.wide(&padded(&members));
+            respond_wide(
+                &self.closed_loop,
+                self.pid,
+                plants.map_err(TaskError::Plant)?,
+                &gains,
+            )
+        };
+        Ok(responses?)
+    }
+}
+
+fn respond_narrow(
+    closed_loop: &ClosedLoop<'_>,
+    pid: PidParams,
+    plants: Box<dyn Lanes<NARROW> + Send>,
+    gains: &[PidGains],
+) -> Result<Vec<Response>, TuneError> {
+    respond(closed_loop, pid, plants, gains)
+}
+
+fn respond_wide(
+    closed_loop: &ClosedLoop<'_>,
+    pid: PidParams,
+    plants: Box<dyn Lanes<WIDE> + Send>,
+    gains: &[PidGains],
+) -> Result<Vec<Response>, TuneError> {
+    respond(closed_loop, pid, plants, gains)
+}
+
+/// Shows the first of plants that are alike, under controllers that are.
+fn show_first(
+    closed_loop: &ClosedLoop<'_>,
+    pid: PidParams,
+    mut plants: Box<dyn Lanes<NARROW> + Send>,
+    gains: PidGains,
+    visit: &mut dyn FnMut(&Snapshot),
+) -> Result<(), TuneError> {
+    let pid = Pid::new(pid, &[gains; NARROW])?;
+    let mut pid_state = idle(&pid, &*plants)?;
+    closed_loop.run(&mut *plants, &pid, &mut pid_state, |snapshot| {
+        visit(&Snapshot {
+            k: snapshot.k,
+            time_s: snapshot.time_s,
+            setpoint: snapshot.setpoint,
+            output: [snapshot.output[0]],
+            measured: [snapshot.measured[0]],
+            drive: [snapshot.drive[0]],
+            temperature_degc: [snapshot.temperature_degc[0]],
+        });
+    });
+    Ok(())
+}
+
+/// Controllers at rest at what plants show; at 0 where that is no number, so that they miss their first sample.
+fn idle<const L: usize>(
+    pid: &Pid<L>,
+    plants: &(dyn Lanes<L> + Send),
+) -> Result<PidState<L>, TuneError> {
+    let shown = plants.output().displacement;
+    pid.rest(shown.map(|value| if value.is_finite() { value } else { 0.0 }))
+}
+
+/// Responses of the plants of as many lanes as there are gains.
+fn respond<const L: usize>(
+    closed_loop: &ClosedLoop<'_>,
+    pid: PidParams,
+    mut plants: Box<dyn Lanes<L> + Send>,
+    gains: &[PidGains],
+) -> Result<Vec<Response>, TuneError> {
+    let params = closed_loop.params();
+    let mut terms = ResponseTerms::<L>::new(&params.reference, pid.dt_s)?;
+    let mut ending = EndingLanes::<L>::new(params.n_samples, pid.limits);
+    let pid = Pid::new(pid, &padded(gains))?;
+    let mut pid_state = idle(&pid, &*plants)?;
+    widest_vectors(
+        #[inline(always)]
+        || {
+            closed_loop.run(
+                &mut *plants,
+                &pid,
+                &mut pid_state,
+                #[inline(always)]
+                |snapshot| {
+                    terms.add(snapshot);
+                    ending.add(snapshot);
+                },
+            );
+        },
+    );
+    let (terms, endings) = (terms.terms(), ending.endings());
+    Ok((0..gains.len())
+        .map(|l| Response {
+            terms: terms[l],
+            ending: endings[l],
+        })
+        .collect())
 }

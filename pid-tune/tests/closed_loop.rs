@@ -5,14 +5,14 @@
 mod common;
 
 use common::{
-    ALL_ANTI_WINDUP, AMBIENT_DEGC, Lag, P_ONLY, PARAMS, assert_near, assert_same, pid, rod, rods,
-    snapshots, undisturbed,
+    ALL_ANTI_WINDUP, AMBIENT_DEGC, Lag, P_ONLY, PARAMS, assert_near, assert_same, at, pid, rod,
+    rods, snapshots, undisturbed,
 };
 use pid_tune::{
     ClosedLoop, ClosedLoopParams, DerivativeOf, Disturbances, DriveLimits, MAX_DEAD_TIME_SAMPLES,
     Pid, PidGains, PidParams, Reference, ResponseTerms, Snapshot,
 };
-use wiener::{Input, Output, Plant};
+use wiener::{Input, Lanes, Output, Plant};
 
 const STEP: Reference<'_> = Reference::Step {
     from: 0.0,
@@ -93,12 +93,12 @@ fn states_go_on_where_a_loop_ends() {
     };
     let pid = pid(PARAMS, gains);
     let whole = outputs(&snapshots(undisturbed(STEP, 40), &plant, &pid));
-    let mut state = plant.rest(AMBIENT_DEGC);
-    let mut pid_state = pid.rest([state]).unwrap();
+    let mut plants = at(&plant, plant.rest(AMBIENT_DEGC));
+    let mut pid_state = pid.rest([plants.state]).unwrap();
     let mut parts = Vec::new();
     for n_samples in [15, 25] {
         let closed_loop = ClosedLoop::new(undisturbed(STEP, n_samples)).unwrap();
-        closed_loop.run(&plant, &mut state, &pid, &mut pid_state, |shown| {
+        closed_loop.run(&mut plants, &pid, &mut pid_state, |shown| {
             parts.push(shown.output[0]);
         });
     }
@@ -165,7 +165,7 @@ fn dead_time_holds_commands_back_by_whole_samples() {
         // Before the first command, the drive from which the controller took over.
         let mut pid_state = pid.start(&common::sample(0.0, 0.0), [-1.0]).unwrap();
         let mut found = Vec::new();
-        closed_loop.run(&Still(0.0), &mut (), &pid, &mut pid_state, |shown| {
+        closed_loop.run(&mut at(Still(0.0), ()), &pid, &mut pid_state, |shown| {
             found.push(shown.drive[0]);
         });
         let before = std::iter::repeat_n(-1.0, dead_time_samples);
@@ -220,12 +220,12 @@ fn lanes<const L: usize>(params: PidParams, loop_params: ClosedLoopParams<'_>) -
             |l| rod(3.0 + 0.5 * (first + l) as f64),
         ));
         let pid = Pid::<L>::new(params, &gains).unwrap();
-        let mut state = plant.rest(AMBIENT_DEGC);
-        let mut pid_state = pid.rest(plant.output(&state).displacement).unwrap();
+        let mut plants = at(&plant, plant.rest(AMBIENT_DEGC));
+        let mut pid_state = pid.rest(plants.output().displacement).unwrap();
         let mut terms = ResponseTerms::new(&STEP, params.dt_s).unwrap();
         let mut bits = vec![Vec::new(); L];
         let closed_loop = ClosedLoop::new(loop_params).unwrap();
-        closed_loop.run(&plant, &mut state, &pid, &mut pid_state, |shown| {
+        closed_loop.run(&mut plants, &pid, &mut pid_state, |shown| {
             terms.add(shown);
             for l in 0..L {
                 bits[l].push(shown.output[l].to_bits());

@@ -8,7 +8,7 @@ use std::convert::Infallible;
 use std::error::Error;
 use std::ops::ControlFlow;
 
-use common::{AMBIENT_DEGC, assert_near, assert_same, rod, rods, undisturbed};
+use common::{AMBIENT_DEGC, assert_near, assert_same, at, rod, rods, undisturbed};
 use fixtures::sadeghi;
 use pid_tune::{
     AntiWindup, BoundEnd, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances,
@@ -17,7 +17,10 @@ use pid_tune::{
 };
 use pso::{Inertia, Start as SwarmStart, SwarmConfig, Termination};
 use wiener::hysteresis::Rule;
-use wiener::{Drive, Ensemble, Fleet, Input, Member, Output, Plant, Start, Started, WienerParams};
+use wiener::{
+    Drive, Ensemble, Fleet, Input, Lanes, Member, NARROW, Output, Plant, Start, Started, WIDE,
+    WienerParams,
+};
 
 const RODS: Ensemble = Ensemble {
     drive: Drive::Current,
@@ -123,19 +126,25 @@ impl Fleet for Lags {
     type Member = f64;
     type Error = Infallible;
 
-    fn start<const L: usize>(
-        &self,
-        tau_s: &[f64; L],
-    ) -> Result<Started<L, impl Plant<L>>, Infallible> {
-        let plant = LagPlant {
-            tau_s: *tau_s,
-            breaks_above: self.breaks_above,
-        };
-        Ok(Started {
-            plant,
+    fn narrow(&self, tau_s: &[f64; NARROW]) -> Result<Box<dyn Lanes<NARROW> + Send>, Infallible> {
+        Ok(self.started(tau_s).boxed())
+    }
+
+    fn wide(&self, tau_s: &[f64; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, Infallible> {
+        Ok(self.started(tau_s).boxed())
+    }
+}
+
+impl Lags {
+    fn started<const L: usize>(self, tau_s: &[f64; L]) -> Started<L, LagPlant<L>> {
+        Started {
+            plant: LagPlant {
+                tau_s: *tau_s,
+                breaks_above: self.breaks_above,
+            },
             // A time constant that is no number starts at no number.
             state: tau_s.map(|tau_s| 0.0 * tau_s),
-        })
+        }
     }
 }
 
@@ -187,10 +196,10 @@ fn responses_side_by_side_have_the_bits_that_each_has_alone() {
     let alone = |(member, gains): (Member, PidGains)| {
         let plant = rods(&[member.params]);
         let pid = Pid::new(PID, &[gains]).unwrap();
-        let mut state = plant.rest(AMBIENT_DEGC);
-        let mut pid_state = pid.rest(plant.output(&state).displacement).unwrap();
+        let mut plants = at(&plant, plant.rest(AMBIENT_DEGC));
+        let mut pid_state = pid.rest(plants.output().displacement).unwrap();
         let mut response = ResponseTerms::new(&STEP, PID.dt_s).unwrap();
-        closed_loop.run(&plant, &mut state, &pid, &mut pid_state, |snapshot| {
+        closed_loop.run(&mut plants, &pid, &mut pid_state, |snapshot| {
             response.add(snapshot);
         });
         response.terms()[0]

@@ -10,9 +10,9 @@ use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
 use wiener::WienerError;
+use workbench::{RigError, WorkbenchError};
 
 use crate::resume::ResumeError;
-use crate::rig::RigError;
 
 /// How a command that did its work ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +70,9 @@ fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
     error.is::<IdentifyError>()
         || error.is::<RecordingError>()
         || error.is::<RigError>()
+        || error
+            .downcast_ref::<WorkbenchError>()
+            .is_some_and(WorkbenchError::is_bad_input)
         || error.is::<ResumeError>()
         || error.is::<TuneError>()
         || error.is::<TaskError<PhysicsError>>()

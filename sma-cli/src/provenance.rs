@@ -1,32 +1,17 @@
 //! How a model was made: the call, and what its inputs were.
 
-use std::fmt::Write;
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::Path;
 
-use anyhow::Context;
-use identify::{InputFile, Provenance};
-use sha2::{Digest, Sha256};
+use identify::Provenance;
+use workbench::{WorkbenchError, hashed};
 
 /// The call of this program and the hashes of its inputs.
-pub(crate) fn provenance(seed: u64, inputs: &[&Path]) -> anyhow::Result<Provenance> {
-    let input = inputs
-        .iter()
-        .map(|path| {
-            let sha256 =
-                sha256(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-            Ok(InputFile {
-                file: path.display().to_string(),
-                sha256,
-            })
-        })
-        .collect::<anyhow::Result<_>>()?;
+pub(crate) fn provenance(seed: u64, inputs: &[&Path]) -> Result<Provenance, WorkbenchError> {
     Ok(Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         command: call(),
         seed,
-        input,
+        input: hashed(inputs)?,
     })
 }
 
@@ -58,28 +43,6 @@ fn quoted(argument: &str) -> String {
     }
 }
 
-/// Of a file of any size.
-fn sha256(path: &Path) -> io::Result<String> {
-    let mut file = File::open(path)?;
-    let mut hasher = Sha256::new();
-    let mut bytes = vec![0; 1 << 16];
-    loop {
-        match file.read(&mut bytes)? {
-            0 => return Ok(hexadecimal(&hasher.finalize())),
-            n => hasher.update(&bytes[..n]),
-        }
-    }
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(2 * bytes.len());
-    for byte in bytes {
-        // Writing to a string does not fail.
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,14 +67,6 @@ mod tests {
         assert_eq!(
             spell("identify rod.toml --train a.csv --resume=x --quiet"),
             whole
-        );
-    }
-
-    #[test]
-    fn hashes_are_those_of_everybody() {
-        assert_eq!(
-            hexadecimal(&Sha256::digest(b"abc")),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
         );
     }
 }

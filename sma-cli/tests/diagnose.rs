@@ -45,7 +45,7 @@ fn with_latent_heat() -> tempfile::TempDir {
     let mut effects = EffectValues::default();
     effects.latent_heat.latent_heat_j_per_kg = LATENT_HEAT_J_PER_KG;
     let truth = generate_recording::truth().unwrap();
-    let plant = ExtendedPlant::<1>::new(&setting, &[truth], &[effects]).unwrap();
+    let plant = ExtendedPlant::new(&setting, &truth, &effects).unwrap();
     let noise = Normal::new(0.0, NOISE_MM).unwrap();
     for (name, seed) in [("train.csv", 1), ("validate.csv", 2)] {
         let driven = read_csv(bundled(name), &rod.read_options()).unwrap();

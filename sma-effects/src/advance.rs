@@ -1,15 +1,16 @@
 //! One sample where heat and transformation may depend on each other, in one part or two.
 
 use wiener::thermal::Sample;
+use wiener::widest_vectors;
 
-use crate::conduction::{NODES, PerZone, Transfer, ZONES, beyond_mean_k_per_s};
-use crate::effect::{Acting, Before, Instant, Mapped, Moment, Trial, counted};
+use crate::conduction::{Ends, NODES, PerZone, Transfer, ZONES, beyond_mean_k_per_s};
+use crate::effect::{Acting, Before, Instant, Moment, Trial, counted};
 use crate::heat::Reference;
 use crate::hypothesis::OwnMemory;
 use crate::part::{Part, Stage, Turn, progress, unit};
-use crate::plant::ExtendedPlant;
-use crate::solve::{Evaluated, Problem};
-use crate::state::{ExtendedState, Zone};
+use crate::plant::Plants;
+use crate::solve::{Ending, Evaluated, Problem};
+use crate::state::{PlantsState, Zone};
 
 /// What is the same for all zones in a part of a sample.
 #[derive(Debug)]
@@ -24,11 +25,12 @@ struct Leg<'a, const L: usize> {
     /// What own hypotheses add.
     own: Option<&'a OwnMemory<L>>,
     /// Heat along the rod.
-    along: Option<Along<'a, L>>,
+    along: Option<&'a Along<'a, L>>,
 }
 
 /// What moves heat along the rod in a part of a sample.
 #[derive(Debug)]
+#[repr(align(64))]
 struct Along<'a, const L: usize> {
     transfer: &'a Transfer<L>,
     /// Nodes above the surroundings at the start, K.
@@ -37,61 +39,64 @@ struct Along<'a, const L: usize> {
     beyond_w_per_m: PerZone<L>,
 }
 
-/// What became of a part of a sample in `Z` zones.
-#[derive(Debug)]
-struct Advanced<const L: usize, const Z: usize> {
-    /// What the search left, K.
-    residual_k: [f64; L],
-    /// Heat beyond the baseline's into each zone, W/m.
-    extra_w_per_m: [[f64; L]; Z],
-}
-
-impl<const L: usize> ExtendedPlant<L> {
+impl<const L: usize> Plants<L> {
     /// Moves the zones to the end of the sample, in two parts if it has a turn.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn advance(
         &self,
-        state: &mut ExtendedState<L>,
+        state: &mut PlantsState<L>,
         moment: &Moment,
-        power_w_per_m: [f64; L],
+        power_w_per_m: &[f64; L],
         turn: Option<&Turn<L>>,
         ambient_degc: f64,
     ) {
-        let mut acting = Acting {
-            per_s: [if moment.dt_s > 0.0 {
-                1.0 / moment.dt_s
-            } else {
-                0.0
-            }; L],
-            ambient_degc: [ambient_degc; L],
-            power_w_per_m,
-        };
-        self.effects.ambient(moment, &mut acting.ambient_degc);
-        let mut stage = Stage::whole(acting);
-        state.residual_k = [0.0; L];
-        if let Some(turn) = turn {
-            stage.divide(Part::Earlier, &turn.share, moment.dt_s);
-            stage.acting.power_w_per_m = turn.earlier_w_per_m;
-            self.advance_part(state, &stage, moment.dt_s, ambient_degc);
-            self.show(state, moment, Instant::Turn);
-            stage.divide(Part::Later, &turn.share, moment.dt_s);
-            stage.acting.power_w_per_m = turn.later_w_per_m;
-        }
-        self.advance_part(state, &stage, moment.dt_s, ambient_degc);
+        widest_vectors(
+            #[inline(always)]
+            || {
+                let mut acting = Acting {
+                    per_s: [if moment.dt_s > 0.0 {
+                        1.0 / moment.dt_s
+                    } else {
+                        0.0
+                    }; L],
+                    ambient_degc: [ambient_degc; L],
+                    power_w_per_m: *power_w_per_m,
+                };
+                if self.path.changes_ambient {
+                    self.effects.ambient(moment, &mut acting.ambient_degc);
+                }
+                let mut stage = Stage::whole(acting);
+                state.residual_k = [0.0; L];
+                let parts: &[Part] = match turn {
+                    None => &[Part::Whole],
+                    Some(_) => &[Part::Earlier, Part::Later],
+                };
+                for &part in parts {
+                    if let Some(turn) = turn {
+                        stage.divide(part, turn, moment.dt_s);
+                    }
+                    self.advance_part(state, &stage, moment.dt_s, ambient_degc);
+                    if part == Part::Earlier {
+                        self.show(state, moment, Instant::Turn, &mut [0.0; L]);
+                    }
+                }
+            },
+        );
         if self.path.wants_middle {
-            self.show(state, moment, Instant::Middle);
+            self.show(state, moment, Instant::Middle, &mut [0.0; L]);
         }
     }
 
+    /// Moves the zones to the end of a part.
     #[inline(always)]
     fn advance_part(
         &self,
-        state: &mut ExtendedState<L>,
+        state: &mut PlantsState<L>,
         stage: &Stage<L>,
         dt_s: f64,
         ambient_degc: f64,
     ) {
-        let mut leg = Leg {
+        let leg = Leg {
             stage,
             dt_s,
             ambient_degc,
@@ -100,142 +105,151 @@ impl<const L: usize> ExtendedPlant<L> {
             along: None,
         };
         let residual_k = match &mut state.ends {
-            None => self.advance_zones([&mut state.middle], &leg).residual_k,
-            Some(ends) => {
-                let conduction = &self.effects.end_conduction;
-                let length_s = stage.share.map(|share| share * dt_s);
-                let beyond_per_s = &conduction.beyond_per_s;
-                let transfer = ends
-                    .transfers
-                    .over(&length_s, &self.heat.per_tau_s, beyond_per_s);
-                let mut above_k = [ends.clamp_k; NODES];
-                let mut transformed = [state.middle.transformed; ZONES];
-                let zones = std::iter::once(&state.middle).chain(&ends.cells);
-                for (z, zone) in zones.enumerate() {
-                    transformed[z] = zone.transformed;
-                    for l in 0..L {
-                        above_k[z][l] = zone.temperature_degc[l] - stage.acting.ambient_degc[l];
-                    }
-                }
-                let start_k_per_s =
-                    beyond_mean_k_per_s(beyond_per_s, &conduction.ways, &above_k, &transformed);
-                let mut beyond_w_per_m = ends.beyond.over(&start_k_per_s, &length_s);
-                for beyond in &mut beyond_w_per_m {
-                    for l in 0..L {
-                        beyond[l] /= self.heat.per_capacity_k_m_per_j[l];
-                    }
-                }
-                leg.along = Some(Along {
-                    transfer,
-                    above_k,
-                    beyond_w_per_m,
-                });
-                let [first, second, third, fourth, last] = &mut ends.cells;
-                let zones = [&mut state.middle, first, second, third, fourth, last];
-                let advanced = self.advance_zones(zones, &leg);
-                let mut rate_k_per_s = advanced.extra_w_per_m;
-                for rate_k_per_s in &mut rate_k_per_s {
-                    for l in 0..L {
-                        let power_w_per_m = rate_k_per_s[l] + stage.acting.power_w_per_m[l];
-                        rate_k_per_s[l] = power_w_per_m * self.heat.per_capacity_k_m_per_j[l];
-                    }
-                }
-                ends.clamp_k = transfer.clamp_k(&above_k, &rate_k_per_s);
-                advanced.residual_k
-            }
+            None => self.advance_zones([&mut state.middle], &leg, &mut [[0.0; L]]),
+            Some(ends) => self.advance_ends(&mut state.middle, ends, &leg),
         };
         for l in 0..L {
             state.residual_k[l] = larger(state.residual_k[l], residual_k[l]);
         }
     }
 
-    /// Moves all zones to the end of a part.
+    /// Moves a rod with ends to the end of a part; returns what the search left, K.
+    #[inline(never)]
+    fn advance_ends(&self, middle: &mut Zone<L>, ends: &mut Ends<L>, leg: &Leg<'_, L>) -> [f64; L] {
+        widest_vectors(
+            #[inline(always)]
+            || self.conducted(middle, ends, leg),
+        )
+    }
+
+    #[inline(always)]
+    fn conducted(&self, middle: &mut Zone<L>, ends: &mut Ends<L>, leg: &Leg<'_, L>) -> [f64; L] {
+        let stage = leg.stage;
+        let conduction = &self.effects.end_conduction;
+        let length_s = stage.share.map(|share| share * leg.dt_s);
+        let beyond_per_s = &conduction.beyond_per_s;
+        let transfer = ends
+            .transfers
+            .over(&length_s, &self.heat.per_tau_s, beyond_per_s);
+        let mut along = Along {
+            transfer,
+            above_k: [ends.clamp_k; NODES],
+            beyond_w_per_m: [[0.0; L]; ZONES],
+        };
+        let mut transformed = [middle.transformed; ZONES];
+        let zones = std::iter::once(&*middle).chain(&ends.cells);
+        for (z, zone) in zones.enumerate() {
+            transformed[z] = zone.transformed;
+            for l in 0..L {
+                along.above_k[z][l] = zone.temperature_degc[l] - stage.acting.ambient_degc[l];
+            }
+        }
+        let start_k_per_s =
+            beyond_mean_k_per_s(beyond_per_s, &conduction.ways, &along.above_k, &transformed);
+        let beyond_k_per_s = ends.beyond.over(&start_k_per_s, &length_s);
+        for z in 0..ZONES {
+            for l in 0..L {
+                along.beyond_w_per_m[z][l] =
+                    beyond_k_per_s[z][l] / self.heat.per_capacity_k_m_per_j[l];
+            }
+        }
+        let leg = Leg {
+            along: Some(&along),
+            ..*leg
+        };
+        let [first, second, third, fourth, last] = &mut ends.cells;
+        let zones = [middle, first, second, third, fourth, last];
+        // Heat beyond the baseline's, W/m, and what all heat does, K/s.
+        let mut rate_k_per_s = [[0.0; L]; ZONES];
+        let residual_k = self.advance_zones(zones, &leg, &mut rate_k_per_s);
+        for rate_k_per_s in &mut rate_k_per_s {
+            for l in 0..L {
+                let power_w_per_m = rate_k_per_s[l] + stage.acting.power_w_per_m[l];
+                rate_k_per_s[l] = power_w_per_m * self.heat.per_capacity_k_m_per_j[l];
+            }
+        }
+        ends.clamp_k = transfer.clamp_k(&along.above_k, &rate_k_per_s);
+        residual_k
+    }
+
+    /// Moves all zones to the end of a part; returns what the search left, K. `extra_w_per_m` receives the heat beyond
+    /// the baseline's into each zone, W/m.
     #[inline(always)]
     fn advance_zones<const Z: usize>(
         &self,
         zones: [&mut Zone<L>; Z],
         leg: &Leg<'_, L>,
-    ) -> Advanced<L, Z> {
-        let mut reference_degc = [[0.0; L]; Z];
-        let mut sensitivity_k_m_per_w = [[[0.0; L]; Z]; Z];
-        let mut before = [Before::ZERO; Z];
-        let mut share = [[0.0; L]; Z];
-        let mut own_shift_k = [[0.0; L]; Z];
-        let mut extra_w_per_m = [[0.0; L]; Z];
+        extra_w_per_m: &mut [[f64; L]; Z],
+    ) -> [f64; L] {
+        let mut problem = Problem {
+            acting: &leg.stage.acting,
+            before: [Before::ZERO; Z],
+            reference_degc: [[0.0; L]; Z],
+            sensitivity_k_m_per_w: [[[0.0; L]; Z]; Z],
+            own_shift_k: [[0.0; L]; Z],
+        };
         for z in 0..Z {
-            let start_degc = &zones[z].temperature_degc;
             let Reference {
                 end_degc,
                 sensitivity_k_m_per_w: by_itself,
             } = self.heat.reference(
-                start_degc,
+                &zones[z].temperature_degc,
                 leg.sample,
                 leg.stage,
                 leg.dt_s,
                 leg.ambient_degc,
             );
-            reference_degc[z] = end_degc;
-            sensitivity_k_m_per_w[z][z] = by_itself;
-            share[z] = zones[z].transformed;
+            problem.reference_degc[z] = end_degc;
+            problem.sensitivity_k_m_per_w[z][z] = by_itself;
         }
-        if let Some(along) = &leg.along {
-            self.conduct(
-                along,
-                leg.stage,
-                &mut reference_degc,
-                &mut sensitivity_k_m_per_w,
-            );
-            extra_w_per_m = core::array::from_fn(|z| along.beyond_w_per_m[z]);
+        if let Some(along) = leg.along {
+            self.conduct(along, leg.stage, &mut problem);
+            extra_w_per_m.copy_from_slice(&along.beyond_w_per_m[..Z]);
         }
         if let Some(own) = leg.own {
             for z in 0..Z {
-                own_shift_k[z] = own.shift_k[z];
+                problem.own_shift_k[z] = own.shift_k[z];
                 for l in 0..L {
                     extra_w_per_m[z][l] += own.flow_w_per_m[z][l];
                 }
                 for k in 0..Z {
                     for l in 0..L {
-                        reference_degc[z][l] +=
-                            sensitivity_k_m_per_w[z][k][l] * own.flow_w_per_m[k][l];
+                        problem.reference_degc[z][l] +=
+                            problem.sensitivity_k_m_per_w[z][k][l] * own.flow_w_per_m[k][l];
                     }
                 }
             }
         }
-        let mean = self.mean(&share);
-        for z in 0..Z {
-            before[z] = self.start_of(z, zones[z], mean, leg);
+        let mut ending = Ending {
+            driving_degc: problem.reference_degc,
+            transformed: [[0.0; L]; Z],
+            slope_per_k: [[0.0; L]; Z],
+        };
+        if self.path.implicit | self.path.stands_in_zone {
+            let mut share = [[0.0; L]; Z];
+            for z in 0..Z {
+                share[z] = zones[z].transformed;
+            }
+            let mean = self.mean(&share);
+            for z in 0..Z {
+                problem.before[z] = self.start_of(z, zones[z], mean, leg);
+            }
         }
-        let mut driving = reference_degc;
-        let mut slope = [[0.0; L]; Z];
-        let mut end_degc = reference_degc;
         if self.path.implicit {
-            let problem = Problem {
-                acting: &leg.stage.acting,
-                before: &before,
-                reference_degc: &reference_degc,
-                sensitivity_k_m_per_w: &sensitivity_k_m_per_w,
-                own_shift_k: &own_shift_k,
-            };
-            self.solve(&problem, &zones, &mut driving, &mut slope);
+            self.solve(&problem, &zones, &mut ending);
         }
         for z in 0..Z {
             if self.path.wants_middle {
-                self.pass_middle(z, zones[z], &driving[z], leg);
+                self.pass_middle(z, zones[z], &ending.driving_degc[z], leg);
             }
-            self.commit(zones[z], &driving[z], &mut share[z]);
-            zones[z].slope_per_k = slope[z];
+            self.commit(z, zones[z], &mut ending);
+            zones[z].slope_per_k = ending.slope_per_k[z];
         }
+        let mut end_degc = problem.reference_degc;
         let mut residual_k = [0.0; L];
         if self.path.implicit {
-            let problem = Problem {
-                acting: &leg.stage.acting,
-                before: &before,
-                reference_degc: &reference_degc,
-                sensitivity_k_m_per_w: &sensitivity_k_m_per_w,
-                own_shift_k: &own_shift_k,
-            };
             let mut at = Evaluated::ZERO;
-            self.evaluate(&problem, &zones, [&driving, &share, &slope], &mut at);
+            self.evaluate(&problem, &zones, &ending, &mut at);
             for z in 0..Z {
                 let warmed_k = problem.warmed_k(z, &at.flow);
                 for l in 0..L {
@@ -249,18 +263,18 @@ impl<const L: usize> ExtendedPlant<L> {
             }
         }
         if self.path.stands_in_zone {
-            let mean = self.mean(&share);
+            let mean = self.mean(&ending.transformed);
             for z in 0..Z {
                 let trial = Trial {
-                    driving_degc: driving[z],
+                    driving_degc: ending.driving_degc[z],
                     temperature_degc: end_degc[z],
-                    transformed: share[z],
-                    slope_per_k: slope[z],
+                    transformed: ending.transformed[z],
+                    slope_per_k: ending.slope_per_k[z],
                     mean,
                     ..Trial::ZERO
                 };
                 self.effects
-                    .commit(&mut zones[z].effects, &before[z], &trial);
+                    .commit(&mut zones[z].effects, &problem.before[z], &trial);
             }
         }
         for z in 0..Z {
@@ -269,10 +283,7 @@ impl<const L: usize> ExtendedPlant<L> {
             }
             zones[z].temperature_degc = end_degc[z];
         }
-        Advanced {
-            residual_k,
-            extra_w_per_m,
-        }
+        residual_k
     }
 
     /// Adds what heat along the rod does to temperatures at the end, and to what flows do to them: heat beyond the mean
@@ -282,22 +293,23 @@ impl<const L: usize> ExtendedPlant<L> {
         &self,
         along: &Along<'_, L>,
         stage: &Stage<L>,
-        end_degc: &mut [[f64; L]; Z],
-        sensitivity_k_m_per_w: &mut [[[f64; L]; Z]; Z],
+        problem: &mut Problem<'_, L, Z>,
     ) {
         for z in 0..Z {
             let moved_k = along.transfer.moved_k(z, &along.above_k);
+            let end_degc = &mut problem.reference_degc[z];
+            let sensitivity_k_m_per_w = &mut problem.sensitivity_k_m_per_w[z];
             for l in 0..L {
-                let by_itself = sensitivity_k_m_per_w[z][z][l];
-                end_degc[z][l] += moved_k[l] + by_itself * along.beyond_w_per_m[z][l];
+                let by_itself = sensitivity_k_m_per_w[z][l];
+                end_degc[l] += moved_k[l] + by_itself * along.beyond_w_per_m[z][l];
             }
             for k in 0..Z {
                 for l in 0..L {
                     let warmed_s = along.transfer.warmed_s[z][k][l];
                     let added = warmed_s * self.heat.per_capacity_k_m_per_j[l];
-                    sensitivity_k_m_per_w[z][k][l] += added;
+                    sensitivity_k_m_per_w[k][l] += added;
                     let power_w_per_m = stage.acting.power_w_per_m[l] + along.beyond_w_per_m[k][l];
-                    end_degc[z][l] += added * power_w_per_m;
+                    end_degc[l] += added * power_w_per_m;
                 }
             }
         }
@@ -316,21 +328,20 @@ impl<const L: usize> ExtendedPlant<L> {
         progress(leg.stage.middle[l], self.rate(z, leg, l))
     }
 
-    /// Takes the hysteresis of a zone to a driving temperature.
+    /// Takes the hysteresis of zone `z` to its driving temperature.
     #[inline(always)]
-    fn commit(&self, zone: &mut Zone<L>, driving_degc: &[f64; L], share: &mut [f64; L]) {
-        let mut mapped = Mapped {
-            fraction: self.hysteresis.commit(&mut zone.memory, *driving_degc),
-            slope_per_k: [0.0; L],
+    fn commit<const Z: usize>(&self, z: usize, zone: &mut Zone<L>, ending: &mut Ending<L, Z>) {
+        let driving_degc = &ending.driving_degc[z];
+        zone.fraction = if Z == 1 {
+            self.go(zone, driving_degc)
+        } else {
+            self.go_apart(zone, driving_degc)
         };
-        self.effects
-            .fraction(&zone.effects, driving_degc, &mut mapped);
         for l in 0..L {
-            share[l] = self.scale.transformed(l, mapped.fraction[l]);
+            ending.transformed[z][l] = self.scale.transformed(l, zone.fraction[l]);
         }
         zone.driving_degc = *driving_degc;
-        zone.fraction = mapped.fraction;
-        zone.transformed = *share;
+        zone.transformed = ending.transformed[z];
     }
 
     /// Notes the fraction in the middle of the sample, on the way to a driving temperature.
@@ -342,16 +353,11 @@ impl<const L: usize> ExtendedPlant<L> {
             let change_k = driving_degc[l] - zone.driving_degc[l];
             passed_degc[l] = zone.driving_degc[l] + change_k * done;
         }
-        let mut mapped = Mapped {
-            fraction: self.hysteresis.peek(&zone.memory, passed_degc).fraction,
-            slope_per_k: [0.0; L],
-        };
-        self.effects
-            .fraction(&zone.effects, &passed_degc, &mut mapped);
+        let fraction = self.fraction_apart(zone, &passed_degc);
         for l in 0..L {
             let before = zone.middle_fraction[l];
             let here = leg.stage.has_middle[l];
-            zone.middle_fraction[l] = if here { mapped.fraction[l] } else { before };
+            zone.middle_fraction[l] = if here { fraction[l] } else { before };
         }
     }
 

@@ -2,6 +2,7 @@
 
 /// Between which points the root lies, as far as they were tried.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(crate) struct Bracket<const L: usize> {
     lower: [f64; L],
     upper: [f64; L],

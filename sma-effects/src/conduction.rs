@@ -33,6 +33,7 @@ pub(crate) type PerZone<const L: usize> = [[f64; L]; ZONES];
 
 /// Both ends of a rod, which are alike: cells, and what they are clamped in.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub(crate) struct Ends<const L: usize> {
     pub(crate) cells: [Zone<L>; CELLS],
     /// The clamps above the surroundings, K.
@@ -43,6 +44,7 @@ pub(crate) struct Ends<const L: usize> {
 
 /// What conduction does beyond that at the mean conductivity, at the start of the last part of a sample that had a length.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub(crate) struct BeyondMean<const L: usize> {
     rate_k_per_s: PerZone<L>,
     length_s: [f64; L],
@@ -169,6 +171,7 @@ impl<const L: usize> Transfers<L> {
 ///
 /// A row of A that is 0 leaves rows of W and Y that are 0, to the last bit.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub(crate) struct Transfer<const L: usize> {
     length_s: [f64; L],
     /// e.

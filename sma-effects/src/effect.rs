@@ -53,6 +53,7 @@ pub(crate) struct Moment {
 
 /// What acts on the zones of the rod in a part of a sample.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Acting<const L: usize> {
     /// 1/length of the part, 1/s, and 0 for no time: nothing happens in it.
     pub(crate) per_s: [f64; L],
@@ -64,6 +65,7 @@ pub(crate) struct Acting<const L: usize> {
 
 /// A zone at the start of a sample.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Before<const L: usize> {
     pub(crate) temperature_degc: [f64; L],
     /// Transformed share of the zone, 0 cold to 1 hot.
@@ -117,6 +119,7 @@ impl<const L: usize> Before<L> {
 
 /// A zone at the end of a sample, as tried or as found.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Trial<const L: usize> {
     /// Temperature that drives the hysteresis: the rod's less what shifts the loop, °C.
     pub(crate) driving_degc: [f64; L],
@@ -138,6 +141,7 @@ pub(crate) struct Trial<const L: usize> {
 
 /// Fraction at a driving temperature, and its slope, 1/K.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Mapped<const L: usize> {
     pub(crate) fraction: [f64; L],
     pub(crate) slope_per_k: [f64; L],
@@ -145,6 +149,7 @@ pub(crate) struct Mapped<const L: usize> {
 
 /// By how much the loop is shifted upward, and how that changes with the trial.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Shift<const L: usize> {
     pub(crate) kelvin: [f64; L],
     /// Change per kelvin of driving temperature, the zone's own fraction included.
@@ -156,6 +161,7 @@ pub(crate) struct Shift<const L: usize> {
 /// Mean heat flow into a zone over the sample beyond that of the baseline, W/m, and how it changes
 /// with the trial.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Flow<const L: usize> {
     pub(crate) w_per_m: [f64; L],
     /// With the temperature at the end, W/(m K).
@@ -168,6 +174,7 @@ pub(crate) struct Flow<const L: usize> {
 
 /// Where a zone stands when its displacement is computed.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(crate) struct Standing<const L: usize> {
     pub(crate) temperature_degc: [f64; L],
     /// Transformed share of the zone.
@@ -176,6 +183,7 @@ pub(crate) struct Standing<const L: usize> {
 
 /// What the displacement is made from, beside the fraction.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(crate) struct Seen<const L: usize> {
     /// Mean over the rod of the warming by which it expands, K.
     pub(crate) expanded_k: [f64; L],
@@ -244,8 +252,14 @@ pub(crate) trait Effect<const L: usize>: Sized {
     type Rod: Clone + core::fmt::Debug + PartialEq;
     /// What it remembers in each zone.
     type Zone: Clone + core::fmt::Debug + PartialEq;
-    /// Whether the heat balance of a sample must be solved for its end.
-    const IMPLICIT: bool = false;
+    /// Whether it changes the heating power.
+    const CHANGES_POWER: bool = false;
+    /// Whether it adds heat: the heat balance of a sample must then be solved for its end.
+    const FLOWS: bool = false;
+    /// Whether it changes the fraction at a temperature.
+    const CHANGES_FRACTION: bool = false;
+    /// Whether it shifts the loop: the same.
+    const SHIFTS: bool = false;
     /// Whether it must know the displacement in the middle of a sample.
     const WANTS_MIDDLE: bool = false;
     /// Whether it changes the temperature of the surroundings.

@@ -1,6 +1,11 @@
-use wiener::{Block, Fleet, Plant, Profile, Start, Started, WienerParams, lockstep};
+use wiener::{
+    Block, Fleet, Lanes, NARROW, Output, Profile, Shown, Start, Stretch, WIDE, WienerParams,
+    lockstep,
+};
 
-use crate::{EffectValues, ExtendedPlant, PhysicsError, Setting};
+use crate::plant::Plants;
+use crate::state::PlantsState;
+use crate::{EffectValues, PhysicsError, Setting};
 
 /// One model of an [`Extended`] fleet, and where it starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,25 +43,50 @@ impl Extended {
     ) -> Result<(), PhysicsError> {
         lockstep(self, members, profile, visit)
     }
+
+    fn started<const L: usize>(&self, members: &[Member; L]) -> Result<Running<L>, PhysicsError> {
+        let plants = Plants::new(
+            &self.setting,
+            &members.map(|member| member.params),
+            &members.map(|member| member.effects),
+        )?;
+        let state = plants.between_limiting_curves(
+            members.map(|member| member.start.temperature_degc),
+            members.map(|member| member.start.share),
+        );
+        Ok(Running { plants, state })
+    }
 }
 
 impl Fleet for Extended {
     type Member = Member;
     type Error = PhysicsError;
 
-    fn start<const L: usize>(
+    fn narrow(
         &self,
-        members: &[Member; L],
-    ) -> Result<Started<L, impl Plant<L>>, PhysicsError> {
-        let plant = ExtendedPlant::new(
-            &self.setting,
-            &members.map(|member| member.params),
-            &members.map(|member| member.effects),
-        )?;
-        let state = plant.between_limiting_curves(
-            members.map(|member| member.start.temperature_degc),
-            members.map(|member| member.start.share),
-        );
-        Ok(Started { plant, state })
+        members: &[Member; NARROW],
+    ) -> Result<Box<dyn Lanes<NARROW> + Send>, PhysicsError> {
+        Ok(Box::new(self.started(members)?))
+    }
+
+    fn wide(&self, members: &[Member; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, PhysicsError> {
+        Ok(Box::new(self.started(members)?))
+    }
+}
+
+/// Plants on their way.
+#[derive(Debug)]
+struct Running<const L: usize> {
+    plants: Plants<L>,
+    state: PlantsState<L>,
+}
+
+impl<const L: usize> Lanes<L> for Running<L> {
+    fn output(&self) -> Output<L> {
+        self.plants.output(&self.state)
+    }
+
+    fn run(&mut self, stretch: &Stretch<'_, L>, shown: &mut Shown<'_, L>) {
+        self.plants.run(&mut self.state, stretch, shown);
     }
 }

@@ -8,6 +8,7 @@ use crate::part::{Part, Stage, progress, unit};
 
 /// The linear heat balance of a zone: that of the baseline.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub(crate) struct ZoneHeat<const L: usize> {
     pub(crate) balance: HeatBalance<L>,
     conductance_w_per_m_k: [f64; L],
@@ -18,6 +19,7 @@ pub(crate) struct ZoneHeat<const L: usize> {
 
 /// What a part of a sample does to a zone without heat beyond the baseline's.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(crate) struct Reference<const L: usize> {
     /// Temperature at its end, °C.
     pub(crate) end_degc: [f64; L],

@@ -7,6 +7,7 @@ mod effect;
 mod effects;
 mod elementary;
 mod error;
+mod extended_plant;
 mod fleet;
 mod heat;
 mod hypothesis;
@@ -17,6 +18,7 @@ mod loop_scale;
 mod part;
 mod plant;
 mod play;
+mod sense;
 mod set;
 mod setting;
 mod shown;
@@ -33,12 +35,11 @@ pub use effects::{
     SensorNonlinearity, StressCoupling, SupplyLag, ThermalExpansion, ThermocoupleLag,
 };
 pub use error::PhysicsError;
+pub use extended_plant::{ExtendedPlant, ExtendedState};
 pub use fleet::{Extended, Member};
 pub use hypothesis::Hypothesis;
 pub use info::{
     EffectBlock, EffectInfo, EffectParameter, Literature, Need, Role, Sign, Smoothness,
 };
-pub use plant::ExtendedPlant;
 pub use set::EffectSet;
 pub use setting::Setting;
-pub use state::ExtendedState;

@@ -24,6 +24,7 @@ pub(crate) fn unit(x: f64) -> f64 {
 
 /// A sample in two parts: the rod may turn from heating to cooling between them.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Turn<const L: usize> {
     /// Share of the sample before it, 0 to 1.
     pub(crate) share: [f64; L],
@@ -45,6 +46,7 @@ pub(crate) enum Part {
 
 /// A part of a sample and what acts in it.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(crate) struct Stage<const L: usize> {
     pub(crate) part: Part,
     /// Share of the sample that the part takes.
@@ -68,13 +70,18 @@ impl<const L: usize> Stage<L> {
         }
     }
 
-    /// The part before or after the change of power.
+    /// Becomes the part before or after the change of power.
     #[inline(always)]
-    pub(crate) fn divide(&mut self, part: Part, earlier_share: &[f64; L], dt_s: f64) {
+    pub(crate) fn divide(&mut self, part: Part, turn: &Turn<L>, dt_s: f64) {
         self.part = part;
         let is_earlier = part == Part::Earlier;
+        self.acting.power_w_per_m = if is_earlier {
+            turn.earlier_w_per_m
+        } else {
+            turn.later_w_per_m
+        };
         for l in 0..L {
-            let earlier = earlier_share[l];
+            let earlier = turn.share[l];
             let share = if is_earlier { earlier } else { 1.0 - earlier };
             let start = if is_earlier { 0.0 } else { earlier };
             let length_s = share * dt_s;

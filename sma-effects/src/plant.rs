@@ -1,35 +1,23 @@
-use wiener::hysteresis::{Branch, Hysteresis, LoopFamily, Rule, SineProximity};
+use wiener::hysteresis::{Hysteresis, LoopFamily, Rule, SineProximity};
 use wiener::thermal::Heating;
-use wiener::{Drive, Input, Output, Plant, Wiener, WienerParams};
+use wiener::{Drive, Drives, Output, Shown, Stretch, Wiener, WienerParams, widest_vectors};
 
-use crate::effect::{Base, Instant, Mapped, Moment};
+use crate::effect::{Base, Instant, Moment};
 use crate::effects::Effects;
 use crate::heat::ZoneHeat;
 use crate::hypothesis::{Own, Place};
 use crate::loop_scale::LoopScale;
 use crate::part::Turn;
-use crate::{
-    EffectId, EffectSet, EffectValues, ExtendedState, Hypothesis, Need, PhysicsError, Setting,
-};
+use crate::state::PlantsState;
+use crate::{EffectId, EffectSet, EffectValues, Hypothesis, Need, PhysicsError, Setting};
 
-/// The Wiener cascade of `L` actuators side by side, with any of the effects.
+/// The extended plants of `L` lanes, for [`ExtendedPlant`](crate::ExtendedPlant) and [`Extended`](crate::Extended) fleets.
 ///
-/// ```text
-/// drive → P(·) → m C_p dT/dt = P - hA (T - T_a) + q(·) → ξ = loop(T - ΔT(·)) → y = gain ξ + offset + …
-/// ```
-///
-/// Over a sample the heat flow beyond the baseline's counts with one value q̄, and what is linear is
-/// exact:
-///
-/// ```text
-/// T_1 = B + S q̄(T_0, T_1, ξ_0, ξ_1),   S = (1 - e^(-dt/τ))/(hA)
-/// ```
-///
-/// with the baseline's temperature B, heat along the rod included. A few Newton iterations solve it together with the hysteresis, in each
-/// lane until it is met. With all sizes 0 the outputs are the bits of [`Wiener`], whatever is active, because each
-/// effect adds an exact zero.
+/// A sample passes a short way that is inlined, and calls for what only some effects need. Each call is compiled once for
+/// each instruction set: a function with everything in it would be many times what the first-level cache holds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ExtendedPlant<const L: usize = 1> {
+#[repr(align(64))]
+pub(crate) struct Plants<const L: usize> {
     drive: Drive,
     pub(crate) heat: ZoneHeat<L>,
     pub(crate) hysteresis: Hysteresis<L>,
@@ -49,16 +37,19 @@ pub struct ExtendedPlant<const L: usize = 1> {
 /// What the active effects ask of a step: decided once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Path {
-    /// A sample must be solved for its end.
-    pub(crate) implicit: bool,
-    /// The power reaches the rod late; the supply lags, so that a sample in which the rod turns has two parts.
-    is_late: bool,
-    lags: bool,
+    pub(crate) flows: bool,
+    pub(crate) shifts: bool,
+    pub(crate) changes_power: bool,
+    pub(crate) changes_fraction: bool,
     pub(crate) wants_middle: bool,
     pub(crate) changes_ambient: bool,
     pub(crate) stands_in_zone: bool,
-    /// The rod has ends.
-    has_ends: bool,
+    /// The power reaches the rod late: every sample has two parts.
+    is_late: bool,
+    /// A sample must be solved for its end.
+    pub(crate) implicit: bool,
+    /// A sample is one step after another: heat, then fraction.
+    is_plain: bool,
     /// The displacement is more than gain and offset.
     shows: bool,
     /// The recorded temperature is not the rod's.
@@ -69,30 +60,35 @@ impl Path {
     fn of<const L: usize>(effects: &Effects<L>, own: &Own<L>) -> Self {
         let active = effects.active;
         let delays_output = effects.dead_time.delays_output();
+        let flows = active.meets(Effects::<L>::FLOW);
+        let shifts = active.meets(Effects::<L>::SHIFT);
+        // The solution is written with a shift of the loop, the plain step is not.
+        let implicit = flows | shifts | own.has(Place::Shift);
+        let is_late = active.contains(EffectId::DeadTime);
+        let wants_middle = active.meets(Effects::<L>::WANT_MIDDLE) | delays_output;
+        let stands_in_zone = active.meets(Effects::<L>::STAND_IN_ZONE);
+        let has_ends = active.contains(EffectId::EndConduction);
         Self {
-            // The solution is written with a shift of the loop, the plain step is not.
-            implicit: active.meets(Effects::<L>::IMPLICIT) | own.has(Place::Shift),
-            is_late: active.contains(EffectId::DeadTime),
-            lags: active.contains(EffectId::SupplyLag),
-            wants_middle: active.meets(Effects::<L>::WANT_MIDDLE) | delays_output,
+            flows,
+            shifts,
+            changes_power: active.meets(Effects::<L>::CHANGE_POWER),
+            changes_fraction: active.meets(Effects::<L>::CHANGE_FRACTION),
+            wants_middle,
             changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
-            stands_in_zone: active.meets(Effects::<L>::STAND_IN_ZONE),
-            has_ends: active.contains(EffectId::EndConduction),
-            shows: active.meets(Effects::<L>::SHOW.with(EffectId::EndConduction))
+            stands_in_zone,
+            is_late,
+            implicit,
+            is_plain: !(implicit | is_late | wants_middle | stands_in_zone | has_ends),
+            shows: active.meets(Effects::<L>::SHOW)
+                | has_ends
                 | own.has(Place::Displacement)
                 | delays_output,
             records: active.meets(Effects::<L>::RECORD),
         }
     }
-
-    /// Whether a sample is one step after another: heat, then fraction.
-    #[inline(always)]
-    fn is_plain(self) -> bool {
-        !(self.implicit | self.is_late | self.wants_middle | self.stands_in_zone | self.has_ends)
-    }
 }
 
-impl<const L: usize> ExtendedPlant<L> {
+impl<const L: usize> Plants<L> {
     /// The plants of `L` lanes: parameters of the baseline and of the effects for each, the setting in
     /// common.
     ///
@@ -100,7 +96,7 @@ impl<const L: usize> ExtendedPlant<L> {
     ///
     /// [`PhysicsError`] naming the value that is out of range, the effect that is not active, or
     /// what an active effect lacks.
-    pub fn new(
+    pub(crate) fn new(
         setting: &Setting,
         params: &[WienerParams; L],
         values: &[EffectValues; L],
@@ -156,75 +152,131 @@ impl<const L: usize> ExtendedPlant<L> {
     }
 
     /// The effects that may have a size.
-    #[must_use]
-    pub fn active(&self) -> EffectSet {
+    pub(crate) fn active(&self) -> EffectSet {
         self.effects.active
     }
 
+    /// What the plants show in a state.
     #[inline(always)]
-    fn sub_step(&self, state: &mut ExtendedState<L>, input: &Input<L>, dt_s: f64) {
+    pub(crate) fn output(&self, state: &PlantsState<L>) -> Output<L> {
+        Output {
+            displacement: if self.path.shows {
+                state.displacement
+            } else {
+                self.read_out(&state.middle.fraction)
+            },
+            temperature_degc: if self.path.records {
+                state.recorded_degc
+            } else {
+                state.middle.temperature_degc
+            },
+        }
+    }
+
+    /// Moves a state on through all samples of a stretch; shows it before each, as [`Lanes::run`](wiener::Lanes::run).
+    #[inline(never)]
+    pub(crate) fn run(
+        &self,
+        state: &mut PlantsState<L>,
+        stretch: &Stretch<'_, L>,
+        shown: &mut Shown<'_, L>,
+    ) {
+        widest_vectors(
+            #[inline(always)]
+            || {
+                for k in 0..stretch.dt_s.len() {
+                    let before = self.output(state);
+                    shown.displacement[k] = before.displacement;
+                    shown.temperature_degc[k] = before.temperature_degc;
+                    let drive = match stretch.drive {
+                        Drives::Common(drive) => [drive[k]; L],
+                        Drives::Each(drives) => drives[k],
+                    };
+                    let part_s = stretch.dt_s[k] / self.sub_steps as f64;
+                    for _ in 0..self.sub_steps {
+                        self.sub_step(state, drive, stretch.ambient_degc[k], part_s);
+                    }
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn sub_step(
+        &self,
+        state: &mut PlantsState<L>,
+        mut drive: [f64; L],
+        ambient_degc: f64,
+        dt_s: f64,
+    ) {
         if !state.sample.is_of(&self.heat.balance, dt_s) {
             self.prepare(state, dt_s);
         }
         let moment = self.moment(state.time_s, dt_s);
-        let resistance_ohm_per_m = self.heat.balance.resistance_ohm_per_m();
-        let mut drive = input.drive;
         if state.own.is_some() {
-            self.begin_own(state, &mut drive, input.ambient_degc);
+            self.begin_own(state, &mut drive, ambient_degc);
         }
+        let resistance_ohm_per_m = self.heat.balance.resistance_ohm_per_m();
         let mut power_w_per_m = self.drive.power_w_per_m(drive, resistance_ohm_per_m);
-        self.effects
-            .power(&mut state.rod, &moment, &mut power_w_per_m);
+        let mut turn = None;
+        if self.path.changes_power {
+            self.effects
+                .power(&mut state.rod, &moment, &mut power_w_per_m);
+            turn = self.turn(state, &power_w_per_m, ambient_degc, dt_s);
+        }
         state.time_s += dt_s;
-        let turn = self.turn(state, power_w_per_m, input.ambient_degc, dt_s);
-        if self.path.is_plain() && turn.is_none() {
-            self.advance_plainly(state, &moment, power_w_per_m, input.ambient_degc);
+        if self.path.is_plain && turn.is_none() {
+            self.advance_plainly(state, &moment, power_w_per_m, ambient_degc);
         } else {
-            let ambient_degc = input.ambient_degc;
-            self.advance(state, &moment, power_w_per_m, turn.as_ref(), ambient_degc);
+            self.advance(state, &moment, &power_w_per_m, turn.as_ref(), ambient_degc);
         }
         if let Some(own) = &mut state.own {
             own.end(&state.middle.temperature_degc);
         }
         if self.path.shows {
-            state.displacement = self.show(state, &moment, Instant::End);
+            let mut displacement = [0.0; L];
+            self.show(state, &moment, Instant::End, &mut displacement);
+            state.displacement = displacement;
         }
         if self.path.records {
-            let mut surroundings_degc = [input.ambient_degc; L];
-            self.effects.ambient(&moment, &mut surroundings_degc);
-            state.recorded_degc = state.middle.temperature_degc;
-            self.effects.temperature(
-                &mut state.rod,
-                &state.middle.middle_degc,
-                &surroundings_degc,
-                &mut state.recorded_degc,
-            );
+            self.record(state, &moment, ambient_degc);
         }
     }
 
+    /// Notes the temperature that is recorded.
+    #[inline(never)]
+    fn record(&self, state: &mut PlantsState<L>, moment: &Moment, ambient_degc: f64) {
+        let mut surroundings_degc = [ambient_degc; L];
+        self.effects.ambient(moment, &mut surroundings_degc);
+        state.recorded_degc = state.middle.temperature_degc;
+        self.effects.temperature(
+            &mut state.rod,
+            &state.middle.middle_degc,
+            &surroundings_degc,
+            &mut state.recorded_degc,
+        );
+    }
+
     /// Where the rod may turn within the sample.
-    #[inline(always)]
+    #[inline(never)]
     fn turn(
         &self,
-        state: &ExtendedState<L>,
-        power_w_per_m: [f64; L],
+        state: &PlantsState<L>,
+        power_w_per_m: &[f64; L],
         ambient_degc: f64,
         dt_s: f64,
     ) -> Option<Turn<L>> {
         if self.path.is_late {
-            return Some(state.rod.dead_time.turn(power_w_per_m));
-        }
-        if !self.path.lags {
-            return None;
+            return Some(state.rod.dead_time.turn(*power_w_per_m));
         }
         let lost_w_per_m = self.heat.lost(&state.middle.temperature_degc, ambient_degc);
         let lag = &self.effects.supply_lag;
-        lag.turn(&state.rod.supply_lag, &lost_w_per_m, &power_w_per_m, dt_s)
+        lag.turn(&state.rod.supply_lag, &lost_w_per_m, power_w_per_m, dt_s)
     }
 
     /// Evaluates the own hypotheses at the start of a sample.
     #[inline(never)]
-    fn begin_own(&self, state: &mut ExtendedState<L>, drive: &mut [f64; L], ambient_degc: f64) {
+    fn begin_own(&self, state: &mut PlantsState<L>, drive: &mut [f64; L], ambient_degc: f64) {
         let Some(mut own) = state.own.take() else {
             return;
         };
@@ -241,7 +293,7 @@ impl<const L: usize> ExtendedPlant<L> {
 
     /// Coefficients for samples of another length.
     #[inline(never)]
-    fn prepare(&self, state: &mut ExtendedState<L>, dt_s: f64) {
+    fn prepare(&self, state: &mut PlantsState<L>, dt_s: f64) {
         state.sample = self.heat.balance.over(dt_s);
         self.effects.over(&mut state.rod, dt_s);
     }
@@ -260,7 +312,7 @@ impl<const L: usize> ExtendedPlant<L> {
     #[inline(always)]
     fn advance_plainly(
         &self,
-        state: &mut ExtendedState<L>,
+        state: &mut PlantsState<L>,
         moment: &Moment,
         power_w_per_m: [f64; L],
         ambient_degc: f64,
@@ -282,45 +334,8 @@ impl<const L: usize> ExtendedPlant<L> {
         if let Some(own) = &state.own {
             heat.heat(&mut end_degc, &state.sample, &own.flow_w_per_m[0]);
         }
-        let mut mapped = Mapped {
-            fraction: self.hysteresis.commit(&mut zone.memory, end_degc),
-            slope_per_k: [0.0; L],
-        };
-        self.effects.fraction(&zone.effects, &end_degc, &mut mapped);
+        zone.fraction = self.go(zone, &end_degc);
         zone.temperature_degc = end_degc;
-        zone.fraction = mapped.fraction;
-    }
-}
-
-impl<const L: usize> Plant<L> for ExtendedPlant<L> {
-    type State = ExtendedState<L>;
-
-    fn rest(&self, ambient_degc: f64) -> ExtendedState<L> {
-        self.on_limiting_curve(Branch::Cooling, [ambient_degc; L])
-    }
-
-    #[inline(always)]
-    fn output(&self, state: &ExtendedState<L>) -> Output<L> {
-        Output {
-            displacement: if self.path.shows {
-                state.displacement
-            } else {
-                self.read_out(&state.middle.fraction)
-            },
-            temperature_degc: if self.path.records {
-                state.recorded_degc
-            } else {
-                state.middle.temperature_degc
-            },
-        }
-    }
-
-    #[inline(always)]
-    fn step(&self, state: &mut ExtendedState<L>, input: &Input<L>, dt_s: f64) {
-        let part_s = dt_s / self.sub_steps as f64;
-        for _ in 0..self.sub_steps {
-            self.sub_step(state, input, part_s);
-        }
     }
 }
 

@@ -1,27 +1,35 @@
 //! From the zones to the displacement.
 
+use wiener::widest_vectors;
+
 use crate::conduction::ZONES;
 use crate::effect::{Instant, Moment, Seen, Standing};
 use crate::hypothesis::{OwnMemory, Place, SeenState};
-use crate::plant::ExtendedPlant;
-use crate::state::{ExtendedState, Zone};
+use crate::plant::Plants;
+use crate::state::{PlantsState, Zone};
 
-impl<const L: usize> ExtendedPlant<L> {
+impl<const L: usize> Plants<L> {
     /// Displacement at an instant of the sample.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn show(
         &self,
-        state: &mut ExtendedState<L>,
+        state: &mut PlantsState<L>,
         moment: &Moment,
         instant: Instant,
-    ) -> [f64; L] {
-        let (mut displacement, seen) = self.stroke(state, instant);
-        self.effects
-            .displacement(&mut state.rod, moment, &seen, &mut displacement);
+        displacement: &mut [f64; L],
+    ) {
+        widest_vectors(
+            #[inline(always)]
+            || {
+                let (mut shown, seen) = self.stroke(state, instant);
+                self.effects
+                    .displacement(&mut state.rod, moment, &seen, &mut shown);
+                *displacement = shown;
+            },
+        );
         if let (Some(own), Instant::End) = (&state.own, instant) {
-            self.show_own(own, state, &mut displacement);
+            self.show_own(own, state, displacement);
         }
-        displacement
     }
 
     /// Adds what own hypotheses add to the displacement.
@@ -29,7 +37,7 @@ impl<const L: usize> ExtendedPlant<L> {
     pub(crate) fn show_own(
         &self,
         own: &OwnMemory<L>,
-        state: &ExtendedState<L>,
+        state: &PlantsState<L>,
         displacement: &mut [f64; L],
     ) {
         let rod = self.seen_by_own(state, None);
@@ -39,7 +47,7 @@ impl<const L: usize> ExtendedPlant<L> {
     /// What own hypotheses see of a zone, or of the whole rod.
     pub(crate) fn seen_by_own(
         &self,
-        state: &ExtendedState<L>,
+        state: &PlantsState<L>,
         zone: Option<&Zone<L>>,
     ) -> SeenState<L> {
         let of_zone = |zone: &Zone<L>| (zone.fraction, zone.temperature_degc);
@@ -54,8 +62,12 @@ impl<const L: usize> ExtendedPlant<L> {
 
     /// Displacement by the fraction alone.
     #[inline(always)]
-    pub(crate) fn stroke(&self, state: &ExtendedState<L>, instant: Instant) -> ([f64; L], Seen<L>) {
-        let (fraction, expanded_k) = self.mean_of(state, |zone| self.moved_by(zone, instant));
+    pub(crate) fn stroke(&self, state: &PlantsState<L>, instant: Instant) -> ([f64; L], Seen<L>) {
+        let (fraction, expanded_k) = self.mean_of(
+            state,
+            #[inline(always)]
+            |zone| self.moved_by(zone, instant),
+        );
         let displacement = self.read_out(&fraction);
         let seen = Seen {
             expanded_k,
@@ -100,7 +112,7 @@ impl<const L: usize> ExtendedPlant<L> {
     #[inline(always)]
     fn mean_of(
         &self,
-        state: &ExtendedState<L>,
+        state: &PlantsState<L>,
         of_zone: impl Fn(&Zone<L>) -> ([f64; L], [f64; L]),
     ) -> ([f64; L], [f64; L]) {
         let (one, other) = of_zone(&state.middle);

@@ -1,8 +1,8 @@
 //! The end of a sample where heat and transformation depend on each other.
 
 use crate::bracket::Bracket;
-use crate::effect::{Acting, Before, Flow, Mapped, Shift, Trial};
-use crate::plant::ExtendedPlant;
+use crate::effect::{Acting, Before, Flow, Shift, Trial};
+use crate::plant::Plants;
 use crate::state::Zone;
 
 /// Smallest derivative of the residual that is believed: keeps a step of Newton's finite and uphill.
@@ -13,19 +13,32 @@ const NEAR_K: f64 = 1e-10;
 
 /// A part of a sample of `Z` zones: what it starts from, and what acts.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(crate) struct Problem<'a, const L: usize, const Z: usize> {
     pub(crate) acting: &'a Acting<L>,
-    pub(crate) before: &'a [Before<L>; Z],
+    pub(crate) before: [Before<L>; Z],
     /// Temperatures at its end without heat beyond the baseline's, °C.
-    pub(crate) reference_degc: &'a [[f64; L]; Z],
+    pub(crate) reference_degc: [[f64; L]; Z],
     /// Rise of the temperature of each zone per heat flow into each, K m/W.
-    pub(crate) sensitivity_k_m_per_w: &'a [[[f64; L]; Z]; Z],
+    pub(crate) sensitivity_k_m_per_w: [[[f64; L]; Z]; Z],
     /// By how much own hypotheses shift the loop in each zone, K; their heat is in the reference already.
-    pub(crate) own_shift_k: &'a [[f64; L]; Z],
+    pub(crate) own_shift_k: [[f64; L]; Z],
+}
+
+/// Where zones are at the end of a part, as tried or as found.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Ending<const L: usize, const Z: usize> {
+    /// Temperatures that drive the hysteresis, °C.
+    pub(crate) driving_degc: [[f64; L]; Z],
+    /// Transformed shares, and their slopes over those temperatures, 1/K.
+    pub(crate) transformed: [[f64; L]; Z],
+    pub(crate) slope_per_k: [[f64; L]; Z],
 }
 
 /// A trial of all zones and what follows from it.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(crate) struct Evaluated<const L: usize, const Z: usize> {
     pub(crate) trial: [Trial<L>; Z],
     pub(crate) shift: [Shift<L>; Z],
@@ -40,7 +53,7 @@ impl<const L: usize, const Z: usize> Evaluated<L, Z> {
     };
 }
 
-impl<const L: usize> ExtendedPlant<L> {
+impl<const L: usize> Plants<L> {
     /// Temperatures that drive the hysteresis at the end of the sample, °C, and the slopes of the
     /// transformed share there, 1/K.
     ///
@@ -65,35 +78,49 @@ impl<const L: usize> ExtendedPlant<L> {
         &self,
         problem: &Problem<'_, L, Z>,
         zones: &[&mut Zone<L>; Z],
-        driving: &mut [[f64; L]; Z],
-        slope: &mut [[f64; L]; Z],
+        ending: &mut Ending<L, Z>,
     ) {
-        let mut share = [[0.0; L]; Z];
         for z in 0..Z {
-            driving[z] = zones[z].driving_degc;
-            slope[z] = zones[z].slope_per_k;
-            share[z] = zones[z].transformed;
+            ending.driving_degc[z] = zones[z].driving_degc;
+            ending.slope_per_k[z] = zones[z].slope_per_k;
+            ending.transformed[z] = zones[z].transformed;
         }
         let mut bracket = Bracket::open();
         let mut at = Evaluated::ZERO;
-        self.evaluate(problem, zones, [driving, &share, slope], &mut at);
-        let mut moved_k = self.newton_step(problem, &at, &mut bracket, driving);
+        let mut moved_k = [0.0; L];
         // m_k² - error m_(k-1): not above 0 where a lane stays; NaN never does.
         let mut open = [f64::INFINITY; L];
-        for _ in 0..self.newton_iterations {
-            let (tried, known) = (*driving, *slope);
-            for z in 0..Z {
-                self.look(zones[z], &driving[z], &mut share[z], &mut slope[z]);
+        for iteration in 0..=self.newton_iterations {
+            let tried = *ending;
+            let is_first = iteration == 0;
+            if !is_first {
+                self.look(zones, ending);
             }
-            self.evaluate(problem, zones, [driving, &share, slope], &mut at);
+            self.evaluate(problem, zones, ending, &mut at);
             let before_k = moved_k;
-            moved_k = self.newton_step(problem, &at, &mut bracket, driving);
+            moved_k = self.newton_step(problem, &at, &mut bracket, &mut ending.driving_degc);
+            if is_first {
+                continue;
+            }
             let mut all_stay = true;
             for l in 0..L {
                 let stays = open[l] <= 0.0;
                 for z in 0..Z {
-                    driving[z][l] = if stays { tried[z][l] } else { driving[z][l] };
-                    slope[z][l] = if stays { known[z][l] } else { slope[z][l] };
+                    let Ending {
+                        driving_degc,
+                        slope_per_k,
+                        ..
+                    } = ending;
+                    driving_degc[z][l] = if stays {
+                        tried.driving_degc[z][l]
+                    } else {
+                        driving_degc[z][l]
+                    };
+                    slope_per_k[z][l] = if stays {
+                        tried.slope_per_k[z][l]
+                    } else {
+                        slope_per_k[z][l]
+                    };
                 }
                 let next = moved_k[l] * moved_k[l] - NEAR_K * before_k[l];
                 open[l] = if stays { open[l] } else { next };
@@ -105,37 +132,37 @@ impl<const L: usize> ExtendedPlant<L> {
         }
     }
 
-    /// Transformed share and slope of a zone at a trial temperature.
+    /// Transformed shares and slopes at trial temperatures.
     #[inline(always)]
-    fn look(
-        &self,
-        zone: &Zone<L>,
-        driving_degc: &[f64; L],
-        share: &mut [f64; L],
-        slope: &mut [f64; L],
-    ) {
-        let sensed = self.hysteresis.peek(&zone.memory, *driving_degc);
-        let mut mapped = Mapped {
-            fraction: sensed.fraction,
-            slope_per_k: sensed.slope_per_k,
-        };
-        self.effects
-            .fraction(&zone.effects, driving_degc, &mut mapped);
-        for l in 0..L {
-            share[l] = self.scale.transformed(l, mapped.fraction[l]);
-            slope[l] = self.scale.slope_per_k(l, mapped.slope_per_k[l]);
+    fn look<const Z: usize>(&self, zones: &[&mut Zone<L>; Z], ending: &mut Ending<L, Z>) {
+        for z in 0..Z {
+            let driving_degc = &ending.driving_degc[z];
+            let mapped = if Z == 1 {
+                self.sense(zones[z], driving_degc)
+            } else {
+                self.sense_apart(zones[z], driving_degc)
+            };
+            for l in 0..L {
+                ending.transformed[z][l] = self.scale.transformed(l, mapped.fraction[l]);
+                ending.slope_per_k[z][l] = self.scale.slope_per_k(l, mapped.slope_per_k[l]);
+            }
         }
     }
 
-    /// Shifts and flows at a trial: driving temperature, transformed share and its slope.
+    /// Shifts and flows at a trial.
     #[inline(always)]
     pub(crate) fn evaluate<const Z: usize>(
         &self,
         problem: &Problem<'_, L, Z>,
         zones: &[&mut Zone<L>; Z],
-        [driving, share, slope]: [&[[f64; L]; Z]; 3],
+        ending: &Ending<L, Z>,
         at: &mut Evaluated<L, Z>,
     ) {
+        let Ending {
+            driving_degc: driving,
+            transformed: share,
+            slope_per_k: slope,
+        } = ending;
         let mean = self.mean(share);
         let mut bend = [[0.0; L]; Z];
         for z in 0..Z {
@@ -160,13 +187,23 @@ impl<const L: usize> ExtendedPlant<L> {
                 kelvin: problem.own_shift_k[z],
                 ..Shift::ZERO
             };
-            self.effects.shift(effects, before, trial, &mut at.shift[z]);
+            // A rod of one temperature is the usual one; with zones, calls cost little beside the rest.
+            if Z == 1 {
+                self.effects.shift(effects, before, trial, &mut at.shift[z]);
+            } else if self.path.shifts {
+                self.effects
+                    .shift_apart(effects, before, trial, &mut at.shift[z]);
+            }
             for l in 0..L {
                 trial.temperature_degc[l] = driving[z][l] + at.shift[z].kelvin[l];
             }
             at.flow[z] = Flow::ZERO;
-            self.effects
-                .flow(problem.acting, before, trial, &mut at.flow[z]);
+            let flow = &mut at.flow[z];
+            if Z == 1 {
+                self.effects.flow(problem.acting, before, trial, flow);
+            } else if self.path.flows {
+                self.effects.flow_apart(problem.acting, before, trial, flow);
+            }
         }
     }
 
@@ -231,7 +268,7 @@ impl<const L: usize> ExtendedPlant<L> {
         problem: &Problem<'_, L, Z>,
         at: &Evaluated<L, Z>,
     ) -> [[[f64; L]; Z]; Z] {
-        let sensitivity = problem.sensitivity_k_m_per_w;
+        let sensitivity = &problem.sensitivity_k_m_per_w;
         let mut own = [[0.0; L]; Z];
         let mut by_mean = [[0.0; L]; Z];
         let mut mean_per_k = [[0.0; L]; Z];

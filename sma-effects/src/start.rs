@@ -1,44 +1,27 @@
 //! Where a run starts.
 
-use wiener::hysteresis::Branch;
-
+use crate::EffectId;
 use crate::bracket::Bracket;
 use crate::conduction::{BeyondMean, Ends, Transfers};
 use crate::effect::{Before, Instant, Mapped, Shift, Trial, ZoneStart};
 use crate::hypothesis::{Place, SeenState};
-use crate::plant::ExtendedPlant;
-use crate::state::Zone;
-use crate::{EffectId, ExtendedState};
+use crate::plant::Plants;
+use crate::state::{PlantsState, Zone};
 
 /// Newton iterations for the start, which is sought once a run.
 const START_ITERATIONS: usize = 30;
 /// Step of the difference quotient there, K.
 const START_STEP_K: f64 = 1e-4;
 
-impl<const L: usize> ExtendedPlant<L> {
-    /// A rod that came to `temperature_degc` along a limiting curve, the drive off before.
-    #[must_use]
-    pub fn on_limiting_curve(
-        &self,
-        branch: Branch,
-        temperature_degc: [f64; L],
-    ) -> ExtendedState<L> {
-        let share = match branch {
-            Branch::Heating => 0.0,
-            Branch::Cooling => 1.0,
-        };
-        self.between_limiting_curves(temperature_degc, [share; L])
-    }
-
+impl<const L: usize> Plants<L> {
     /// A rod whose past is unknown: `share` = 0 on the heating curve, 1 on the cooling curve, as in
     /// [`Hysteresis::between_limiting_curves`](wiener::hysteresis::Hysteresis::between_limiting_curves).
     /// All of it has that temperature, all lags have settled and the drive was off before.
-    #[must_use]
-    pub fn between_limiting_curves(
+    pub(crate) fn between_limiting_curves(
         &self,
         temperature_degc: [f64; L],
         share: [f64; L],
-    ) -> ExtendedState<L> {
+    ) -> PlantsState<L> {
         let with_ends = self.effects.active.contains(EffectId::EndConduction);
         let middle = self.start_zone(temperature_degc, share);
         let ends = || {
@@ -49,7 +32,7 @@ impl<const L: usize> ExtendedPlant<L> {
                 beyond: BeyondMean::NONE,
             })
         };
-        let mut state = ExtendedState {
+        let mut state = PlantsState {
             ends: with_ends.then(ends),
             middle,
             sample: self.heat.balance.over(0.0),

@@ -1,12 +1,13 @@
 use wiener::hysteresis::Memory;
 use wiener::thermal::Sample;
 
-use crate::conduction::{CELLS, Ends};
+use crate::conduction::Ends;
 use crate::effects::{RodMemory, ZoneMemory};
 use crate::hypothesis::OwnMemory;
 
 /// A zone of the rod with one temperature.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub(crate) struct Zone<const L: usize> {
     pub(crate) temperature_degc: [f64; L],
     /// Temperature that drives the hysteresis: the rod's less what shifts the loop.
@@ -22,10 +23,10 @@ pub(crate) struct Zone<const L: usize> {
     pub(crate) effects: ZoneMemory<L>,
 }
 
-/// State of an [`ExtendedPlant`](crate::ExtendedPlant), and of no other: coefficients of that plant
-/// are kept in it.
+/// State of [`Plants`](crate::plant::Plants), and of no others: coefficients of these plants are kept in it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ExtendedState<const L: usize = 1> {
+#[repr(align(64))]
+pub(crate) struct PlantsState<const L: usize> {
     pub(crate) middle: Zone<L>,
     /// Boxed: they are large, and most plants do without.
     pub(crate) ends: Option<Box<Ends<L>>>,
@@ -38,39 +39,4 @@ pub struct ExtendedState<const L: usize = 1> {
     pub(crate) displacement: [f64; L],
     pub(crate) recorded_degc: [f64; L],
     pub(crate) residual_k: [f64; L],
-}
-
-impl<const L: usize> ExtendedState<L> {
-    /// Temperature of the rod, of its middle if the ends are colder, °C.
-    #[must_use]
-    pub fn temperature_degc(&self) -> [f64; L] {
-        self.middle.temperature_degc
-    }
-
-    /// Temperature next to the clamps, °C; `None` while end conduction is not active.
-    #[must_use]
-    pub fn end_temperature_degc(&self) -> Option<[f64; L]> {
-        let ends = self.ends.as_ref()?;
-        Some(ends.cells[CELLS - 1].temperature_degc)
-    }
-
-    /// Fraction, of the middle if the ends differ.
-    #[must_use]
-    pub fn fraction(&self) -> [f64; L] {
-        self.middle.fraction
-    }
-
-    /// Time since the start of the run, s.
-    #[must_use]
-    pub fn time_s(&self) -> f64 {
-        self.time_s
-    }
-
-    /// What the Newton search of the last sub-step left: the temperature of the heat balance less that at
-    /// which the hysteresis was evaluated, K; of the zones that which is larger in magnitude. Exactly 0
-    /// where nothing had to be searched.
-    #[must_use]
-    pub fn residual_k(&self) -> [f64; L] {
-        self.residual_k
-    }
 }

@@ -11,7 +11,7 @@ use support::{params, setting};
 use wiener::Drive;
 
 fn refused(setting: &Setting, values: EffectValues) -> PhysicsError {
-    ExtendedPlant::new(setting, &[params()], &[values]).unwrap_err()
+    ExtendedPlant::new(setting, &params(), &values).unwrap_err()
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn every_parameter_refuses_what_is_no_number_or_out_of_bounds() {
                 let mut values = EffectValues::default();
                 *values.slot(effect, index).unwrap() = value;
                 let setting = setting(EffectSet::of(effect));
-                assert!(ExtendedPlant::new(&setting, &[params()], &[values]).is_ok());
+                assert!(ExtendedPlant::new(&setting, &params(), &values).is_ok());
             }
         }
     }
@@ -158,7 +158,7 @@ fn errors_of_the_baseline_are_passed_on() {
     let mut wrong = params();
     wrong.zeta = f64::NAN;
     let error =
-        ExtendedPlant::new(&Setting::default(), &[wrong], &[EffectValues::default()]).unwrap_err();
+        ExtendedPlant::new(&Setting::default(), &wrong, &EffectValues::default()).unwrap_err();
     assert_eq!(error.to_string(), "baseline");
     assert_eq!(error.source().unwrap().to_string(), "hysteresis");
     let setting = Setting {

@@ -339,7 +339,7 @@ fn values_are_checked() {
             values.own[0] = hypothesis.values(0.0);
         }
         values.own[h][k] = value;
-        ExtendedPlant::new(&setting, &[params()], &[values])
+        ExtendedPlant::new(&setting, &params(), &values)
             .unwrap_err()
             .to_string()
     };
@@ -451,7 +451,7 @@ fn an_expression_cannot_exhaust_the_stack() {
 #[test]
 fn a_state_can_be_kept_and_resumed() {
     let (setting, values) = with(&four(), 0.01);
-    let plant = ExtendedPlant::new(&setting, &[params()], &[values]).unwrap();
+    let plant = ExtendedPlant::new(&setting, &params(), &values).unwrap();
     let mut state = plant.rest(AMBIENT_DEGC);
     let step = |state: &mut _, current: f64| {
         let input = Input {

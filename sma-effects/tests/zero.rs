@@ -97,7 +97,7 @@ fn zero_is_the_baseline_for_every_drive_rule_and_scale_of_the_fraction() {
 fn zero_is_the_baseline_at_samples_of_any_length_and_none() {
     let model = Wiener::new(Drive::Current, Rule::LastReversal, &[params()]).unwrap();
     let setting = setting(EffectSet::all());
-    let plant = ExtendedPlant::new(&setting, &[params()], &[EffectValues::default()]).unwrap();
+    let plant = ExtendedPlant::new(&setting, &params(), &EffectValues::default()).unwrap();
     let mut expected = model.rest(AMBIENT_DEGC);
     let mut state = plant.rest(AMBIENT_DEGC);
     for (k, &drive) in current_a(0.1).iter().enumerate() {

@@ -7,6 +7,7 @@ use crate::{HysteresisError, LoopFamily};
 
 /// What [`Hysteresis::peek`] sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct Sensed<const L: usize> {
     /// Fraction.
     pub fraction: [f64; L],
@@ -27,6 +28,7 @@ pub struct Sensed<const L: usize> {
 ///
 /// Left out: anything that moves the loop itself (stress, fatigue, R-phase).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct Hysteresis<const L: usize, P = SineProximity<L>> {
     limits: LimitingLoop<L>,
     proximity: P,
@@ -154,29 +156,29 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         if let Some(curves) = &self.curves {
             return self.peek_at_share(curves, memory, &temperature_k, leaves);
         }
-        // Two plain loops: a condition inside one keeps the lanes from being computed side by side.
-        let mut level_k = [0.0; L];
-        let mut level_slope = [0.0; L];
-        if leaves {
-            for l in 0..L {
-                let path = memory.path_towards(&self.rules(), l, temperature_k[l]);
-                level_k[l] = path.level_k(&self.proximity, l, temperature_k[l]);
-                level_slope[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
-            }
-        } else {
-            for l in 0..L {
-                let path = memory.path(l);
-                level_k[l] = path.level_k(&self.proximity, l, temperature_k[l]);
-                level_slope[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
-            }
-        }
+        // First the level, K, and its slope, in the places of fraction and slope.
         let mut sensed = Sensed {
             fraction: [0.0; L],
             slope_per_k: [0.0; L],
         };
+        // Two plain loops: a condition inside one keeps the lanes from being computed side by side.
+        if leaves {
+            for l in 0..L {
+                let path = memory.path_towards(&self.rules(), l, temperature_k[l]);
+                sensed.fraction[l] = path.level_k(&self.proximity, l, temperature_k[l]);
+                sensed.slope_per_k[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
+            }
+        } else {
+            for l in 0..L {
+                let path = memory.path(l);
+                sensed.fraction[l] = path.level_k(&self.proximity, l, temperature_k[l]);
+                sensed.slope_per_k[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
+            }
+        }
         for l in 0..L {
-            sensed.fraction[l] = self.limits.fraction_at(l, level_k[l]);
-            sensed.slope_per_k[l] = self.limits.fraction_slope_at(l, level_k[l]) * level_slope[l];
+            let level_k = sensed.fraction[l];
+            sensed.fraction[l] = self.limits.fraction_at(l, level_k);
+            sensed.slope_per_k[l] *= self.limits.fraction_slope_at(l, level_k);
         }
         sensed
     }

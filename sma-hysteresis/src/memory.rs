@@ -33,6 +33,7 @@ pub enum Rule {
 /// coefficients of the current branch besides: a memory belongs to the model that made it, and another
 /// one would follow the old branch until its end.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub struct Memory<const L: usize> {
     /// δ of the current branch, +1 or -1.
     sign: [f64; L],

@@ -51,6 +51,7 @@ pub struct ThermalConstants {
 ///
 /// Eq. 1 is printed as two cases; cooling is the first with i = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct HeatBalance<const L: usize = 1> {
     tau_s: [f64; L],
     /// 1/(h A): one multiplication a sample instead of a division.
@@ -61,6 +62,7 @@ pub struct HeatBalance<const L: usize = 1> {
 /// What happens to a temperature difference over one sample: made by [`HeatBalance::over`], once for
 /// a fixed sample time.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct Sample<const L: usize = 1> {
     dt_s: f64,
     /// Time constants that it was made for.

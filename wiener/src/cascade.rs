@@ -30,6 +30,7 @@ pub struct WienerParams {
 /// A linear dynamic block before a static one with memory. Left out: whatever makes the first depend
 /// on the second (latent heat, a resistance that changes with the phase, stress).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct Wiener<const L: usize = 1, P = SineProximity<L>> {
     drive: Drive,
     heat: HeatBalance<L>,
@@ -43,6 +44,7 @@ pub struct Wiener<const L: usize = 1, P = SineProximity<L>> {
 /// It belongs to the model that made it, as its [`Memory`] does; the heat balance alone would also go on
 /// with another model's parameters.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub struct State<const L: usize = 1> {
     temperature_degc: [f64; L],
     fraction: [f64; L],

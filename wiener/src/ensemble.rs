@@ -1,7 +1,8 @@
 use sma_hysteresis::Rule;
 
 use crate::{
-    Block, Drive, Fleet, Plant, Profile, Started, Wiener, WienerError, WienerParams, lockstep,
+    Block, Drive, Fleet, Lanes, NARROW, Profile, Started, WIDE, Wiener, WienerError, WienerParams,
+    lockstep,
 };
 
 /// Where a model starts.
@@ -60,21 +61,32 @@ impl Ensemble {
     ) -> Result<(), WienerError> {
         lockstep(self, members, profile, visit)
     }
-}
 
-impl Fleet for Ensemble {
-    type Member = Member;
-    type Error = WienerError;
-
-    fn start<const L: usize>(
+    fn started<const L: usize>(
         &self,
         members: &[Member; L],
-    ) -> Result<Started<L, impl Plant<L>>, WienerError> {
+    ) -> Result<Started<L, Wiener<L>>, WienerError> {
         let plant = Wiener::new(self.drive, self.rule, &members.map(|member| member.params))?;
         let state = plant.between_limiting_curves(
             members.map(|member| member.start.temperature_degc),
             members.map(|member| member.start.share),
         );
         Ok(Started { plant, state })
+    }
+}
+
+impl Fleet for Ensemble {
+    type Member = Member;
+    type Error = WienerError;
+
+    fn narrow(
+        &self,
+        members: &[Member; NARROW],
+    ) -> Result<Box<dyn Lanes<NARROW> + Send>, WienerError> {
+        Ok(self.started(members)?.boxed())
+    }
+
+    fn wide(&self, members: &[Member; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, WienerError> {
+        Ok(self.started(members)?.boxed())
     }
 }

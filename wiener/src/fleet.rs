@@ -1,45 +1,46 @@
-//! Many plants in lockstep: dispatch and chunking, no equations.
+//! Many plants in lockstep: chunking, no equations.
 
-use crate::{Input, Plant, Profile};
+use crate::{Drives, Lanes, Profile, Shown, Stretch};
 
 /// Lanes of a full chunk: four vectors of eight, enough to hide the latency of one another.
-const WIDE: usize = 32;
-/// Lanes of a chunk between: the eight trials of a least-squares search and differences by eight parameters.
-const MEDIUM: usize = 16;
+pub const WIDE: usize = 32;
 /// Lanes of a small chunk: one vector of eight.
-const NARROW: usize = 8;
+pub const NARROW: usize = 16;
 /// Samples simulated before the visitor sees them: its rows stay in the first-level cache.
 const BLOCK: usize = 32;
 
-/// Plants of one kind that [`lockstep`] runs side by side: how to make `L` of them.
+/// Plants of one kind that [`lockstep`] runs side by side: how to make them, in two numbers.
 ///
-/// [`Ensemble`](crate::Ensemble) is the fleet of Wiener models; an extended plant has its own.
+/// [`Ensemble`](crate::Ensemble) is the fleet of Wiener models; an extended plant has its own. Implementors make the
+/// plants with one function that is generic over the number of lanes, and return
+/// [`Started::boxed`](crate::Started::boxed). Lanes must not influence each other. Mark
+/// [`Plant::output`](crate::Plant::output) and [`Plant::step`](crate::Plant::step) and what they call
+/// `#[inline(always)]`, or they stay compiled for the narrowest vectors.
 pub trait Fleet {
     /// What tells one plant from another, and where it starts.
     type Member: Copy;
     /// What can be wrong with a member.
     type Error;
-    /// Makes the plants of `L` members, lane by lane, with the state that they start from.
-    ///
-    /// Lanes must not influence each other. Mark [`Plant::output`] and [`Plant::step`] and what they
-    /// call `#[inline(always)]`, or they stay compiled for the narrowest vectors.
+
+    /// Makes a small chunk of plants, in the state that they start from.
     ///
     /// # Errors
     ///
     /// What is wrong with a member.
-    fn start<const L: usize>(
+    fn narrow(
         &self,
-        members: &[Self::Member; L],
-    ) -> Result<Started<L, impl Plant<L>>, Self::Error>;
-}
+        members: &[Self::Member; NARROW],
+    ) -> Result<Box<dyn Lanes<NARROW> + Send>, Self::Error>;
 
-/// `L` plants side by side and the state that they start from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Started<const L: usize, Q: Plant<L>> {
-    /// The plants.
-    pub plant: Q,
-    /// Their state.
-    pub state: Q::State,
+    /// Makes a full chunk of plants, in the state that they start from.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with a member.
+    fn wide(
+        &self,
+        members: &[Self::Member; WIDE],
+    ) -> Result<Box<dyn Lanes<WIDE> + Send>, Self::Error>;
 }
 
 /// A stretch of the outputs of some members.
@@ -68,7 +69,7 @@ pub struct Block<'a> {
 ///
 /// # Errors
 ///
-/// That of [`Fleet::start`] for the first chunk that it refuses; `visit` may have seen blocks of the
+/// That of [`Fleet::narrow`] or [`Fleet::wide`] for the first chunk that it refuses; `visit` may have seen blocks of the
 /// members before it.
 pub fn lockstep<F: Fleet>(
     fleet: &F,
@@ -80,74 +81,64 @@ pub fn lockstep<F: Fleet>(
     while first < members.len() {
         let rest = &members[first..];
         // Equal bits at every width: the choice is one of speed only.
-        first += match rest.len() {
-            1 => chunk::<1, F>(fleet, rest, first, profile, visit)?,
-            n if n <= NARROW => chunk::<NARROW, F>(fleet, rest, first, profile, visit)?,
-            n if n <= MEDIUM => chunk::<MEDIUM, F>(fleet, rest, first, profile, visit)?,
-            _ => chunk::<WIDE, F>(fleet, rest, first, profile, visit)?,
-        };
+        if rest.len() <= NARROW {
+            let mut lanes = fleet.narrow(&padded(rest))?;
+            show(&mut *lanes, rest.len().min(NARROW), first, profile, visit);
+            first += NARROW;
+        } else {
+            let mut lanes = fleet.wide(&padded(rest))?;
+            show(&mut *lanes, rest.len().min(WIDE), first, profile, visit);
+            first += WIDE;
+        }
     }
     Ok(())
 }
 
-/// Runs as many of `members` as fit in `L` lanes; returns how many.
-fn chunk<const L: usize, F: Fleet>(
-    fleet: &F,
-    members: &[F::Member],
+/// The first `L` of the members; empty lanes repeat the last one.
+///
+/// # Panics
+///
+/// If there are no members.
+#[must_use]
+pub fn padded<T: Copy, const L: usize>(members: &[T]) -> [T; L] {
+    core::array::from_fn(|l| members[l.min(members.len() - 1)])
+}
+
+/// Runs a chunk whose first `members` lanes count.
+fn show<const L: usize>(
+    lanes: &mut dyn Lanes<L>,
+    members: usize,
     first_member: usize,
     profile: &Profile<'_>,
     visit: &mut dyn FnMut(Block<'_>),
-) -> Result<usize, F::Error> {
-    let count = members.len().min(L);
-    // Empty lanes repeat the last member.
-    let lanes: [F::Member; L] = core::array::from_fn(|l| members[l.min(count - 1)]);
-    let Started { plant, mut state } = fleet.start(&lanes)?;
+) {
     let mut displacement = [[0.0; L]; BLOCK];
     let mut temperature_degc = [[0.0; L]; BLOCK];
+    let [mut drive, mut ambient_degc, mut dt_s] = [[0.0; BLOCK]; 3];
     for first_sample in (0..profile.len()).step_by(BLOCK) {
         let length = BLOCK.min(profile.len() - first_sample);
-        widest_vectors(
-            #[inline(always)]
-            || {
-                for row in 0..length {
-                    let output = plant.output(&state);
-                    displacement[row] = output.displacement;
-                    temperature_degc[row] = output.temperature_degc;
-                    advance(&plant, &mut state, profile, first_sample + row);
-                }
-            },
-        );
+        for row in 0..length {
+            drive[row] = profile.drive(first_sample + row);
+            ambient_degc[row] = profile.ambient_degc(first_sample + row);
+            dt_s[row] = profile.dt_s(first_sample + row);
+        }
+        let stretch = Stretch {
+            drive: Drives::Common(&drive[..length]),
+            ambient_degc: &ambient_degc[..length],
+            dt_s: &dt_s[..length],
+        };
+        let mut shown = Shown {
+            displacement: &mut displacement[..length],
+            temperature_degc: &mut temperature_degc[..length],
+        };
+        lanes.run(&stretch, &mut shown);
         visit(Block {
             first_member,
-            members: count,
+            members,
             first_sample,
             stride: L,
             displacement: displacement[..length].as_flattened(),
             temperature_degc: temperature_degc[..length].as_flattened(),
         });
     }
-    Ok(count)
-}
-
-#[inline(always)]
-fn advance<const L: usize, Q: Plant<L>>(
-    plant: &Q,
-    state: &mut Q::State,
-    profile: &Profile<'_>,
-    sample: usize,
-) {
-    let input = Input {
-        drive: [profile.drive(sample); L],
-        ambient_degc: profile.ambient_degc(sample),
-    };
-    plant.step(state, &input, profile.dt_s(sample));
-}
-
-/// Runs plain loops compiled for the widest vectors the machine has: chosen at run time, one binary
-/// for all machines. Without fused multiply-add in the source the bits are equal on all of them.
-///
-/// Mark the closure and what it calls `#[inline(always)]`, or it stays compiled for the narrowest.
-#[inline(always)]
-pub fn widest_vectors<R>(work: impl FnOnce() -> R) -> R {
-    pulp::Arch::new().dispatch(work)
 }

@@ -8,8 +8,11 @@ mod ensemble;
 mod error;
 #[cfg(feature = "std")]
 mod fleet;
+mod lanes;
 mod plant;
 mod run;
+#[cfg(feature = "std")]
+mod vectors;
 
 pub use cascade::{State, Wiener, WienerParams};
 pub use drive::Drive;
@@ -17,9 +20,12 @@ pub use drive::Drive;
 pub use ensemble::{Ensemble, Member, Start};
 pub use error::WienerError;
 #[cfg(feature = "std")]
-pub use fleet::{Block, Fleet, Started, lockstep, widest_vectors};
+pub use fleet::{Block, Fleet, NARROW, WIDE, lockstep, padded};
+pub use lanes::{Drives, Lanes, Shown, Started, Stretch};
 pub use plant::{Input, Output, Plant};
 pub use run::{Profile, run};
+#[cfg(feature = "std")]
+pub use vectors::widest_vectors;
 
 /// The blocks of the cascade, for those who put their own together.
 pub use sma_hysteresis as hysteresis;

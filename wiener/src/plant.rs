@@ -35,3 +35,21 @@ pub trait Plant<const L: usize = 1> {
     /// decides the drive checks it itself.
     fn step(&self, state: &mut Self::State, input: &Input<L>, dt_s: f64);
 }
+
+impl<const L: usize, Q: Plant<L>> Plant<L> for &Q {
+    type State = Q::State;
+
+    fn rest(&self, ambient_degc: f64) -> Q::State {
+        (**self).rest(ambient_degc)
+    }
+
+    #[inline(always)]
+    fn output(&self, state: &Q::State) -> Output<L> {
+        (**self).output(state)
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &mut Q::State, input: &Input<L>, dt_s: f64) {
+        (**self).step(state, input, dt_s);
+    }
+}

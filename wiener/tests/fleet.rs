@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
-use wiener::{Fleet, Input, Output, Plant, Profile, Started, lockstep, run};
+use wiener::{Fleet, Input, Lanes, NARROW, Output, Plant, Profile, Started, WIDE, lockstep, run};
 
 /// A displacement that follows the drive, each lane with its own time constant.
 struct Lag<const L: usize> {
@@ -39,19 +39,27 @@ impl Fleet for Lags {
     type Member = (f64, f64);
     type Error = String;
 
-    fn start<const L: usize>(
+    fn narrow(
         &self,
-        members: &[(f64, f64); L],
-    ) -> Result<Started<L, impl Plant<L>>, String> {
-        match members.iter().find(|(tau_s, _)| tau_s.is_nan()) {
-            Some(_) => Err("tau_s = NaN".to_owned()),
-            None => Ok(Started {
-                plant: Lag {
-                    tau_s: members.map(|(tau_s, _)| tau_s),
-                },
-                state: members.map(|(_, first)| first),
-            }),
-        }
+        members: &[(f64, f64); NARROW],
+    ) -> Result<Box<dyn Lanes<NARROW> + Send>, String> {
+        Ok(started(members)?.boxed())
+    }
+
+    fn wide(&self, members: &[(f64, f64); WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, String> {
+        Ok(started(members)?.boxed())
+    }
+}
+
+fn started<const L: usize>(members: &[(f64, f64); L]) -> Result<Started<L, Lag<L>>, String> {
+    match members.iter().find(|(tau_s, _)| tau_s.is_nan()) {
+        Some(_) => Err("tau_s = NaN".to_owned()),
+        None => Ok(Started {
+            plant: Lag {
+                tau_s: members.map(|(tau_s, _)| tau_s),
+            },
+            state: members.map(|(_, first)| first),
+        }),
     }
 }
 

@@ -9,7 +9,7 @@ use pid_tune::{
 };
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::{HeatBalanceParams, ThermalConstants};
-use wiener::{Drive, Input, Output, Plant, Wiener, WienerParams};
+use wiener::{Drive, Input, Lanes, Output, Plant, Started, Wiener, WienerParams};
 
 pub(crate) const AMBIENT_DEGC: f64 = 22.0;
 
@@ -120,18 +120,23 @@ pub(crate) fn undisturbed(reference: Reference<'_>, n_samples: usize) -> ClosedL
     }
 }
 
+/// Plants in a state.
+pub(crate) fn at<const L: usize, Q: Plant<L>>(plant: Q, state: Q::State) -> Started<L, Q> {
+    Started { plant, state }
+}
+
 /// Runs a loop from rest.
 pub(crate) fn snapshots<Q: Plant>(
     params: ClosedLoopParams<'_>,
     plant: &Q,
     pid: &Pid,
 ) -> Vec<Snapshot> {
-    let mut state = plant.rest(params.ambient_degc);
-    let mut pid_state = pid.rest(plant.output(&state).displacement).unwrap();
+    let mut plants = at(plant, plant.rest(params.ambient_degc));
+    let mut pid_state = pid.rest(plants.output().displacement).unwrap();
     let mut snapshots = Vec::new();
     ClosedLoop::new(params)
         .unwrap()
-        .run(plant, &mut state, pid, &mut pid_state, |snapshot| {
+        .run(&mut plants, pid, &mut pid_state, |snapshot| {
             snapshots.push(*snapshot);
         });
     snapshots

@@ -14,21 +14,20 @@ use recording::Recording;
 
 use crate::commands::on_threads;
 use crate::earlier::Earlier;
-use crate::figure::{Drawn, Gallery, figures};
-use crate::kept::{self, Kept};
-use crate::known_to_a_range::{carry_resistivity, carry_specific_heat};
 use crate::memory::Memory;
-use crate::next_run;
 use crate::outcome::Outcome;
-use crate::page;
 use crate::provenance::provenance;
-use crate::recordings::{input_notes, is_trained_on, read_all};
-use crate::report::diagnosed::Diagnosed;
-use crate::report::plot::{self, Left};
-use crate::report::static_diagnosed::StaticDiagnosed;
 use crate::resume::Starts;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
+use workbench::figure::{Drawn, Gallery, figures};
+use workbench::kept::{self, Kept};
+use workbench::next_run;
+use workbench::page;
+use workbench::report::diagnosed::Diagnosed;
+use workbench::report::plot::{self, Left};
+use workbench::report::static_diagnosed::StaticDiagnosed;
+use workbench::{carry_resistivity, carry_specific_heat, input_notes, is_trained_on, read_all};
 
 /// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
 ///

@@ -12,17 +12,17 @@ use recording::Recording;
 
 use crate::commands::on_threads;
 use crate::earlier::Earlier;
-use crate::figure::Compared;
 use crate::memory::Memory;
 use crate::outcome::Outcome;
-use crate::page;
 use crate::provenance::provenance;
-use crate::recordings::{input_notes, is_trained_on, read_all};
-use crate::report::identified::Identified;
-use crate::report::plot::{self, Left};
 use crate::resume::Starts;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
+use workbench::figure::Compared;
+use workbench::page;
+use workbench::report::identified::Identified;
+use workbench::report::plot::{self, Left};
+use workbench::{input_notes, is_trained_on, read_all};
 
 /// Fit the grey-box model to recordings, and check it on recordings it has not seen.
 ///

@@ -8,8 +8,8 @@ use recording::{Inspection, inspect, read_csv};
 use serde_json::json;
 
 use crate::outcome::Outcome;
-use crate::report::inspected;
 use crate::terminal::write_stdout;
+use workbench::report::inspected;
 
 /// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
 /// the way of identification.

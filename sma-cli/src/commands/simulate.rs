@@ -8,11 +8,10 @@ use missing_physics::{EffectId, RestoredModel, read_model};
 use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
 
 use crate::outcome::Outcome;
-use crate::recordings::read_perhaps_without_output;
-use crate::report::number::significant;
-use crate::rig::BEYOND;
 use crate::sink::Sink;
 use crate::terminal::say;
+use workbench::report::number::significant;
+use workbench::{BEYOND, read_perhaps_without_output};
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
 ///

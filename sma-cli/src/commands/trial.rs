@@ -11,13 +11,13 @@ use clap::Args;
 use identify::Rod;
 
 use crate::outcome::{Outcome, with_sources};
-use crate::page;
 use crate::provenance::call;
-use crate::recordings::read_perhaps_without_output;
-use crate::report::trial::Tried;
 use crate::resume::on_interrupt;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
+use workbench::page;
+use workbench::read_perhaps_without_output;
+use workbench::report::trial::Tried;
 
 /// Cases of a trial, where their number is not given.
 const CASES: u64 = 60;

@@ -15,15 +15,15 @@ use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, Recording
 
 use crate::commands::on_threads;
 use crate::outcome::Outcome;
-use crate::page;
 use crate::provenance::provenance;
-use crate::recordings::read_perhaps_without_output;
-use crate::report::tuned::{Candidate, TunedReport};
-use crate::rig::{Rig, RigError};
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
-use crate::track::{Followed, Track, track};
-use crate::tuning::{PAPER, controller, of_paper};
+use workbench::page;
+use workbench::report::tuned::{Candidate, TunedReport};
+use workbench::{
+    Followed, PAPER, Rig, RigError, Track, WorkbenchError, controller, of_paper,
+    read_perhaps_without_output, track,
+};
 
 /// Length of a run in time constants, where none is given.
 const TIME_CONSTANTS: f64 = 20.0;
@@ -361,7 +361,7 @@ impl Job<'_> {
         rig: &Rig,
         closed_loop: &ClosedLoop<'_>,
         tuned: PidGains,
-    ) -> anyhow::Result<Vec<Track>> {
+    ) -> Result<Vec<Track>, WorkbenchError> {
         [("paper", PAPER), ("tuned", tuned)]
             .into_iter()
             .map(|(controller, gains)| {

@@ -47,6 +47,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
 pub(crate) struct Lanes<const L: usize> {
     /// Of the power.
     delay_s: [f64; L],
+    shortest_s: f64,
     longest_s: f64,
     /// Of the output.
     output_delay_s: [f64; L],
@@ -80,6 +81,7 @@ impl<const L: usize> Lanes<L> {
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory_in_zones!();
     type Rod = Past<L>;
+    const CHANGES_POWER: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let of_output =
@@ -88,6 +90,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         let active = base.setting.active.contains(crate::EffectId::DeadTime);
         Self {
             delay_s,
+            shortest_s: delay_s.into_iter().fold(f64::INFINITY, f64::min),
             longest_s: delay_s.into_iter().fold(0.0, f64::max),
             output_delay_s: values.map(of_output),
             tau_s: base.tau_s(),
@@ -129,6 +132,10 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         let count = past.length_s.len();
         let mut share = [0.0; L];
         let mut older = [0.0; L];
+        let mut rate = [0.0; L];
+        for l in 0..L {
+            rate[l] = unit(moment.dt_s / self.tau_s[l]);
+        }
         // Age of the end of a past sample.
         let mut age_s = 0.0;
         for back in 0..count {
@@ -140,23 +147,39 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             } else {
                 age_s + past.length_s[k]
             };
+            // What no lane has received yet does not count.
+            if start_s <= self.shortest_s {
+                age_s = start_s;
+                continue;
+            }
+            let sent = &past.power_w_per_m[k];
+            // Both as shares of this sample, counted backward from its end.
+            let (mut first, mut last) = ([0.0; L], [0.0; L]);
+            let mut older_counts = [0.0; L];
             for l in 0..L {
-                // Both as shares of this sample, counted backward from its end.
-                let last = unit((age_s - self.delay_s[l]) / moment.dt_s);
-                let first = unit((start_s - self.delay_s[l]) / moment.dt_s);
-                let sent = past.power_w_per_m[k][l];
-                let is_newest = (last <= 0.0) & (first > 0.0);
-                power_w_per_m[l] = if is_newest { sent } else { power_w_per_m[l] };
-                share[l] = if is_newest { 1.0 - first } else { share[l] };
-                // Share of the earlier part, counted from its start.
-                let per_share = if share[l] > 0.0 { 1.0 / share[l] } else { 0.0 };
-                let a = unit(moment.dt_s / self.tau_s[l]) * share[l];
-                let (from, to) = (
-                    unit((1.0 - first) * per_share),
-                    unit((1.0 - last) * per_share),
-                );
-                let weight = progress(1.0 - from, a) - progress(1.0 - to, a);
-                older[l] += if is_newest { 0.0 } else { sent * weight };
+                last[l] = unit((age_s - self.delay_s[l]) / moment.dt_s);
+                first[l] = unit((start_s - self.delay_s[l]) / moment.dt_s);
+                let is_newest = (last[l] <= 0.0) & (first[l] > 0.0);
+                power_w_per_m[l] = if is_newest { sent[l] } else { power_w_per_m[l] };
+                share[l] = if is_newest { 1.0 - first[l] } else { share[l] };
+                older_counts[l] = if is_newest { 0.0 } else { 1.0 };
+            }
+            if older_counts.iter().any(|&counts| counts > 0.0) {
+                for l in 0..L {
+                    // Share of the earlier part, counted from its start.
+                    let per_share = if share[l] > 0.0 { 1.0 / share[l] } else { 0.0 };
+                    let a = rate[l] * share[l];
+                    let (from, to) = (
+                        unit((1.0 - first[l]) * per_share),
+                        unit((1.0 - last[l]) * per_share),
+                    );
+                    let weight = progress(1.0 - from, a) - progress(1.0 - to, a);
+                    older[l] += if older_counts[l] > 0.0 {
+                        sent[l] * weight
+                    } else {
+                        0.0
+                    };
+                }
             }
             age_s = start_s;
             if age_s >= self.longest_s + moment.dt_s {

@@ -80,8 +80,8 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory_of_the_rod!();
     const STANDS_IN_ZONE: bool = true;
     type Zone = Come<L>;
-    const IMPLICIT: bool = true;
     const SHOWS: bool = true;
+    const SHIFTS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let fading = values.map(|lane| lane.functional_fatigue.fatigue_fading);

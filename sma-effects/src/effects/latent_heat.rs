@@ -41,7 +41,7 @@ pub(crate) struct Lanes<const L: usize> {
 
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory!();
-    const IMPLICIT: bool = true;
+    const FLOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let mass_kg_per_m = base.setting.mass_kg_per_m.unwrap_or(0.0);

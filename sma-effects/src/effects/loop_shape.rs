@@ -48,6 +48,7 @@ pub(crate) struct Lanes<const L: usize> {
 
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory!();
+    const CHANGES_FRACTION: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {

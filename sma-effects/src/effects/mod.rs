@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use wiener::widest_vectors;
+
 use crate::effect::{
     Acting, Base, Before, Effect, Flow, Mapped, Moment, Seen, Shift, Standing, Trial, ZoneStart,
 };
@@ -140,9 +142,18 @@ macro_rules! effects {
                 ZoneMemory { $($module: self.$module.zone(start),)+ }
             }
 
-            /// The effects for which a sample must be solved for its end.
-            pub(crate) const IMPLICIT: EffectSet = EffectSet::EMPTY
-                $(.with_if(<$module::Lanes<L> as Effect<L>>::IMPLICIT, EffectId::$name))+;
+            /// The effects that change the heating power.
+            pub(crate) const CHANGE_POWER: EffectSet = EffectSet::EMPTY
+                $(.with_if(<$module::Lanes<L> as Effect<L>>::CHANGES_POWER, EffectId::$name))+;
+            /// Those that add heat.
+            pub(crate) const FLOW: EffectSet = EffectSet::EMPTY
+                $(.with_if(<$module::Lanes<L> as Effect<L>>::FLOWS, EffectId::$name))+;
+            /// Those that change the fraction at a temperature.
+            pub(crate) const CHANGE_FRACTION: EffectSet = EffectSet::EMPTY
+                $(.with_if(<$module::Lanes<L> as Effect<L>>::CHANGES_FRACTION, EffectId::$name))+;
+            /// Those that shift the loop.
+            pub(crate) const SHIFT: EffectSet = EffectSet::EMPTY
+                $(.with_if(<$module::Lanes<L> as Effect<L>>::SHIFTS, EffectId::$name))+;
             /// Those that must know the displacement in the middle of a sample.
             pub(crate) const WANT_MIDDLE: EffectSet = EffectSet::EMPTY
                 $(.with_if(<$module::Lanes<L> as Effect<L>>::WANTS_MIDDLE, EffectId::$name))+;
@@ -165,23 +176,37 @@ macro_rules! effects {
                 })+
             }
 
-            #[inline(always)]
+            #[inline(never)]
             pub(crate) fn power(
                 &self,
                 rod: &mut RodMemory<L>,
                 moment: &Moment,
                 power_w_per_m: &mut [f64; L],
             ) {
-                $(if self.active.contains(EffectId::$name) {
-                    self.$module.power(&mut rod.$module, moment, power_w_per_m);
-                })+
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        let mut here = *power_w_per_m;
+                        $(if self.active.contains(EffectId::$name) {
+                            self.$module.power(&mut rod.$module, moment, &mut here);
+                        })+
+                        *power_w_per_m = here;
+                    },
+                );
             }
 
-            #[inline(always)]
+            #[inline(never)]
             pub(crate) fn ambient(&self, moment: &Moment, ambient_degc: &mut [f64; L]) {
-                $(if self.active.contains(EffectId::$name) {
-                    self.$module.ambient(moment, ambient_degc);
-                })+
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        let mut here = *ambient_degc;
+                        $(if self.active.contains(EffectId::$name) {
+                            self.$module.ambient(moment, &mut here);
+                        })+
+                        *ambient_degc = here;
+                    },
+                );
             }
 
             #[inline(always)]
@@ -197,16 +222,42 @@ macro_rules! effects {
                 })+
             }
 
-            #[inline(always)]
+            /// The same as a call.
+            #[inline(never)]
+            pub(crate) fn flow_apart(
+                &self,
+                acting: &Acting<L>,
+                from: &Before<L>,
+                to: &Trial<L>,
+                flow: &mut Flow<L>,
+            ) {
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        let mut here = *flow;
+                        self.flow(acting, from, to, &mut here);
+                        *flow = here;
+                    },
+                );
+            }
+
+            #[inline(never)]
             pub(crate) fn fraction(
                 &self,
                 zone: &ZoneMemory<L>,
                 driving_degc: &[f64; L],
                 mapped: &mut Mapped<L>,
             ) {
-                $(if self.active.contains(EffectId::$name) {
-                    self.$module.fraction(&zone.$module, driving_degc, mapped);
-                })+
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        let mut here = *mapped;
+                        $(if self.active.contains(EffectId::$name) {
+                            self.$module.fraction(&zone.$module, driving_degc, &mut here);
+                        })+
+                        *mapped = here;
+                    },
+                );
             }
 
             #[inline(always)]
@@ -222,23 +273,52 @@ macro_rules! effects {
                 })+
             }
 
-            #[inline(always)]
-            pub(crate) fn commit(&self, zone: &mut ZoneMemory<L>, from: &Before<L>, to: &Trial<L>) {
-                $(if self.active.contains(EffectId::$name) {
-                    self.$module.commit(&mut zone.$module, from, to);
-                })+
+            /// The same as a call.
+            #[inline(never)]
+            pub(crate) fn shift_apart(
+                &self,
+                zone: &ZoneMemory<L>,
+                from: &Before<L>,
+                to: &Trial<L>,
+                shift: &mut Shift<L>,
+            ) {
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        let mut here = *shift;
+                        self.shift(zone, from, to, &mut here);
+                        *shift = here;
+                    },
+                );
             }
 
-            #[inline(always)]
+            #[inline(never)]
+            pub(crate) fn commit(&self, zone: &mut ZoneMemory<L>, from: &Before<L>, to: &Trial<L>) {
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        $(if self.active.contains(EffectId::$name) {
+                            self.$module.commit(&mut zone.$module, from, to);
+                        })+
+                    },
+                );
+            }
+
+            #[inline(never)]
             pub(crate) fn stroke(
                 &self,
                 zone: &ZoneMemory<L>,
                 at: &Standing<L>,
                 fraction: &mut [f64; L],
             ) {
-                $(if self.active.contains(EffectId::$name) {
-                    self.$module.stroke(&zone.$module, at, fraction);
-                })+
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        $(if self.active.contains(EffectId::$name) {
+                            self.$module.stroke(&zone.$module, at, fraction);
+                        })+
+                    },
+                );
             }
 
             #[inline(always)]
@@ -267,7 +347,7 @@ macro_rules! effects {
                 })+
             }
 
-            #[inline(always)]
+            #[inline(never)]
             pub(crate) fn temperature(
                 &self,
                 rod: &mut RodMemory<L>,
@@ -275,14 +355,21 @@ macro_rules! effects {
                 ambient_degc: &[f64; L],
                 temperature_degc: &mut [f64; L],
             ) {
-                $(if self.active.contains(EffectId::$name) {
-                    self.$module.temperature(
-                        &mut rod.$module,
-                        middle_degc,
-                        ambient_degc,
-                        temperature_degc,
-                    );
-                })+
+                widest_vectors(
+                    #[inline(always)]
+                    || {
+                        let mut here = *temperature_degc;
+                        $(if self.active.contains(EffectId::$name) {
+                            self.$module.temperature(
+                                &mut rod.$module,
+                                middle_degc,
+                                ambient_degc,
+                                &mut here,
+                            );
+                        })+
+                        *temperature_degc = here;
+                    },
+                );
             }
 
             pub(crate) fn settle_temperature(

@@ -58,7 +58,7 @@ enum Given {
 
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory!();
-    const IMPLICIT: bool = true;
+    const FLOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {

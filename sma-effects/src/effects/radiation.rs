@@ -43,7 +43,7 @@ pub(crate) struct Lanes<const L: usize> {
 
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory!();
-    const IMPLICIT: bool = true;
+    const FLOWS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let surface = base.setting.surface_m2_per_m.unwrap_or(0.0);

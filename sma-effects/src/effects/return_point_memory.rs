@@ -43,6 +43,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const STANDS_IN_ZONE: bool = true;
     /// Boxed: it is large, and most plants do without.
     type Zone = Option<Box<Memory<L>>>;
+    const CHANGES_FRACTION: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let active = base.setting.active.contains(EffectId::ReturnPointMemory);

@@ -39,7 +39,7 @@ pub(crate) struct Lanes<const L: usize> {
 
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory!();
-    const IMPLICIT: bool = true;
+    const SHIFTS: bool = true;
 
     fn new(values: &[EffectValues; L], _: &Base<'_, L>) -> Self {
         Self {

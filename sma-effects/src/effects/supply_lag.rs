@@ -67,6 +67,7 @@ pub(crate) struct Supply<const L: usize> {
 impl<const L: usize> Effect<L> for Lanes<L> {
     without_memory_in_zones!();
     type Rod = Supply<L>;
+    const CHANGES_POWER: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {

@@ -117,7 +117,7 @@ pub fn trace(
     drive: &[f64],
     dt_s: f64,
 ) -> Trace {
-    let plant = ExtendedPlant::new(setting, &[*params], &[*values]).unwrap();
+    let plant = ExtendedPlant::new(setting, params, values).unwrap();
     let mut state = plant.rest(AMBIENT_DEGC);
     let mut trace = Trace {
         displacement: Vec::new(),
@@ -130,14 +130,14 @@ pub fn trace(
         let output = plant.output(&state);
         trace.displacement.push(output.displacement[0]);
         trace.recorded_degc.push(output.temperature_degc[0]);
-        trace.temperature_degc.push(state.temperature_degc()[0]);
-        trace.fraction.push(state.fraction()[0]);
+        trace.temperature_degc.push(state.temperature_degc());
+        trace.fraction.push(state.fraction());
         let input = Input {
             drive: [drive],
             ambient_degc: AMBIENT_DEGC,
         };
         plant.step(&mut state, &input, dt_s);
-        let residual_k = state.residual_k()[0].abs();
+        let residual_k = state.residual_k().abs();
         trace.largest_residual_k = trace.largest_residual_k.max(residual_k);
     }
     trace

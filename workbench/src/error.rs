@@ -1,0 +1,127 @@
+use std::io;
+use std::path::PathBuf;
+
+use identify::IdentifyError;
+use missing_physics::PhysicsError;
+use pid_tune::{TaskError, TuneError};
+use recording::RecordingError;
+use wiener::WienerError;
+
+use crate::RigError;
+
+/// What can stop the making of a document, or of a rig to be controlled.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorkbenchError {
+    /// A model cannot be controlled as asked.
+    #[error(transparent)]
+    Rig(Box<RigError>),
+    /// A recording is refused.
+    #[error(transparent)]
+    Recording(Box<RecordingError>),
+    /// A rod file or a model is.
+    #[error(transparent)]
+    Identify(Box<IdentifyError>),
+    /// Effects of a plant are.
+    #[error(transparent)]
+    Physics(Box<PhysicsError>),
+    /// A plain plant is.
+    #[error(transparent)]
+    Wiener(#[from] WienerError),
+    /// A controller or its task is.
+    #[error(transparent)]
+    Tune(#[from] TuneError),
+    /// A plant or a controller is, while they run.
+    #[error(transparent)]
+    Task(Box<TaskError<PhysicsError>>),
+    /// An input cannot be read.
+    #[error("{}: cannot be read", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A result cannot be written.
+    #[error("{}: cannot be written", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A result would take the place of an input.
+    #[error("{}: is an input of this command; give another file for the result", path.display())]
+    IsInput {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder of a result is not there.
+    #[error("{}: cannot be {action}: there is no folder {}", path.display(), folder.display())]
+    NoFolder {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was to become of it: "written" or "made".
+        action: &'static str,
+        /// The folder that it would be in.
+        folder: PathBuf,
+    },
+    /// A file stands where a folder for figures is wanted.
+    #[error("{}: is a file; give a folder for the figures", path.display())]
+    IsFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A folder cannot be made.
+    #[error("{}: cannot be made", path.display())]
+    Make {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A figure cannot be drawn.
+    #[error("{figure}: cannot be drawn: {reason}")]
+    Draw {
+        /// Its name.
+        figure: &'static str,
+        /// What the drawing library says.
+        reason: String,
+    },
+}
+
+/// For lower errors that are large, and kept in a box.
+macro_rules! boxed {
+    ($($variant:ident: $error:ty,)+) => {
+        $(impl From<$error> for WorkbenchError {
+            fn from(error: $error) -> Self {
+                Self::$variant(Box::new(error))
+            }
+        })+
+    };
+}
+
+boxed! {
+    Rig: RigError,
+    Recording: RecordingError,
+    Identify: IdentifyError,
+    Physics: PhysicsError,
+    Task: TaskError<PhysicsError>,
+}
+
+impl WorkbenchError {
+    /// Whether what was given is wrong, not where the result goes.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Rig(_)
+                | Self::Recording(_)
+                | Self::Identify(_)
+                | Self::Physics(_)
+                | Self::Wiener(_)
+                | Self::Tune(_)
+                | Self::Task(_)
+        )
+    }
+}

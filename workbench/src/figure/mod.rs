@@ -1,0 +1,150 @@
+//! Figures as files: SVG for people and papers, and what is drawn as CSV.
+
+mod compared;
+mod diagnosed;
+mod svg;
+mod tracks;
+
+use std::fmt::Write;
+use std::fs::create_dir;
+use std::path::{Path, PathBuf};
+
+pub use compared::Compared;
+pub use diagnosed::{Drawn, figures};
+pub use svg::inline;
+pub use tracks::tracks;
+
+use crate::{Place, WorkbenchError};
+
+/// Curves over one axis.
+#[derive(Debug, Default)]
+pub struct Figure {
+    /// Its files' name without an ending.
+    pub name: &'static str,
+    /// What to see in it.
+    pub caption: String,
+    /// What stands across, with its unit, and what stands up.
+    pub across: String,
+    /// What stands up, with its unit.
+    pub up: String,
+    /// The curves, drawn in this order.
+    pub series: Vec<Series>,
+    /// Stretches across that are shaded.
+    pub shaded: Vec<[f64; 2]>,
+    /// Words for 0, 1, 2, … across, where the curves are bars; empty for numbers.
+    pub words: Vec<String>,
+}
+
+/// One curve of a figure.
+#[derive(Debug)]
+pub struct Series {
+    /// Its name in the legend.
+    pub label: String,
+    /// How it is drawn.
+    pub style: Style,
+    /// Points: across, up.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Series {
+    /// A curve of points: across, up.
+    pub fn new(
+        label: impl Into<String>,
+        style: Style,
+        points: impl IntoIterator<Item = [f64; 2]>,
+    ) -> Self {
+        Self {
+            label: label.into(),
+            style,
+            points: points.into_iter().collect(),
+        }
+    }
+
+    /// Values over others, one each.
+    pub fn over(label: impl Into<String>, style: Style, across: &[f64], up: &[f64]) -> Self {
+        Self::new(label, style, across.iter().zip(up).map(|(&x, &y)| [x, y]))
+    }
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// A broad gray line, beneath the others.
+    Recorded,
+    /// The plain model's color.
+    Plain,
+    /// That of the model with effects.
+    Extended,
+    /// That of an error on training recordings.
+    Training,
+    /// That of one on unseen recordings.
+    Unseen,
+    /// A thin black line.
+    Noise,
+}
+
+impl Figure {
+    /// All points, a line each: the curve, where it stands across, and how high.
+    fn csv(&self) -> String {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let mut csv = format!("curve,{},{}\n", quoted(&self.across), quoted(&self.up));
+        for series in &self.series {
+            for [x, y] in &series.points {
+                // Writing to a string does not fail.
+                let _ = writeln!(csv, "{},{x},{y}", quoted(&series.label));
+            }
+        }
+        csv
+    }
+}
+
+/// A folder for figures; it is made when there is something to put in it.
+#[derive(Debug)]
+pub struct Gallery(PathBuf);
+
+impl Gallery {
+    /// A folder that exists, or can be made.
+    ///
+    /// # Errors
+    ///
+    /// [`WorkbenchError`](crate::WorkbenchError) if a figure cannot be drawn.
+    pub fn at(folder: &Path) -> Result<Self, WorkbenchError> {
+        if folder.exists() && !folder.is_dir() {
+            return Err(WorkbenchError::IsFile {
+                path: folder.to_owned(),
+            });
+        }
+        let parent = folder
+            .parent()
+            .filter(|parent| !parent.as_os_str().is_empty());
+        if let Some(parent) = parent.filter(|parent| !parent.is_dir()) {
+            return Err(WorkbenchError::NoFolder {
+                path: folder.to_owned(),
+                action: "made",
+                folder: parent.to_owned(),
+            });
+        }
+        Ok(Self(folder.to_owned()))
+    }
+
+    /// Writes the figures, each as SVG and as CSV.
+    ///
+    /// # Errors
+    ///
+    /// [`WorkbenchError`](crate::WorkbenchError) if a figure cannot be drawn.
+    pub fn hang(&self, figures: &[Figure]) -> Result<(), WorkbenchError> {
+        let Self(folder) = self;
+        if !folder.is_dir() {
+            create_dir(folder).map_err(|source| WorkbenchError::Make {
+                path: folder.clone(),
+                source,
+            })?;
+        }
+        for figure in figures {
+            let file = |ending: &str| folder.join(figure.name).with_extension(ending);
+            Place::open(&file("svg"), &[])?.write(&svg::svg(figure)?)?;
+            Place::open(&file("csv"), &[])?.write(&figure.csv())?;
+        }
+        Ok(())
+    }
+}

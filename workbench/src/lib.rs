@@ -1,0 +1,26 @@
+#![doc = include_str!("../README.md")]
+
+mod error;
+pub mod figure;
+mod inputs;
+pub mod kept;
+mod known_to_a_range;
+pub mod next_run;
+pub mod page;
+mod place;
+mod recordings;
+pub mod report;
+mod rig;
+mod track;
+mod tuning;
+mod turned;
+
+pub use error::WorkbenchError;
+pub use inputs::hashed;
+pub use known_to_a_range::{carry_resistivity, carry_specific_heat};
+pub use place::Place;
+pub use recordings::{input_notes, is_trained_on, read_all, read_perhaps_without_output};
+pub use rig::{BEYOND, Rig, RigError};
+pub use track::{Followed, Track, track};
+pub use tuning::{PAPER, controller, of_paper};
+pub use turned::Turned;

@@ -1,0 +1,159 @@
+//! A diagnosis as a page that explains itself.
+
+use missing_physics::{EffectBlock, Finding, Mismatch, Run};
+
+use super::{Page, escaped};
+use crate::WorkbenchError;
+use crate::figure::{Drawn, Figure, Series, Style, figures};
+use crate::report::diagnosed::{Diagnosed, found, in_frequency, regimes};
+use crate::report::number::spoken_percent;
+use crate::report::verdict::{block_name, verdict, what};
+
+/// Probability from which a block is marked.
+const GUILTY: f64 = 0.5;
+
+/// The page but for notes and how it was made: the verdict first, then what it rests on.
+///
+/// # Errors
+///
+/// [`WorkbenchError`] if a figure cannot be drawn.
+pub fn diagnosed(
+    diagnosed: &Diagnosed<'_>,
+    drawn: Option<&Drawn<'_>>,
+) -> Result<Page, WorkbenchError> {
+    let diagnosis = diagnosed.diagnosis;
+    let mut page = Page::new("Diagnosis of an SMA actuator", &verdict(diagnosis));
+    if let Some(drawn) = drawn {
+        let figures = figures(drawn);
+        let (over_time, errors) = figures.split_at(figures.len() - 1);
+        page.section("How far it is off, before and after");
+        for figure in errors {
+            page.figure(figure)?;
+        }
+        page.table(&diagnosed.ladder());
+        page.section("What was recorded, and what the models say");
+        page.how_to_read();
+        for figure in over_time {
+            page.figure(figure)?;
+        }
+        page.section("Where the plain model and the recordings part");
+        page.line(&blocks(&diagnosis.mismatch, &diagnosis.findings));
+        where_it_is(&mut page, diagnosed, &diagnosis.mismatch);
+        for (title, findings, estimates) in found(diagnosis) {
+            page.section(title);
+            page.line(&what_they_do(findings));
+            page.table(&estimates);
+        }
+        if let Some(left) = &diagnosis.remainder {
+            page.section("What remains");
+            where_it_is(&mut page, diagnosed, &left.mismatch);
+        }
+        page.section("The catalogue: what these recordings say of each effect");
+        page.table(&diagnosed.catalogue());
+    }
+    if let Some(next) = &diagnosis.next_experiment {
+        page.section("What to measure next");
+        page.paragraphs(&next.sentence);
+        if let Some(run) = &next.run {
+            page.figure(&played(run))?;
+        }
+    }
+    Ok(page)
+}
+
+/// The cascade, with the blocks of the findings marked; without findings, those that the localizer blames.
+fn blocks(mismatch: &Mismatch, findings: &[Finding]) -> String {
+    let probability = |block: EffectBlock| {
+        let blamed = mismatch.blocks.iter().find(|(one, _)| *one == block);
+        blamed.map_or(0.0, |(_, probability)| *probability)
+    };
+    let is_guilty = |block: EffectBlock| {
+        if findings.is_empty() {
+            probability(block) >= GUILTY
+        } else {
+            let mut blocks = findings.iter().map(|finding| finding.effect.info().block);
+            blocks.any(|one| one == block)
+        }
+    };
+    let items = [
+        (EffectBlock::Drive, "supply and resistance"),
+        (EffectBlock::HeatBalance, "power to temperature"),
+        (EffectBlock::Transformation, "temperature to fraction"),
+        (EffectBlock::Displacement, "fraction to stroke"),
+        (EffectBlock::Sensor, "what is recorded"),
+    ]
+    .map(|(block, does)| {
+        let class = if is_guilty(block) {
+            " class=\"guilty\""
+        } else {
+            ""
+        };
+        let added = findings.iter().map(|finding| finding.effect.info());
+        let added = added.filter(|info| info.block == block);
+        format!(
+            "<li{class}><b>{}</b><small>{does}</small><small>{}</small>{}</li>",
+            block_name(block),
+            spoken_percent(probability(block)),
+            added
+                .map(|info| equation(info.equation))
+                .collect::<String>()
+        )
+    });
+    format!(
+        "<ol class=\"blocks\">{}</ol>\n<p class=\"soft\">The model from drive to sensor; blocks that something is missing from are \
+         marked, with what is added to them. Percentages: how likely the mismatch arises there.</p>",
+        items.concat()
+    )
+}
+
+fn equation(text: &str) -> String {
+    format!("<code>{}</code>", escaped(text))
+}
+
+fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) {
+    let tables = [regimes(mismatch), diagnosed.stretches(mismatch)];
+    if tables.iter().any(Option::is_some) {
+        page.line(
+            "<p class=\"soft\">On the training recordings. Regimes overlap, so that shares add up to more than 100 %; p: how \
+             often noise alone gathers as much in one of them.</p>",
+        );
+    }
+    for table in tables.iter().flatten() {
+        page.table(table);
+    }
+    page.paragraphs(&in_frequency(mismatch).unwrap_or_default());
+}
+
+/// What each effect does.
+fn what_they_do(findings: &[Finding]) -> String {
+    let items = findings.iter().map(|finding| {
+        let name = finding.effect.info().name;
+        let equation = equation(finding.effect.info().equation);
+        format!(
+            "<li>{}: {} {equation}</li>",
+            escaped(name),
+            escaped(what(finding))
+        )
+    });
+    format!("<ul>{}</ul>", items.collect::<String>())
+}
+
+/// The run to play, as steps.
+fn played(run: &Run) -> Figure {
+    let points = run.drive.iter().enumerate();
+    let points = points.map(|(k, &drive)| [k as f64 * run.dt_s, drive]);
+    let from = run.dt_s * run.decisive.start as f64;
+    let to = run.dt_s * run.decisive.end as f64;
+    Figure {
+        name: "next-run",
+        caption: format!(
+            "The run that would tell more: {}; shaded where it tells most",
+            run.name
+        ),
+        across: "time, s".to_owned(),
+        up: "drive".to_owned(),
+        series: vec![Series::new("drive", Style::Extended, points)],
+        shaded: vec![[from, to]],
+        ..Figure::default()
+    }
+}

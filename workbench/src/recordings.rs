@@ -1,0 +1,94 @@
+//! The recordings of a call: read, and what is odd about them.
+
+use std::path::{Path, PathBuf};
+
+use identify::Rod;
+use recording::{ReadOptions, Recording, RecordingError};
+
+use crate::WorkbenchError;
+
+/// Reads recordings as a rod file describes them.
+///
+/// # Errors
+///
+/// [`WorkbenchError`] naming what is refused.
+pub fn read_all(rod: &Rod, paths: &[PathBuf]) -> Result<Vec<Recording>, WorkbenchError> {
+    let options = rod.read_options();
+    paths
+        .iter()
+        .map(|path| Ok(recording::read_csv(path, &options)?))
+        .collect()
+}
+
+/// Reads a recording, or a drive alone where there is no output; whether there is.
+///
+/// # Errors
+///
+/// [`WorkbenchError`] naming what is refused.
+pub fn read_perhaps_without_output(
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<(Recording, bool), RecordingError> {
+    match recording::read_csv(path, options) {
+        Ok(recording) => Ok((recording, true)),
+        Err(RecordingError::MissingColumn { role: "output", .. }) => {
+            Ok((recording::read_drive_csv(path, options)?, false))
+        }
+        Err(other) => Err(other),
+    }
+}
+
+/// Whether a recording holds the data of a training recording.
+#[must_use]
+pub fn is_trained_on(recording: &Recording, training: &[Recording]) -> bool {
+    twin(recording, training).is_some()
+}
+
+/// What is odd about the recordings themselves.
+#[must_use]
+pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (k, recording) in training.iter().enumerate() {
+        if let Some(twin) = twin(recording, &training[..k]) {
+            notes.push(format!(
+                "{} holds the data of {}: its samples count twice, and intervals are too narrow",
+                recording.name(),
+                twin.name()
+            ));
+        }
+    }
+    for recording in unseen {
+        if let Some(twin) = twin(recording, training) {
+            notes.push(format!(
+                "{} holds the data of the training recording {}: it is not unseen",
+                recording.name(),
+                twin.name()
+            ));
+        }
+    }
+    for recording in training.iter().chain(unseen) {
+        for gap in recording.gaps() {
+            notes.push(format!(
+                "{}: nothing recorded from {} s for {:.3} s; the drive is taken to have stayed",
+                recording.name(),
+                gap.start_s,
+                gap.dt_s
+            ));
+        }
+    }
+    notes
+}
+
+/// The recording among others that has the same data.
+fn twin<'a>(recording: &Recording, others: &'a [Recording]) -> Option<&'a Recording> {
+    others.iter().find(|other| same_data(recording, other))
+}
+
+/// Whether two recordings are one, whatever their names.
+fn same_data(one: &Recording, other: &Recording) -> bool {
+    let bits = |recording: &Recording| -> Vec<u64> {
+        let values = recording.drive().iter().chain(recording.output());
+        values.map(|value| value.to_bits()).collect()
+    };
+    one.len() == other.len() && bits(one) == bits(other)
+}

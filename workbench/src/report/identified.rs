@@ -1,0 +1,454 @@
+//! What `sma identify` says.
+
+use std::fmt::Write;
+
+use comfy_table::{Cell, Table};
+use identify::{
+    Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, ParameterState, Scope,
+    Validated,
+};
+use serde_json::{Value, json};
+
+use super::label::label;
+use super::number::{count, percent, significant};
+use super::table::{right, table, unpadded};
+
+/// Unseen error over training error from which the text says that the model leaves something out:
+/// twice is more than a few parameters fitted to thousands of samples explain.
+const SUSPICIOUS_RATIO: f64 = 2.0;
+
+/// Temperature above which what is said of a rod cannot be, °C: its alloy would long be annealed.
+const HOTTEST_DEGC: f64 = 500.0;
+
+/// Rise below which a rod does not transform, K.
+const LEAST_RISE_K: f64 = 3.0;
+
+/// The result of `sma identify`.
+#[derive(Debug)]
+pub struct Identified<'a> {
+    /// The fit.
+    pub fit: &'a Fit,
+    /// What it makes of recordings that it has not seen.
+    pub validated: &'a [Validated],
+    /// Which of them hold the data of a training recording.
+    pub seen: Vec<bool>,
+    /// Temperature of the surroundings, °C, where the rod file gives it.
+    pub ambient_degc: Option<f64>,
+    /// Where argmin ended, if it was asked.
+    pub cross_check: Option<&'a CrossCheck>,
+    /// Keys of the rod file without which temperatures are arbitrary.
+    pub missing_for_temperature: Vec<&'static str>,
+    /// Whether temperatures are in kelvins.
+    pub knows_temperature: bool,
+    /// Range of the specific heat, J/(kg K), if the intervals hold for it.
+    pub specific_heat: Option<Bounds>,
+    /// Whether the model is a loop without heat.
+    pub is_static: bool,
+    /// Rule of the hysteresis' memory, as the flag names it.
+    pub memory: &'static str,
+}
+
+impl Identified<'_> {
+    /// Root mean square over all unseen samples; `None` if there are none.
+    fn validate_rmse(&self) -> Option<f64> {
+        let pairs = self.validated.iter().zip(&self.seen);
+        let unseen = pairs.filter(|(_, seen)| !**seen).map(|(one, _)| one);
+        Validated::rmse_of_all(unseen)
+    }
+
+    /// Unit of the output behind a number: nothing where it has none.
+    fn unit(&self) -> String {
+        match self.fit.output_unit.as_str() {
+            "1" => String::new(),
+            unit => format!(" {unit}"),
+        }
+    }
+
+    /// For people: the verdict first, then the tables.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let text = format!(
+            "{}\n{}\n\n{}\n",
+            self.verdict(),
+            self.parameters(),
+            self.recordings()
+        );
+        unpadded(&text)
+    }
+
+    /// How near the model comes, in a sentence or two.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let (fit, unit) = (self.fit, self.unit());
+        let mut text = self.warnings();
+        let _ = write!(
+            text,
+            "The model meets the training recordings to {}{unit} RMS (fit {})",
+            significant(fit.train_rmse),
+            percent(fit.fit_fraction),
+        );
+        match self.validate_rmse() {
+            None if !self.validated.is_empty() => text.push_str(
+                ".\nWhat was given as unseen is training data: this is not yet a test.\n",
+            ),
+            None => text.push_str(
+                ".\nNo unseen recording was given (--validate): this is not yet a test.\n",
+            ),
+            Some(rmse) => {
+                let _ = writeln!(
+                    text,
+                    "\nand what it has not seen to {}{unit} RMS.",
+                    significant(rmse)
+                );
+                let ratio = rmse / fit.train_rmse;
+                if ratio >= SUSPICIOUS_RATIO {
+                    let _ = writeln!(
+                        text,
+                        "The unseen error is {ratio:.1} times the training error: the model leaves something out."
+                    );
+                }
+            }
+        }
+        let at_bound: Vec<&str> = fit
+            .parameters
+            .iter()
+            .filter(|parameter| parameter.at_bound)
+            .map(|parameter| parameter.info.name)
+            .collect();
+        if !at_bound.is_empty() {
+            let _ = writeln!(
+                text,
+                "On a bound of its range: {}. The data pull it further, or say nothing of it.",
+                at_bound.join(", ")
+            );
+        }
+        if let Some(check) = self.cross_check {
+            let _ = writeln!(text, "{}", self.checked(check));
+        }
+        text
+    }
+
+    /// Why not to believe what follows.
+    fn warnings(&self) -> String {
+        let fit = self.fit;
+        let mut text = String::new();
+        if !fit.converged() {
+            text.push_str("NOT CONVERGED: do not trust these values. ");
+            let _ = if fit.termination.is_minimum() {
+                writeln!(
+                    text,
+                    "No two starts ended in the same place; try --starts {}.",
+                    4 * fit.starts
+                )
+            } else {
+                writeln!(
+                    text,
+                    "The search ended before it found a minimum; try another --seed."
+                )
+            };
+        }
+        let peaks = fit.recordings.iter().map(|one| one.peak_temperature_degc);
+        let peak_degc = peaks.fold(f64::NEG_INFINITY, f64::max);
+        if self.knows_temperature && !self.is_static {
+            if peak_degc > HOTTEST_DEGC {
+                let _ = writeln!(
+                    text,
+                    "IMPLAUSIBLE: the rod would reach {peak_degc:.0} °C. Look at the units in [rod] and [drive]."
+                );
+            } else if self
+                .ambient_degc
+                .is_some_and(|ambient_degc| peak_degc < ambient_degc + LEAST_RISE_K)
+            {
+                let _ = writeln!(
+                    text,
+                    "IMPLAUSIBLE: the rod would not get warmer than {peak_degc:.1} °C. Look at the units of the drive."
+                );
+            }
+        }
+        text
+    }
+
+    /// What argmin's end means.
+    fn checked(&self, check: &CrossCheck) -> String {
+        let place: Vec<String> = check
+            .shared
+            .iter()
+            .filter(|(name, ..)| *name != "gain")
+            .map(|(name, value, _)| format!("{name} {}", significant(*value)))
+            .collect();
+        let (rmse, unit) = (significant(check.rmse), self.unit());
+        match check.verdict {
+            CrossVerdict::Agrees => {
+                format!("argmin, from its own start, ends at the same floor: {rmse}{unit}.")
+            }
+            CrossVerdict::EndedHigher => format!(
+                "argmin, from its own start, ends higher: {rmse}{unit}, at {}. It was caught on the way; that \
+                 says nothing against the fit.",
+                place.join(", ")
+            ),
+            CrossVerdict::EndedLower => format!(
+                "argmin, from its own start, ends lower: {rmse}{unit}, at {}. The fit is not the lowest minimum; \
+                 try --starts {}.",
+                place.join(", "),
+                4 * self.fit.starts
+            ),
+        }
+    }
+
+    /// Values and intervals.
+    pub fn parameters(&self) -> Table {
+        let mut table = table(["parameter", "value", "95 % interval", "unit", ""]);
+        for parameter in self.fit.parameters.iter().filter(|one| !is_rest(one)) {
+            for (r, value) in parameter.values.iter().enumerate() {
+                let name = match parameter.info.scope {
+                    Scope::Shared => parameter.info.name.to_owned(),
+                    Scope::PerRecording => {
+                        format!(
+                            "{} ({})",
+                            parameter.info.name,
+                            self.label(&self.fit.recordings[r].name)
+                        )
+                    }
+                };
+                let note = match parameter.info.state {
+                    ParameterState::Fixed(_) => "fixed",
+                    ParameterState::Free if parameter.at_bound => "at its bound",
+                    ParameterState::Free => "",
+                };
+                table.add_row([
+                    Cell::new(name),
+                    right(significant(*value)),
+                    Cell::new(parameter.intervals[r].map_or(String::new(), interval)),
+                    Cell::new(&parameter.info.unit),
+                    Cell::new(note),
+                ]);
+            }
+        }
+        table
+    }
+
+    /// The last part of a recording's path, or all of it where two would look alike.
+    #[must_use]
+    pub fn label<'b>(&self, name: &'b str) -> &'b str {
+        let trained = self.fit.recordings.iter().map(|one| one.name.as_str());
+        let names = trained.chain(self.validated.iter().map(|one| one.name.as_str()));
+        label(name, names)
+    }
+
+    /// How near the model comes to each recording.
+    #[must_use]
+    pub fn recordings(&self) -> Table {
+        let rmse = format!("RMSE{}", self.unit());
+        let mut table = table(["recording", "role", "samples", &rmse, "of range", ""]);
+        for one in &self.fit.recordings {
+            table.add_row([
+                Cell::new(self.label(&one.name)),
+                Cell::new("training"),
+                right(count(one.n_samples)),
+                right(significant(one.rmse)),
+                right(of_range(one.rmse, one.output_range)),
+                Cell::new(""),
+            ]);
+        }
+        for (one, seen) in self.validated.iter().zip(&self.seen) {
+            table.add_row([
+                Cell::new(self.label(&one.name)),
+                Cell::new(if *seen { "trained on" } else { "unseen" }),
+                right(count(one.n_samples)),
+                right(significant(one.rmse)),
+                right(of_range(one.rmse, one.output_range)),
+                Cell::new(offset_note(one.offset_source)),
+            ]);
+        }
+        table
+    }
+
+    /// What else is worth knowing, a line each.
+    pub fn notes(&self) -> Vec<String> {
+        let fit = self.fit;
+        let mut notes = vec![
+            "fit is 1 - RMSE / standard deviation of the recording".to_owned(),
+            format!(
+                "{} of {} independent starts ended here; {} simulations, seed {}",
+                fit.agreeing_starts,
+                fit.starts,
+                count(fit.simulations as usize),
+                fit.seed,
+            ),
+            format!(
+                "neighboring residuals correlate by {:.2}: {} samples count as {}, and the intervals allow for that",
+                fit.noise.lag_1,
+                count(fit.noise.n_samples),
+                count(fit.noise.n_effective as usize),
+            ),
+        ];
+        if let Some(rmse_k) = fit.temperature_rmse_k {
+            notes.push(format!(
+                "the recorded temperature is met to {} K RMS",
+                significant(rmse_k)
+            ));
+        }
+        notes.extend(
+            fit.unfixed
+                .iter()
+                .map(|direction| format!("not fixed by these data: {direction}")),
+        );
+        if let Some(range) = self.specific_heat {
+            notes.push(format!(
+                "the intervals of temperatures hold for a specific heat of {} to {} J/(kg K)",
+                significant(range.lower),
+                significant(range.upper)
+            ));
+        }
+        if self.is_static {
+            return notes;
+        }
+        if self.knows_temperature {
+            let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
+            notes.push(format!(
+                "the model's rod reaches {:.0} °C; if that is absurd, look at what rod.toml says of it",
+                peak.fold(f64::NEG_INFINITY, f64::max)
+            ));
+        } else {
+            let why = if self.missing_for_temperature.is_empty() {
+                "the paper leaves their scale open".to_owned()
+            } else {
+                format!(
+                    "rod.toml does not give {}",
+                    self.missing_for_temperature.join(", ")
+                )
+            };
+            notes.push(format!(
+                "temperatures are arbitrary, only ratios of their differences mean anything: {why}"
+            ));
+        }
+        notes
+    }
+
+    /// For programs: DESIGN's `fit` and `parameters`.
+    pub fn json(&self) -> Value {
+        let trained = self.fit.recordings.iter().map(|one| {
+            json!({"name": one.name, "role": "train", "n_samples": one.n_samples, "rmse": one.rmse})
+        });
+        let unseen = self.validated.iter().zip(&self.seen).map(|(one, seen)| {
+            json!({
+                "name": one.name,
+                "role": "validate",
+                "is_training_data": seen,
+                "n_samples": one.n_samples,
+                "rmse": one.rmse,
+                "fit_percent": one.fit_fraction.map(|fraction| 100.0 * fraction),
+                "offset": one.offset,
+                "offset_from": match one.offset_source {
+                    OffsetSource::BeforeDrive { .. } => "before_drive",
+                    OffsetSource::WholeRecording { .. } => "whole_recording",
+                    OffsetSource::NeverDriven => "never_driven",
+                },
+            })
+        });
+        json!({
+            "schema_version": 1,
+            "command": "identify",
+            "version": env!("CARGO_PKG_VERSION"),
+            "seed": self.fit.seed,
+            "output_unit": self.fit.output_unit,
+            "fit": {
+                "train_rmse": self.fit.train_rmse,
+                "validate_rmse": self.validate_rmse(),
+                "fit_percent": 100.0 * self.fit.fit_fraction,
+                "converged": self.fit.converged(),
+                "agreeing_starts": self.fit.agreeing_starts,
+                "starts": self.fit.starts,
+                "simulations": self.fit.simulations,
+                "aic": self.fit.aic,
+                "bic": self.fit.bic,
+                "temperature_rmse_k": self.fit.temperature_rmse_k,
+                "termination": format!("{:?}", self.fit.termination),
+            },
+            "residuals": {
+                "lag_1": self.fit.noise.lag_1,
+                "ar_coefficients": self.fit.noise.coefficients,
+                "n_effective": self.fit.noise.n_effective,
+            },
+            "correlation": {
+                "names": self.fit.covariance.names,
+                "matrix": self.fit.covariance.correlation(),
+            },
+            "not_fixed": self.fit.unfixed.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "cross_check": self.cross_check.map(|check| json!({
+                "rmse": check.rmse,
+                "cost_ratio": check.ratio,
+                "verdict": match check.verdict {
+                    CrossVerdict::Agrees => "agrees",
+                    CrossVerdict::EndedHigher => "ended_higher",
+                    CrossVerdict::EndedLower => "ended_lower",
+                },
+                "simulations": check.simulations,
+            })),
+            "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
+            "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
+            "memory": self.memory,
+            "parameters": parameters_json(self.fit),
+            "recordings": trained.chain(unseen).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// The parameters of a fit for programs.
+#[must_use]
+pub fn parameters_json(fit: &Fit) -> Vec<Value> {
+    fit.parameters
+        .iter()
+        .map(|parameter| {
+            json!({
+                "name": parameter.info.name,
+                "unit": parameter.info.unit,
+                "values": parameter.values,
+                "ci95": parameter.intervals.iter().map(|one| one.map(|one| [one.lower, one.upper])).collect::<Vec<_>>(),
+                "per_recording": parameter.info.scope == Scope::PerRecording,
+                "fixed": matches!(parameter.info.state, ParameterState::Fixed(_)),
+                "at_bound": parameter.at_bound,
+            })
+        })
+        .collect()
+}
+
+/// Whether a parameter only says that the recordings start at rest.
+fn is_rest(parameter: &FittedParameter) -> bool {
+    parameter.info.scope == Scope::PerRecording
+        && matches!(parameter.info.state, ParameterState::Fixed(_))
+}
+
+/// Nothing for an output that never changes.
+fn of_range(rmse: f64, range: f64) -> String {
+    if range > 0.0 {
+        percent(rmse / range)
+    } else {
+        String::new()
+    }
+}
+
+fn interval(interval: Bounds) -> String {
+    format!(
+        "{} … {}",
+        significant(interval.lower),
+        significant(interval.upper)
+    )
+}
+
+fn offset_note(source: OffsetSource) -> String {
+    match source {
+        OffsetSource::BeforeDrive { n_samples } => {
+            format!(
+                "offset from the {} samples before the drive rises",
+                count(n_samples)
+            )
+        }
+        OffsetSource::WholeRecording { at_rest } => {
+            format!(
+                "offset from the whole recording: only {at_rest} samples before the drive rises"
+            )
+        }
+        OffsetSource::NeverDriven => "never driven: tests nothing".to_owned(),
+    }
+}

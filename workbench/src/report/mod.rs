@@ -1,0 +1,14 @@
+//! What the commands say: text for people, JSON for programs.
+
+pub mod diagnosed;
+pub mod diagnosed_json;
+pub mod identified;
+pub mod inspected;
+pub mod label;
+pub mod number;
+pub mod plot;
+pub mod static_diagnosed;
+pub mod table;
+pub mod trial;
+pub mod tuned;
+pub mod verdict;

@@ -1,0 +1,279 @@
+//! What `sma diagnose` says of recordings without time.
+
+use std::fmt::Write;
+
+use comfy_table::{Cell, Table};
+use identify::{Bounds, Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore};
+use missing_physics::{EffectId, Verdict};
+use serde_json::{Value, json};
+
+use super::number::{percent, significant, spoken};
+use super::table::{folding, right, table, unpadded};
+
+/// What keeps static recordings from telling of any other effect.
+const NEEDS_TIME: &str = "needs time";
+
+/// The result of `sma diagnose` on static recordings.
+#[derive(Debug)]
+pub struct StaticDiagnosed<'a> {
+    /// What was found.
+    pub effects: &'a StaticEffects,
+    /// Unit of the output.
+    pub output_unit: &'a str,
+    /// The seed.
+    pub seed: u64,
+    /// Rule of the hysteresis' memory, as the flag names it.
+    pub memory: &'static str,
+    /// What to know beside the result.
+    pub notes: Vec<String>,
+}
+
+type Tested = Result<StaticEffect, NotTestable>;
+
+impl StaticDiagnosed<'_> {
+    fn both(&self) -> [(EffectId, &Tested); 2] {
+        [
+            (EffectId::StressCoupling, &self.effects.stress_coupling),
+            (
+                EffectId::PhaseDependentResistance,
+                &self.effects.phase_dependent_resistance,
+            ),
+        ]
+    }
+
+    fn tested(&self) -> impl Iterator<Item = &StaticEffect> {
+        self.both()
+            .into_iter()
+            .filter_map(|(_, tested)| tested.as_ref().ok())
+    }
+
+    /// `None` if nothing could be tested. What is found explains in part at best: without a noise floor nobody
+    /// knows how much there was to explain.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.tested().next()?;
+        let converged = |one: &StaticEffect| one.without.converged && one.with.converged;
+        Some(if !self.tested().all(converged) {
+            Verdict::NotConverged
+        } else if self.tested().any(is_found) {
+            Verdict::ExplainedInPart
+        } else {
+            Verdict::Adequate
+        })
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = match self.verdict() {
+            None => "These static recordings test no effect; nothing can be said of what the loop leaves out.\n".to_owned(),
+            Some(Verdict::NotConverged) => {
+                "NOT CONVERGED: the loop is not fitted, and nothing can be said of what it leaves out. Try another --seed.\n".to_owned()
+            }
+            Some(Verdict::Adequate) => {
+                "Nothing is missing that these static recordings could show.\n".to_owned()
+            }
+            Some(_) => {
+                let found = self.tested().filter(|one| is_found(one));
+                let said: String = found.map(|one| sentence(one) + "\n").collect();
+                said + "Whether something else is left these recordings cannot say: without time nothing tells their noise.\n"
+            }
+        };
+        if self.tested().next().is_some() {
+            let _ = write!(text, "\n{}\n\n{}\n", self.ladder(), self.estimates());
+        }
+        let mut catalogue = folding(["effect", "", "what these recordings say"]);
+        for (effect, tested) in self.both() {
+            let (group, said) = match tested {
+                Err(why) => ("not testable", why.to_string()),
+                Ok(one) if is_found(one) => ("detected", String::new()),
+                Ok(one) => (
+                    "not found",
+                    upper(one).map_or("not fixed by these recordings".to_owned(), |upper| {
+                        format!("at most {} {}", spoken(upper), one.estimates[0].unit)
+                    }),
+                ),
+            };
+            catalogue.add_row([effect.id(), group, &said]);
+        }
+        catalogue.add_row(["all others", "not testable", NEEDS_TIME]);
+        let _ = write!(text, "\nThe catalogue\n{catalogue}\n");
+        unpadded(&text)
+    }
+
+    fn ladder(&self) -> Table {
+        let mut table = table(["effect", "RMSE without", "with", "unit"]);
+        for one in self.tested() {
+            table.add_row([
+                Cell::new(one.effect),
+                right(significant(one.without.rmse)),
+                right(significant(one.with.rmse)),
+                Cell::new(&one.with.unit),
+            ]);
+        }
+        table
+    }
+
+    fn estimates(&self) -> Table {
+        let mut table = table(["effect", "parameter", "value", "95 % interval", "unit"]);
+        for one in self.tested() {
+            for (k, estimate) in one.estimates.iter().enumerate() {
+                table.add_row([
+                    Cell::new(if k == 0 { one.effect } else { "" }),
+                    Cell::new(estimate.name),
+                    right(significant(estimate.value)),
+                    Cell::new(
+                        estimate
+                            .interval
+                            .map_or("not fixed".to_owned(), |interval| {
+                                [interval.lower, interval.upper]
+                                    .map(significant)
+                                    .join(" … ")
+                            }),
+                    ),
+                    Cell::new(&estimate.unit),
+                ]);
+            }
+        }
+        table
+    }
+
+    /// For programs: DESIGN's document, as far as it goes without time.
+    pub fn json(&self) -> Value {
+        let coupling = self.effects.stress_coupling.as_ref().ok();
+        let stage = |score: &StaticScore| json!({"train_rmse": score.rmse, "validate_rmse": null, "parameters": []});
+        let found: Vec<&StaticEffect> = self.tested().filter(|one| is_found(one)).collect();
+        let extended = coupling.filter(|one| is_found(one)).map(|one| {
+            let mut stage = stage(&one.with);
+            stage["effects"] = json!([one.effect]);
+            stage["parameters"] = parameters(one);
+            stage
+        });
+        let nothing = json!({"train_rmse": null, "validate_rmse": null, "parameters": []});
+        json!({
+            "schema_version": 1,
+            "command": "diagnose",
+            "version": env!("CARGO_PKG_VERSION"),
+            "seed": self.seed,
+            "verdict": self.verdict().map(Verdict::id),
+            "output_unit": self.output_unit,
+            "noise_floor": {"lower": null, "upper": null, "class": null},
+            "baseline": coupling.map_or(nothing, |one| stage(&one.without)),
+            "extended": extended,
+            "explained_fraction": {"train": null, "validate": null, "validate_interval": null},
+            "mismatch": {
+                "block": null, "block_probability": null, "blocks": [], "cells": [], "spans": [], "bands": [],
+            },
+            "findings": found.into_iter().map(finding).collect::<Vec<_>>(),
+            "suspects": [],
+            "remainder": null,
+            "catalogue": EffectId::ALL.map(|effect| self.entry(effect)),
+            "next_experiment": null,
+            "memory": self.memory,
+            "notes": self.notes,
+        })
+    }
+
+    fn entry(&self, effect: EffectId) -> Value {
+        let own = self.both().into_iter().find(|(id, ..)| *id == effect);
+        let entry = |verdict: &str, unit: &str, upper: Option<f64>, reason: Option<String>| {
+            json!({
+                "effect": effect.id(),
+                "verdict": verdict,
+                "t": null,
+                "absorption": null,
+                "minimum_detectable": null,
+                "unit": unit,
+                "upper_limit": upper,
+                "reason": reason,
+            })
+        };
+        let unit = effect.info().parameters[0].unit;
+        match own {
+            None => entry("not_testable", unit, None, Some(NEEDS_TIME.to_owned())),
+            Some((_, Err(why))) => entry("not_testable", unit, None, Some(why.to_string())),
+            Some((_, Ok(one))) if is_found(one) => {
+                entry("detected", &one.estimates[0].unit, None, None)
+            }
+            Some((_, Ok(one))) => {
+                let upper = upper(one);
+                let verdict = if upper.is_some() {
+                    "excluded"
+                } else {
+                    "not_testable"
+                };
+                entry(verdict, &one.estimates[0].unit, upper, None)
+            }
+        }
+    }
+}
+
+/// Whether an effect is there: the criterion prefers it, and its size is not 0.
+fn is_found(one: &StaticEffect) -> bool {
+    let excludes_zero = |interval: Bounds| interval.lower > 0.0 || interval.upper < 0.0;
+    one.with.bic < one.without.bic && one.estimates[0].interval.is_some_and(excludes_zero)
+}
+
+/// The largest size that the recordings allow.
+fn upper(one: &StaticEffect) -> Option<f64> {
+    let interval = one.estimates[0].interval?;
+    Some(interval.lower.abs().max(interval.upper.abs()))
+}
+
+fn sentence(one: &StaticEffect) -> String {
+    if let Some(coefficient) = one.estimate("stress_coupling_mpa_per_k") {
+        return format!(
+            "Stress coupling is missing: the loop shifts with the stress, {} MPa/K{}.",
+            spoken(coefficient.value),
+            bracketed(coefficient, spoken)
+        );
+    }
+    let change = &one.estimates[0];
+    format!(
+        "Phase-dependent resistance is missing: the resistance changes by {}{} of its cold value while transforming.",
+        percent(change.value),
+        bracketed(change, percent)
+    )
+}
+
+fn bracketed(estimate: &Estimate, shown: fn(f64) -> String) -> String {
+    estimate.interval.map_or(String::new(), |interval| {
+        format!(
+            " [{}]",
+            [interval.lower, interval.upper].map(shown).join(", ")
+        )
+    })
+}
+
+fn parameters(one: &StaticEffect) -> Value {
+    let parameters: Vec<Value> = one
+        .estimates
+        .iter()
+        .map(|estimate| {
+            json!({
+                "name": estimate.name,
+                "value": estimate.value,
+                "ci95": estimate.interval.map(|interval| [interval.lower, interval.upper]),
+                "unit": estimate.unit,
+                "literature": null,
+            })
+        })
+        .collect();
+    json!(parameters)
+}
+
+fn finding(one: &StaticEffect) -> Value {
+    let score =
+        |score: &StaticScore| json!({"rmse": score.rmse, "unit": score.unit, "bic": score.bic});
+    json!({
+        "effect": one.effect,
+        "could_also_be": [],
+        "probability": null,
+        "parameters": parameters(one),
+        "literature": null,
+        "plausible": null,
+        "contribution": null,
+        "sentence": sentence(one),
+        "without": score(&one.without),
+        "with": score(&one.with),
+    })
+}
