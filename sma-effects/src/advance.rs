@@ -1,7 +1,7 @@
 //! One sample where heat and transformation may depend on each other, in one part or two.
 
 use wiener::thermal::Sample;
-use wiener::widest_vectors;
+use wiener::{NARROW, widest_vectors};
 
 use crate::conduction::{Ends, NODES, PerZone, Transfer, ZONES, beyond_mean_k_per_s};
 use crate::effect::{Acting, Before, Instant, Moment, Trial, counted};
@@ -104,10 +104,18 @@ impl<const L: usize> Plants<L> {
             own: state.own.as_deref(),
             along: None,
         };
-        let residual_k = match &mut state.ends {
-            None => self.advance_zones([&mut state.middle], &leg, &mut [[0.0; L]]),
-            Some(ends) => self.advance_ends(&mut state.middle, ends, &leg),
-        };
+        let mut residual_k = [0.0; L];
+        match &mut state.ends {
+            None => {
+                residual_k = self.advance_zones([&mut state.middle], &leg, &mut [[0.0; L]]);
+            }
+            // `Extended` makes no full chunk of rods with ends, and none is compiled.
+            Some(ends) => {
+                if const { L <= NARROW } {
+                    residual_k = self.advance_ends(&mut state.middle, ends, &leg);
+                }
+            }
+        }
         for l in 0..L {
             state.residual_k[l] = larger(state.residual_k[l], residual_k[l]);
         }

@@ -1,11 +1,11 @@
 use wiener::{
-    Block, Fleet, Lanes, NARROW, Output, Profile, Shown, Start, Stretch, WIDE, WienerParams,
-    lockstep,
+    Block, Drives, Fleet, Input, Lanes, NARROW, Output, Profile, Shown, Start, Stretch, WIDE,
+    WienerParams, lockstep,
 };
 
 use crate::plant::Plants;
 use crate::state::PlantsState;
-use crate::{EffectValues, PhysicsError, Setting};
+use crate::{EffectId, EffectValues, PhysicsError, Setting};
 
 /// One model of an [`Extended`] fleet, and where it starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +56,15 @@ impl Extended {
         );
         Ok(Running { plants, state })
     }
+
+    fn side_by_side(&self, members: &[Member; WIDE]) -> Result<SideBySide, PhysicsError> {
+        let small = |chunk: usize| -> Result<_, PhysicsError> {
+            self.started::<NARROW>(&core::array::from_fn(|l| members[NARROW * chunk + l]))
+        };
+        Ok(SideBySide {
+            chunks: [small(0)?, small(1)?],
+        })
+    }
 }
 
 impl Fleet for Extended {
@@ -70,6 +79,9 @@ impl Fleet for Extended {
     }
 
     fn wide(&self, members: &[Member; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, PhysicsError> {
+        if self.setting.active.contains(EffectId::EndConduction) {
+            return Ok(Box::new(self.side_by_side(members)?));
+        }
         Ok(Box::new(self.started(members)?))
     }
 }
@@ -88,5 +100,48 @@ impl<const L: usize> Lanes<L> for Running<L> {
 
     fn run(&mut self, stretch: &Stretch<'_, L>, shown: &mut Shown<'_, L>) {
         self.plants.run(&mut self.state, stretch, shown);
+    }
+}
+
+/// A full chunk of rods with ends: small ones. Their zones are more than the caches hold of a full one, which takes longer.
+#[derive(Debug)]
+struct SideBySide {
+    chunks: [Running<NARROW>; WIDE / NARROW],
+}
+
+impl Lanes<WIDE> for SideBySide {
+    fn output(&self) -> Output<WIDE> {
+        let of_chunks = self.chunks.each_ref().map(Lanes::output);
+        let lane = |of_chunk: &dyn Fn(&Output<NARROW>) -> [f64; NARROW]| {
+            core::array::from_fn(|l| of_chunk(&of_chunks[l / NARROW])[l % NARROW])
+        };
+        Output {
+            displacement: lane(&|chunk| chunk.displacement),
+            temperature_degc: lane(&|chunk| chunk.temperature_degc),
+        }
+    }
+
+    fn run(&mut self, stretch: &Stretch<'_, WIDE>, shown: &mut Shown<'_, WIDE>) {
+        for (c, chunk) in self.chunks.iter_mut().enumerate() {
+            let lanes = NARROW * c..NARROW * (c + 1);
+            for k in 0..stretch.dt_s.len() {
+                let mut drive = [0.0; NARROW];
+                match stretch.drive {
+                    Drives::Common(common) => drive = [common[k]; NARROW],
+                    Drives::Each(drives) => drive.copy_from_slice(&drives[k][lanes.clone()]),
+                }
+                let Output {
+                    displacement,
+                    temperature_degc,
+                } = chunk.output();
+                shown.displacement[k][lanes.clone()].copy_from_slice(&displacement);
+                shown.temperature_degc[k][lanes.clone()].copy_from_slice(&temperature_degc);
+                let input = Input {
+                    drive,
+                    ambient_degc: stretch.ambient_degc[k],
+                };
+                chunk.step(&input, stretch.dt_s[k]);
+            }
+        }
     }
 }
