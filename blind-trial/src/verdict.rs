@@ -1,3 +1,5 @@
+use std::ops::ControlFlow;
+
 use std::path::{Path, PathBuf};
 
 use identify::{Rod, Validated, WienerModel};
@@ -195,7 +197,7 @@ impl Opened {
             &self.training,
             &self.unseen,
             &config,
-            &mut |_| (),
+            &mut |_| ControlFlow::Continue(()),
         )
         .map_err(TrialError::diagnosis(self.case))
     }

@@ -135,6 +135,9 @@ pub enum IdentifyError {
         "no point within the bounds gives a finite cost; check the recordings for absurd values"
     )]
     NothingFinite,
+    /// Whoever watches a search has ended it; nothing of it is left to return.
+    #[error("ended before there was a result")]
+    Stopped,
     /// A rod file asks for what the model cannot do.
     #[error(
         "{file}: drive.kind = \"temperature\": such data have no heat balance to identify; give current, duty, voltage or power"

@@ -1,19 +1,27 @@
 use faer::Mat;
 use faer::linalg::solvers::{Qr, SolveLstsqCore};
+use wiener::widest_vectors;
 
 /// Rows gathered before they are absorbed into the triangle.
 const ROWS: usize = 256;
+/// Partial sums of an inner product: enough for the widest vectors, and as many everywhere, so that the bits are equal.
+const SUMS: usize = 16;
 
 /// Triangular factor of a tall matrix that arrives row by row: memory does not grow with its length.
 ///
 /// ```text
 /// A = Q R,   A stacked from blocks:  R_new from the QR decomposition of [R_old; block]
 /// ```
+///
+/// By Householder's reflections, each of which leaves the rows of R_old below its own alone, because they are zero there
+/// \[GolubVanLoan, section 5.2\].
 #[derive(Debug, Clone)]
 pub(crate) struct Triangle {
     columns: usize,
-    /// R above, new rows below.
-    stack: Mat<f64>,
+    /// R, column after column.
+    r: Vec<f64>,
+    /// New rows, column after column, `ROWS` long.
+    block: Vec<f64>,
     filled: usize,
 }
 
@@ -21,36 +29,89 @@ impl Triangle {
     pub(crate) fn new(columns: usize) -> Self {
         Self {
             columns,
-            stack: Mat::zeros(columns + ROWS, columns),
-            filled: columns,
+            r: vec![0.0; columns * columns],
+            block: vec![0.0; columns * ROWS],
+            filled: 0,
         }
     }
 
     /// Adds one row: `value(column)`.
     pub(crate) fn push(&mut self, value: impl Fn(usize) -> f64) {
-        if self.filled == self.stack.nrows() {
+        if self.filled == ROWS {
             self.absorb();
         }
         for column in 0..self.columns {
-            self.stack[(self.filled, column)] = value(column);
+            self.block[ROWS * column + self.filled] = value(column);
         }
         self.filled += 1;
     }
 
     fn absorb(&mut self) {
-        let r = Qr::new(self.stack.get(..self.filled, ..))
-            .thin_R()
-            .to_owned();
-        self.stack = Mat::zeros(self.columns + ROWS, self.columns);
-        self.stack.get_mut(..self.columns, ..).copy_from(&r);
-        self.filled = self.columns;
+        widest_vectors(
+            #[inline(always)]
+            || {
+                for column in 0..self.columns {
+                    self.reflect(column);
+                }
+            },
+        );
+        self.filled = 0;
+    }
+
+    /// Reflects what stands below the diagonal in a column into it.
+    #[inline(always)]
+    fn reflect(&mut self, column: usize) {
+        let (before, after) = self.block.split_at_mut(ROWS * (column + 1));
+        let below = &mut before[ROWS * column..][..self.filled];
+        let diagonal = self.columns * column + column;
+        let head = self.r[diagonal];
+        let square = dot(below, below);
+        // Nothing to be done, or so little that its square has no digits.
+        if square < f64::MIN_POSITIVE {
+            return;
+        }
+        let length = (head * head + square).sqrt();
+        let reflected = if head > 0.0 { -length } else { length };
+        let factor = (reflected - head) / reflected;
+        let per_head = 1.0 / (head - reflected);
+        for value in below.iter_mut() {
+            *value *= per_head;
+        }
+        self.r[diagonal] = reflected;
+        for (ahead, other) in after.chunks_exact_mut(ROWS).enumerate() {
+            let other = &mut other[..self.filled];
+            let top = &mut self.r[self.columns * (column + 1 + ahead) + column];
+            let share = factor * (*top + dot(below, other));
+            *top -= share;
+            for (value, &below) in other.iter_mut().zip(&*below) {
+                *value -= share * below;
+            }
+        }
     }
 
     /// R, square and upper triangular.
     pub(crate) fn r(mut self) -> Mat<f64> {
         self.absorb();
-        self.stack.get(..self.columns, ..).to_owned()
+        Mat::from_fn(self.columns, self.columns, |row, column| {
+            self.r[self.columns * column + row]
+        })
     }
+}
+
+#[inline(always)]
+fn dot(one: &[f64], other: &[f64]) -> f64 {
+    let mut sums = [0.0; SUMS];
+    let (ones, others) = (one.chunks_exact(SUMS), other.chunks_exact(SUMS));
+    let (rest, other_rest) = (ones.remainder(), others.remainder());
+    for (one, other) in ones.zip(others) {
+        for k in 0..SUMS {
+            sums[k] += one[k] * other[k];
+        }
+    }
+    for (k, (one, other)) in rest.iter().zip(other_rest).enumerate() {
+        sums[k] += one * other;
+    }
+    sums.iter().sum()
 }
 
 /// Least-squares solution of a small full-rank system, by QR.
@@ -81,6 +142,16 @@ mod tests {
                 assert!((whole - factored).abs() < 1e-10 * n_rows as f64);
             }
         }
+    }
+
+    #[test]
+    fn what_is_no_number_stays_none_and_nothing_stays_nothing() {
+        let mut triangle = Triangle::new(2);
+        triangle.push(|column| if column == 0 { 0.0 } else { 1.0 });
+        triangle.push(|column| if column == 0 { 0.0 } else { f64::NAN });
+        let r = triangle.r();
+        assert!(r[(0, 0)].abs() + r[(1, 0)].abs() <= 0.0);
+        assert!(r[(1, 1)].is_nan());
     }
 
     #[test]

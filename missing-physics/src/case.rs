@@ -12,6 +12,7 @@ use recording::Recording;
 use crate::elsewhere::is_drift;
 use crate::folds::HeldOut;
 use crate::series::{Channel, Layout, Noise};
+use crate::watch::{Unwatched, Watch, Watched};
 use crate::{Candidate, CandidateSet, EffectId, ExtendedModel, LoopFamily, Need, Role, Setting};
 
 /// Iterations of a refinement that is only to be compared with others.
@@ -38,6 +39,7 @@ pub(crate) struct Case<'a> {
     pub(crate) setting: Setting,
     pub(crate) layout: Layout,
     recorded: Vec<f64>,
+    watch: &'a dyn Watch,
 }
 
 /// A model of the case, refined.
@@ -77,6 +79,20 @@ impl<'a> Case<'a> {
             training,
             setting,
             layout,
+            watch: &Unwatched,
+        }
+    }
+
+    /// The same case, its searches watched.
+    pub(crate) fn watched_by(self, watch: &'a dyn Watch) -> Self {
+        Self { watch, ..self }
+    }
+
+    /// A model of the case, its simulations watched.
+    pub(crate) fn watched<'m>(&'m self, model: &'m ExtendedModel) -> Watched<'m> {
+        Watched {
+            model,
+            watch: self.watch,
         }
     }
 
@@ -91,7 +107,7 @@ impl<'a> Case<'a> {
             loop_family,
             ..self.setting
         };
-        Self::new(self.base, fit, self.training, setting)
+        Self::new(self.base, fit, self.training, setting).watched_by(self.watch)
     }
 
     /// The model with these effects.
@@ -182,7 +198,12 @@ impl<'a> Case<'a> {
                 let vector = ParameterVector::new(node.model.parameters(), training.len());
                 let start =
                     vector.coordinates(|parameter, r| Some(node.points[others[r]][parameter]));
-                let refined = refine(&node.model, &training, &[start], &self.config(node, SHORT))?;
+                let refined = refine(
+                    &self.watched(&node.model),
+                    &training,
+                    &[start],
+                    &self.config(node, SHORT),
+                )?;
                 let recording = &self.training[left_out];
                 let rmse = validate_at(&node.model, &refined.points[0], recording)?.rmse;
                 let n = recording.len() as f64;
@@ -216,7 +237,7 @@ impl<'a> Case<'a> {
                     ..self.config(node, SHORT)
                 };
                 let starts = std::slice::from_ref(&node.coordinates);
-                let refined = refine(&node.model, self.training, starts, &config)?;
+                let refined = refine(&self.watched(&node.model), self.training, starts, &config)?;
                 let moved =
                     self.node(node.model.clone(), refined.coordinates, refined.points, 0)?;
                 let errors = part
@@ -254,7 +275,12 @@ impl<'a> Case<'a> {
         starts: &[Vec<f64>],
         iterations: usize,
     ) -> Result<Refined, IdentifyError> {
-        refine(model, self.training, starts, &self.config(near, iterations))
+        refine(
+            &self.watched(model),
+            self.training,
+            starts,
+            &self.config(near, iterations),
+        )
     }
 
     /// Both channels count as well as they are met by a node from which the search goes out.

@@ -26,6 +26,7 @@ use crate::locate::{Located, locate, remainder_shape};
 use crate::names::Named;
 use crate::rivals::next;
 use crate::search::Search;
+use crate::watch::{Caller, Watched};
 use crate::whiten::Whitener;
 use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, LoopFamily, Setting};
 
@@ -76,8 +77,11 @@ const HARDER: u64 = 4;
 pub enum DiagnoseProgress {
     /// The baseline is being fitted.
     Baseline(FitProgress),
-    /// Effects are being tried.
-    Search,
+    /// Effects are being tried; told several times a second.
+    Search {
+        /// Points that were simulated so far, the baseline's not counted.
+        simulations: u64,
+    },
     /// The chosen model is being refitted from many starts.
     Refit,
     /// The mismatch is being located.
@@ -86,26 +90,35 @@ pub enum DiagnoseProgress {
 
 /// Says which physics the plain model of a rig leaves out.
 ///
-/// The training recordings decide; the unseen ones are opened once, at the end.
+/// The training recordings decide; the unseen ones are opened once, at the end. `progress` is told how far it is, by any
+/// thread but by one at a time, and may end it: then no simulation is begun any more.
 ///
 /// # Errors
 ///
-/// What [`identify::fit`] and the models refuse.
-pub fn diagnose(
+/// What [`identify::fit`] and the models refuse; [`IdentifyError::Stopped`] if `progress` ended it.
+pub fn diagnose<'p>(
     base: &WienerModel,
     training: &[Recording],
     unseen: &[Recording],
     config: &DiagnoseConfig,
-    progress: &mut dyn FnMut(DiagnoseProgress),
+    progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
 ) -> Result<Diagnosis, IdentifyError> {
+    let caller = Caller::new(progress);
     let baseline_config = FitConfig {
         seed: config.seed,
         ..config.baseline.clone()
     };
-    let mut fitted = |config: &FitConfig| {
-        fit(base, training, config, &mut |so_far| {
-            progress(DiagnoseProgress::Baseline(so_far.clone()));
-            ControlFlow::Continue(())
+    let fitted = |config: &FitConfig| {
+        let base = Watched {
+            model: base,
+            watch: &caller,
+        };
+        fit(&base, training, config, &mut |so_far| {
+            // If this ends it, so does the next simulation.
+            match caller.tell(DiagnoseProgress::Baseline(so_far.clone())) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(_) => ControlFlow::Break(()),
+            }
         })
     };
     let mut plain = fitted(&baseline_config)?;
@@ -118,20 +131,30 @@ pub fn diagnose(
             ..baseline_config
         })?;
     }
-    diagnose_from(base, plain, [training, unseen], config, progress)
+    from_baseline(base, plain, [training, unseen], config, &caller)
 }
 
 /// The same from a baseline that is fitted; `recordings` are the training and the unseen ones.
 ///
 /// # Errors
 ///
-/// What [`identify::fit`] and the models refuse.
-pub fn diagnose_from(
+/// What [`identify::fit`] and the models refuse; [`IdentifyError::Stopped`] if `progress` ended it.
+pub fn diagnose_from<'p>(
+    base: &WienerModel,
+    plain: Fit,
+    recordings: [&[Recording]; 2],
+    config: &DiagnoseConfig,
+    progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
+) -> Result<Diagnosis, IdentifyError> {
+    from_baseline(base, plain, recordings, config, &Caller::new(progress))
+}
+
+fn from_baseline(
     base: &WienerModel,
     plain: Fit,
     [training, unseen]: [&[Recording]; 2],
     config: &DiagnoseConfig,
-    progress: &mut dyn FnMut(DiagnoseProgress),
+    caller: &Caller<'_>,
 ) -> Result<Diagnosis, IdentifyError> {
     let baseline = Stage {
         validated: unseen
@@ -145,8 +168,8 @@ pub fn diagnose_from(
     if !plain.converged() {
         return Ok(not_converged(baseline, &noise, config.seed));
     }
-    let case = Case::new(base, &plain, training, config.setting);
-    progress(DiagnoseProgress::Search);
+    let case = Case::new(base, &plain, training, config.setting).watched_by(caller);
+    caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
     let terms = Terms {
         noise: &noise,
         tau_s,
@@ -180,7 +203,7 @@ pub fn diagnose_from(
     if judged.is_none() && !families::outdo(&attempts, &mut papers)? {
         judged = Some(terms.judged(&mut papers)?);
     }
-    progress(DiagnoseProgress::Refit);
+    caller.tell(DiagnoseProgress::Refit)?;
     simulations += plain.simulations + papers.simulations();
     if let Some((judged, floor)) = judged {
         families::keep_ahead(&mut attempts, &papers, &judged);
@@ -200,7 +223,7 @@ pub fn diagnose_from(
     else {
         unreachable!("where none outdoes it, the paper's loop is among them");
     };
-    progress(DiagnoseProgress::Locate);
+    caller.tell(DiagnoseProgress::Locate)?;
     let setting = search.case.setting;
     let written = |named: &[Named]| {
         let mut findings: Vec<Finding> = named

@@ -36,7 +36,10 @@ pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>,
             ..FitConfig::default()
         };
         let go_on = &mut |_: &_| ControlFlow::Continue(());
-        Ok((family, fit(&model, case.training, &config, go_on)?))
+        Ok((
+            family,
+            fit(&case.watched(&model), case.training, &config, go_on)?,
+        ))
     });
     let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;
     fits.sort_by(|(_, a), (_, b)| a.train_rmse.total_cmp(&b.train_rmse));

@@ -52,6 +52,7 @@ mod synthetic;
 mod tangent;
 mod tone;
 mod trial;
+mod watch;
 mod whiten;
 
 pub use candidate::{Candidate, CandidateSet};

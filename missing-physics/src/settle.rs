@@ -60,7 +60,7 @@ pub(crate) fn settled(
         ..FitConfig::default()
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
-    fit(&node.model, case.training, &config, go_on)
+    fit(&case.watched(&node.model), case.training, &config, go_on)
 }
 
 /// Where a model stands, with each size that has two signs at its opposite, and at a typical one: around the wrong

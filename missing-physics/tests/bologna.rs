@@ -85,7 +85,10 @@ fn latent_heat_and_thermal_expansion_are_named() {
     };
     let unseen = std::slice::from_ref(&rig.unseen);
     let parts = [rig.training.as_slice(), unseen];
-    let found = diagnose_from(&rig.base, rig.fit, parts, &config, &mut |_| ()).unwrap();
+    let found = diagnose_from(&rig.base, rig.fit, parts, &config, &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
     // Friction and a rest position that is another in each run remain.
     assert_eq!(found.verdict, Verdict::ExplainedInPart);
     assert!(found.remainder.is_some());

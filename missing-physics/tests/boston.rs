@@ -8,6 +8,7 @@
 use identify::{Rod, WienerModel};
 use missing_physics::{DiagnoseConfig, EffectId, diagnose, setting_of_rod};
 use recording::read_csv;
+use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 
 /// Nothing is known of the wire; the supply's voltage scales what is not known.
@@ -38,7 +39,10 @@ fn the_lag_of_the_thermocouple_is_named() {
         setting: setting_of_rod(&rod, "deg"),
         ..DiagnoseConfig::default()
     };
-    let found = diagnose(&base, &training, &[], &config, &mut |_| ()).unwrap();
+    let found = diagnose(&base, &training, &[], &config, &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
     let [lag] = &found.findings[..] else {
         panic!("{:?}", found.findings);
     };

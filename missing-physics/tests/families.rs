@@ -13,6 +13,7 @@ use identify::{Rod, WienerModel};
 use missing_physics::{
     DiagnoseConfig, EffectId, EffectSet, EffectValues, LoopFamily, Setting, Verdict, diagnose,
 };
+use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 
 fn wire(loop_family: LoopFamily, effects: EffectSet) -> Setting {
@@ -70,7 +71,10 @@ fn without_another_shape_of_the_loop_no_family_is_tried() {
         catalogue: EffectSet::all().without(EffectId::LoopShape),
         ..DiagnoseConfig::default()
     };
-    let diagnosis = diagnose(&base, &training, &[], &config, &mut |_| ()).unwrap();
+    let diagnosis = diagnose(&base, &training, &[], &config, &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
     assert!(!found(&diagnosis).contains(&"loop-shape"));
     let family = diagnosis.extended.map(|one| one.model.loop_family());
     assert_ne!(family, Some(LoopFamily::Kinetics));

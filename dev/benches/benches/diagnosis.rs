@@ -1,6 +1,7 @@
 //! A diagnosis with the whole catalogue, and the number of simulations that it takes.
 
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 
 use benches::sound;
 use divan::counter::ItemsCount;
@@ -33,7 +34,9 @@ fn diagnosed(rig: &MadeUp) -> Result<Diagnosis, IdentifyError> {
         setting: setting_of_rod(&rig.rod, "mm"),
         ..DiagnoseConfig::default()
     };
-    diagnose(&base, &rig.training, &rig.unseen, &config, &mut |_| ())
+    diagnose(&base, &rig.training, &rig.unseen, &config, &mut |_| {
+        ControlFlow::Continue(())
+    })
 }
 
 #[divan::bench(args = [N_SAMPLES], sample_count = 5)]

@@ -3,6 +3,7 @@ use missing_physics::{
     DiagnoseConfig, Diagnosis, EffectId, EffectSet, ScreenConfig, diagnose, diagnose_from, screen,
     setting_of_rod,
 };
+use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 
 use crate::case_line::ids;
@@ -30,7 +31,9 @@ fn line(CaseId { study, case }: CaseId) -> Result<CaseLine, IdentifyError> {
         setting: setting_of_rod(&rig.rod, "mm"),
         ..DiagnoseConfig::default()
     };
-    let whole = diagnose(&base, &rig.training, &rig.unseen, &config, &mut |_| ())?;
+    let whole = diagnose(&base, &rig.training, &rig.unseen, &config, &mut |_| {
+        ControlFlow::Continue(())
+    })?;
     let truth = concealed.map(|(effect, _)| effect);
     let mut line = CaseLine {
         study,
@@ -93,7 +96,7 @@ impl Smaller<'_> {
             self.whole.baseline.fit.clone(),
             [&self.rig.training, &self.rig.unseen],
             &config,
-            &mut |_| (),
+            &mut |_| ControlFlow::Continue(()),
         )?;
         Ok(Outcome::new(&diagnosis, self.made, None, self.rig.noise_mm))
     }

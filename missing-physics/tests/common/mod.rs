@@ -12,6 +12,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
+use std::ops::ControlFlow;
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
 use wiener::{Profile, Start, WienerParams};
@@ -137,7 +138,10 @@ pub(crate) fn diagnosed_under(
         },
         ..DiagnoseConfig::default()
     };
-    diagnose(&base, &training, &[], &config, &mut |_| ()).unwrap()
+    diagnose(&base, &training, &[], &config, &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap()
 }
 
 /// Ids of what was found, in alphabetical order.

@@ -187,7 +187,10 @@ impl Known {
         } = &self.files;
         let config = &self.config;
         let bar = bar(quiet, config.baseline.starts, "diagnose {bar:20}  {msg}");
-        let progress = &mut |progress| show(&bar, &progress);
+        let progress = &mut |progress| {
+            show(&bar, &progress);
+            ControlFlow::Continue(())
+        };
         let diagnosis = diagnose(self.plain(), training, unseen, config, progress)?;
         bar.finish_and_clear();
         Ok(diagnosis)

@@ -192,6 +192,7 @@ fn with_time(
             if let DiagnoseProgress::Baseline(so_far) = &progress {
                 starts.keep(&so_far.ended);
             }
+            ControlFlow::Continue(())
         },
     )?;
     bar.finish_and_clear();
@@ -374,7 +375,10 @@ impl DiagnoseArgs {
 pub(crate) fn show(bar: &ProgressBar, progress: &DiagnoseProgress) {
     match progress {
         DiagnoseProgress::Baseline(so_far) => fitting(bar, so_far),
-        DiagnoseProgress::Search => bar.set_message("trying effects"),
+        DiagnoseProgress::Search { simulations: 0 } => bar.set_message("trying effects"),
+        DiagnoseProgress::Search { simulations } => {
+            bar.set_message(format!("trying effects, {simulations} simulations"));
+        }
         DiagnoseProgress::Refit => bar.set_message("refitting with what was found"),
         DiagnoseProgress::Locate => bar.set_message("locating the mismatch"),
     }

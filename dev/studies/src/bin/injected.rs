@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use blind_trial::{Journal, Line, Named, Verdict};
@@ -64,7 +65,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             setting: setting_of_rod(&rod, "mm"),
             ..DiagnoseConfig::default()
         };
-        let diagnosis = diagnose(&base, training, unseen, &config, &mut |_| ())?;
+        let diagnosis = diagnose(&base, training, unseen, &config, &mut |_| {
+            ControlFlow::Continue(())
+        })?;
         journal.append(Diagnosed {
             number,
             injected,

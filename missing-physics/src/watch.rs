@@ -1,0 +1,140 @@
+//! Whoever watches a diagnosis, and may end it.
+
+use std::fmt;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use identify::{ForwardModel, IdentifyError, ParameterInfo};
+use recording::Recording;
+use wiener::Block;
+
+use crate::DiagnoseProgress;
+
+/// What is told how far a diagnosis is, and says whether it goes on. It is called from the thread that comes by, by one at
+/// a time.
+pub(crate) type Progress<'p> = dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p;
+
+/// Time between two calls while effects are tried: as often as an eye can follow.
+const APART: Duration = Duration::from_millis(50);
+
+/// What is asked before each simulation of a search.
+pub(crate) trait Watch: fmt::Debug + Sync {
+    /// Whether to go on; some points are about to be simulated.
+    fn goes_on(&self, points: usize) -> ControlFlow<()>;
+}
+
+/// Nobody watches.
+#[derive(Debug)]
+pub(crate) struct Unwatched;
+
+impl Watch for Unwatched {
+    fn goes_on(&self, _: usize) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// The caller of a diagnosis watches.
+pub(crate) struct Caller<'p> {
+    told: Mutex<Told<'p>>,
+    has_ended: AtomicBool,
+    simulations: AtomicU64,
+}
+
+struct Told<'p> {
+    progress: &'p mut Progress<'p>,
+    last: Instant,
+}
+
+impl<'p> Caller<'p> {
+    pub(crate) fn new(progress: &'p mut Progress<'p>) -> Self {
+        Self {
+            told: Mutex::new(Told {
+                progress,
+                last: Instant::now(),
+            }),
+            has_ended: AtomicBool::new(false),
+            simulations: AtomicU64::new(0),
+        }
+    }
+
+    /// Tells the caller, who may end the diagnosis.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Stopped`] if the caller does, or did.
+    pub(crate) fn tell(&self, progress: DiagnoseProgress) -> Result<(), IdentifyError> {
+        // A caller that panicked has no wish to go on.
+        let goes_on = match self.told.lock() {
+            Ok(mut told) => self.ask(&mut told, progress),
+            Err(_) => ControlFlow::Break(()),
+        };
+        stopped(goes_on)
+    }
+
+    fn ask(&self, told: &mut Told<'_>, progress: DiagnoseProgress) -> ControlFlow<()> {
+        let goes_on = (told.progress)(progress);
+        told.last = Instant::now();
+        if goes_on.is_break() {
+            self.has_ended.store(true, Ordering::Relaxed);
+        }
+        goes_on
+    }
+}
+
+impl Watch for Caller<'_> {
+    fn goes_on(&self, points: usize) -> ControlFlow<()> {
+        let before = self.simulations.fetch_add(points as u64, Ordering::Relaxed);
+        if self.has_ended.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
+        // Where another thread tells, this one need not.
+        match self.told.try_lock() {
+            Ok(mut told) if told.last.elapsed() >= APART => {
+                let simulations = before + points as u64;
+                self.ask(&mut told, DiagnoseProgress::Search { simulations })
+            }
+            _ => ControlFlow::Continue(()),
+        }
+    }
+}
+
+impl fmt::Debug for Caller<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Caller")
+            .field("has_ended", &self.has_ended)
+            .field("simulations", &self.simulations)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A model whose simulations are watched.
+#[derive(Debug)]
+pub(crate) struct Watched<'a> {
+    pub(crate) model: &'a dyn ForwardModel,
+    pub(crate) watch: &'a dyn Watch,
+}
+
+impl ForwardModel for Watched<'_> {
+    fn parameters(&self) -> &[ParameterInfo] {
+        self.model.parameters()
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        stopped(self.watch.goes_on(points.len()))?;
+        self.model.simulate(points, recording, visit)
+    }
+}
+
+fn stopped(goes_on: ControlFlow<()>) -> Result<(), IdentifyError> {
+    match goes_on {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(IdentifyError::Stopped),
+    }
+}
