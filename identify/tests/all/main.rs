@@ -1,0 +1,15 @@
+//! All tests of `identify` that see its public API, in one program: each by itself would be linked with everything again.
+
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+mod bologna;
+mod common;
+mod coverage;
+mod cross_check;
+mod ended;
+mod recover;
+mod rod_file;
+mod saved_model;
+mod specific_heat;
+mod static_effects;
+mod static_loop;

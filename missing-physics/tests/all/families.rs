@@ -1,0 +1,81 @@
+//! A wire whose loop is of another family than the paper's.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking wherever it makes its data"
+)]
+
+use crate::common;
+
+use common::{current_a, diagnosed, found, noisy, output_mm, recording, setting};
+use fixtures::wire::ROD;
+use identify::{Rod, WienerModel};
+use missing_physics::{
+    DiagnoseConfig, EffectId, EffectSet, EffectValues, LoopFamily, Setting, Verdict, diagnose,
+};
+use std::ops::ControlFlow;
+use wiener::hysteresis::Rule;
+
+fn wire(loop_family: LoopFamily, effects: EffectSet) -> Setting {
+    Setting {
+        loop_family,
+        active: effects,
+        ..setting()
+    }
+}
+
+#[test]
+fn a_loop_of_kinetics_alone_is_another_shape_of_the_loop() {
+    let wire = wire(LoopFamily::Kinetics, EffectSet::EMPTY);
+    let diagnosis = diagnosed(noisy(output_mm(wire, EffectValues::default())), &[]);
+    assert_eq!(found(&diagnosis), ["loop-shape"]);
+    assert_eq!(diagnosis.verdict, Verdict::Explained);
+    let extended = diagnosis.extended.unwrap();
+    assert_eq!(extended.names(), ["loop-shape"]);
+    assert_eq!(extended.model.loop_family(), LoopFamily::Kinetics);
+    assert!(diagnosis.findings[0].sentence.contains("cosine kinetics"));
+    // Noise of 5 µm.
+    let rmse = extended.stage.fit.train_rmse;
+    assert!((rmse - 5e-3).abs() < 5e-4, "{rmse}");
+    let rungs = diagnosis.ladder.iter().map(|rung| rung.added.len());
+    assert_eq!(rungs.collect::<Vec<_>>(), [0, 1]);
+    assert!(diagnosis.ladder[0].train_rmse > 2.0 * diagnosis.ladder[1].train_rmse);
+}
+
+#[test]
+fn an_effect_beside_relays_is_named_with_its_size() {
+    let effect = EffectId::LatentHeat;
+    let wire = wire(LoopFamily::Relays, EffectSet::of(effect));
+    let truth = EffectValues::typical(effect, 1.0);
+    let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);
+    assert_eq!(found(&diagnosis), ["latent-heat", "loop-shape"]);
+    assert_eq!(diagnosis.verdict, Verdict::Explained);
+    let mut findings = diagnosis.findings.iter();
+    let latent = findings.find(|one| one.effect == effect).unwrap();
+    let [lower, upper] = latent.parameters[0].ci95.unwrap();
+    let size = truth.latent_heat.latent_heat_j_per_kg;
+    assert!(lower < size && size < upper, "{lower} {upper}");
+    let rungs = diagnosis.ladder.iter().map(|rung| rung.added.len());
+    assert_eq!(rungs.collect::<Vec<_>>(), [0, 1, 1]);
+}
+
+#[test]
+fn without_another_shape_of_the_loop_no_family_is_tried() {
+    let wire = wire(LoopFamily::Kinetics, EffectSet::EMPTY);
+    let output = noisy(output_mm(wire, EffectValues::default()));
+    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let training = [recording("made-up.csv", current_a(), output, 0.2)];
+    let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
+    let config = DiagnoseConfig {
+        setting: setting(),
+        catalogue: EffectSet::all().without(EffectId::LoopShape),
+        ..DiagnoseConfig::default()
+    };
+    let diagnosis = diagnose(&base, &training, &[], &config, &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(!found(&diagnosis).contains(&"loop-shape"));
+    let family = diagnosis.extended.map(|one| one.model.loop_family());
+    assert_ne!(family, Some(LoopFamily::Kinetics));
+}

@@ -1,0 +1,15 @@
+//! All tests of `missing-physics` that see its public API, in one program: each by itself would be linked with everything again.
+
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+mod beside_drifts;
+mod bologna;
+mod boston;
+mod common;
+mod detectable;
+mod families;
+mod noise_classes;
+mod own_hypotheses;
+mod saved;
+mod smaller_effect;
+mod stopped;

@@ -1,0 +1,78 @@
+//! Whoever watches a diagnosis may end it at any time.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking wherever it makes its data"
+)]
+
+use crate::common;
+
+use std::ops::ControlFlow;
+
+use common::{DT_S, current_a, noisy, output_mm, recording, setting};
+use fixtures::wire::ROD;
+use identify::{IdentifyError, Rod, WienerModel};
+use missing_physics::{
+    DiagnoseConfig, DiagnoseProgress, EffectId, EffectSet, EffectValues, Setting, diagnose,
+};
+use wiener::hysteresis::Rule;
+
+/// What is told until `ends` holds, and how the diagnosis ends.
+fn told_until(
+    ends: impl Fn(&DiagnoseProgress) -> bool + Send + Sync,
+) -> (Vec<DiagnoseProgress>, Result<(), IdentifyError>) {
+    let concealed = Setting {
+        active: EffectSet::of(EffectId::LatentHeat),
+        ..setting()
+    };
+    let output = noisy(output_mm(
+        concealed,
+        EffectValues::typical(EffectId::LatentHeat, 1.0),
+    ));
+    let training = [recording("made-up.csv", current_a(), output, DT_S)];
+    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
+    let config = DiagnoseConfig {
+        setting: setting(),
+        ..DiagnoseConfig::default()
+    };
+    let mut told = Vec::new();
+    let found = diagnose(&base, &training, &[], &config, &mut |progress| {
+        let is_over = ends(&progress);
+        told.push(progress);
+        if is_over {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    (told, found.map(|_| ()))
+}
+
+#[test]
+fn it_ends_while_the_baseline_is_fitted() {
+    let (told, found) = told_until(|progress| matches!(progress, DiagnoseProgress::Baseline(_)));
+    assert_eq!(told.len(), 1);
+    let error = found.unwrap_err();
+    assert!(matches!(error, IdentifyError::Stopped));
+    assert_eq!(error.to_string(), "ended before there was a result");
+}
+
+#[test]
+fn it_ends_while_effects_are_tried_and_nothing_more_is_told() {
+    let (told, found) = told_until(
+        |progress| matches!(progress, DiagnoseProgress::Search { simulations } if *simulations > 0),
+    );
+    let Some(DiagnoseProgress::Search { simulations }) = told.last() else {
+        unreachable!("{:?}", told.last());
+    };
+    assert!(*simulations > 0);
+    assert!(matches!(found, Err(IdentifyError::Stopped)));
+}
+
+#[test]
+fn it_ends_before_the_last_stage() {
+    let (told, found) = told_until(|progress| *progress == DiagnoseProgress::Locate);
+    assert_eq!(told.last(), Some(&DiagnoseProgress::Locate));
+    assert!(matches!(found, Err(IdentifyError::Stopped)));
+}

@@ -1,0 +1,18 @@
+//! All tests of `sma-cli` that see its public API, in one program: each by itself would be linked with everything again.
+
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+mod bad_input;
+mod demo;
+mod diagnose;
+mod docs;
+#[path = "../../examples/generate_recording.rs"]
+mod generate_recording;
+mod identify;
+mod inspect;
+mod reports;
+mod resume;
+mod shell;
+mod simulate;
+mod trial;
+mod tune;

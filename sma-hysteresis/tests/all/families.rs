@@ -1,0 +1,258 @@
+//! Laws of loops of other families, and their curves by another route.
+
+use crate::common::{self, drawn};
+
+use common::{material, walk};
+use drawn::{any_path, any_rule, any_shape};
+use proptest::prelude::*;
+use sma_hysteresis::{Branch, Hysteresis, LoopFamily, Rule};
+use std::f64::consts::PI;
+
+/// Rounding of a few operations, of a share of 1, on a branch that is a thousand times steeper than relays alone make it.
+const ROUNDING: f64 = 1e-10;
+
+fn any_family() -> impl Strategy<Value = LoopFamily> {
+    prop_oneof![Just(LoopFamily::Relays), Just(LoopFamily::Kinetics)]
+}
+
+fn of_family(family: LoopFamily, shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
+    let (width, spread, zeta) = shape;
+    material(width, spread, zeta, rule).of_family(family)
+}
+
+proptest! {
+    #[test]
+    fn branches_are_monotone_continuous_and_within_0_and_1(
+        family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(),
+        share in prop_oneof![Just(0.0), 0.0..1.0],
+    ) {
+        let material = of_family(family, shape, rule);
+        // Only what is remembered whole, from a limiting curve, leads no branch farther than relays do.
+        let is_stretched = share > 0.0 || rule == Rule::LastReversal;
+        let rounding = if is_stretched { 1e-5 } else { ROUNDING };
+        let mut memory = material.between_limiting_curves([path[0]], [share]);
+        for pair in path.windows(2) {
+            let mut before = walk(&material, &mut memory, &[pair[0]]);
+            let nudged = walk(&material, &mut memory, &[pair[0] + 2e-9 * (pair[1] - pair[0]).signum()]);
+            prop_assert!((nudged - before).abs() < 1e-4, "{} {}", before, nudged);
+            before = nudged;
+            for k in 1..=20 {
+                let temperature = pair[0] + (pair[1] - pair[0]) * f64::from(k) / 20.0;
+                let sensed = material.peek(&memory, [temperature]);
+                prop_assert!(sensed.slope_per_k[0] >= 0.0);
+                let fraction = walk(&material, &mut memory, &[temperature]);
+                prop_assert_eq!(sensed.fraction[0].to_bits(), fraction.to_bits());
+                prop_assert!((-rounding..=1.0 + rounding).contains(&fraction), "{}", fraction);
+                prop_assert!((fraction - before) * (pair[1] - pair[0]).signum() >= -rounding);
+                before = fraction;
+            }
+        }
+    }
+
+    #[test]
+    fn slope_is_the_derivative(
+        family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(),
+        ahead in 0.1..10.0,
+    ) {
+        let material = of_family(family, shape, rule);
+        let mut memory = material.on_limiting_curve(Branch::Cooling, [path[0]]);
+        walk(&material, &mut memory, &path);
+        let last = path[path.len() - 1];
+        let step = 1e-5;
+        let [before, here, after] = [-step, 0.0, step]
+            .map(|offset| material.peek(&memory, [last + ahead + offset]));
+        let difference = (after.fraction[0] - before.fraction[0]) / (2.0 * step);
+        let sides = [before.slope_per_k[0], after.slope_per_k[0]];
+        // Where hardly anything is left to transform a branch may be steep.
+        let margin = 1e-4 * (1.0 + here.slope_per_k[0]) + (sides[0] - sides[1]).abs();
+        prop_assert!((here.slope_per_k[0] - difference).abs() <= margin);
+    }
+
+    #[test]
+    fn a_saturating_excursion_forgets_the_past_and_the_path_counts(
+        family in any_family(), shape in any_shape(), path in any_path(), parts in 2_u32..9,
+    ) {
+        let material = of_family(family, shape, Rule::Nested);
+        let mut memory = material.on_limiting_curve(Branch::Cooling, [path[0]]);
+        let mut slow = memory.clone();
+        for pair in path.windows(2) {
+            let fraction = walk(&material, &mut memory, &[pair[1]]);
+            let mut slowly = f64::NAN;
+            for k in 1..=parts {
+                let share = f64::from(k) / f64::from(parts);
+                let temperature = if k == parts { pair[1] } else { pair[0] + (pair[1] - pair[0]) * share };
+                slowly = walk(&material, &mut slow, &[temperature, temperature]);
+            }
+            prop_assert_eq!(fraction.to_bits(), slowly.to_bits());
+        }
+        let hot = walk(&material, &mut memory, &[1000.0]);
+        prop_assert!((hot - 1.0).abs() < ROUNDING);
+        let mut fresh = material.on_limiting_curve(Branch::Heating, [1000.0]);
+        walk(&material, &mut fresh, &[1000.0]);
+        for temperature in [30.0, 0.0, -7.0] {
+            let aged = walk(&material, &mut memory, &[temperature]);
+            let new = walk(&material, &mut fresh, &[temperature]);
+            prop_assert!((aged - new).abs() < 1e-9, "{} {}", aged, new);
+        }
+        prop_assert!(walk(&material, &mut memory, &[-1000.0]).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn loops_of_relays_close(
+        shape in any_shape(), path in any_path(), top in 50.0..60.0,
+        inner in prop::collection::vec(0.0..1.0, 1..40),
+    ) {
+        let material = of_family(LoopFamily::Relays, shape, Rule::Nested);
+        let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
+        walk(&material, &mut memory, &path);
+        let left = walk(&material, &mut memory, &[top]);
+        let floor = material
+            .reversals(&memory, 0)
+            .map(|reversal| reversal.temperature_degc)
+            .filter(|&temperature| temperature < top)
+            .fold(-60.0, f64::max);
+        for share in &inner {
+            walk(&material, &mut memory, &[floor + share * (top - floor)]);
+        }
+        let back = walk(&material, &mut memory, &[top]);
+        prop_assert!((back - left).abs() <= ROUNDING, "{} {}", back, left);
+    }
+
+    #[test]
+    fn a_start_of_known_fraction_has_it(
+        family in any_family(), shape in any_shape(), degc in -20.0..20.0, share in 0.0..1.0,
+    ) {
+        let material = of_family(family, shape, Rule::Nested);
+        let between = material.between_limiting_curves([degc], [share]);
+        let [fraction] = material.peek(&between, [degc]).fraction;
+        // Where nothing lies between the curves, rounding alone may put it outside.
+        let ends = [0.0, 1.0].map(|end| material.peek(&material.between_limiting_curves([degc], [end]), [degc]));
+        prop_assume!(ends[1].fraction[0] - ends[0].fraction[0] > ROUNDING);
+        let memory = material.at([degc], [fraction]).unwrap();
+        let [again] = material.peek(&memory, [degc]).fraction;
+        prop_assert!((again - fraction).abs() < 1e-9, "{} {}", again, fraction);
+        prop_assert!(material.at([degc], [1.01]).is_err());
+    }
+
+    #[test]
+    fn lanes_give_equal_bits(
+        family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(),
+    ) {
+        let (width, spread, zeta) = shape;
+        let limits = sma_hysteresis::LimitingLoop::new(
+            [sma_hysteresis::LoopParams {
+                loop_center_degc: 0.0,
+                loop_half_width_k: width,
+                loop_spread_k: spread,
+                ..sma_hysteresis::LoopParams::default()
+            }; 4],
+        )
+        .unwrap();
+        let proximity = sma_hysteresis::SineProximity::new([zeta; 4]).unwrap();
+        let four = Hysteresis::new(limits, proximity, rule).of_family(family);
+        let one = of_family(family, shape, rule);
+        let mut together = four.on_limiting_curve(Branch::Cooling, [path[0]; 4]);
+        let mut alone: Vec<_> = (0..4).map(|_| one.on_limiting_curve(Branch::Cooling, [path[0]])).collect();
+        for &temperature in &path {
+            let own = |l: usize| temperature * (1.0 - 0.1 * l as f64);
+            let fractions = four.commit(&mut together, std::array::from_fn(own));
+            for l in 0..4 {
+                let fraction = walk(&one, &mut alone[l], &[own(l)]);
+                prop_assert_eq!(fraction.to_bits(), fractions[l].to_bits());
+            }
+        }
+    }
+}
+
+/// A wide loop of relays that switch independently (θ = 1 is ζ = 0, here near it): products of normal shares.
+#[test]
+fn relays_that_know_nothing_of_one_another_have_normal_curves() {
+    // Φ at -2, -1, 0, 1, 2.
+    let normal = [0.022_75, 0.158_66, 0.5, 0.841_34, 0.977_25];
+    let (width, spread) = (30.0, 2.0);
+    let material = of_family(LoopFamily::Relays, (width, spread, 1e-9), Rule::Nested);
+    let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
+    for (k, expected) in [-2.0, -1.0, 0.0, 1.0, 2.0].into_iter().zip(normal) {
+        let fraction = walk(&material, &mut memory, &[width + 1.5 * spread * k]);
+        assert!((fraction - expected).abs() < 3e-4, "{k}: {fraction}");
+    }
+    // Of those that are up, as many switch down at a temperature as of all.
+    for (k, share) in [2.0, 1.0, 0.0, -1.0, -2.0].into_iter().zip(normal) {
+        let fraction = walk(&material, &mut memory, &[-width + 1.5 * spread * k]);
+        assert!(
+            (fraction - 0.977_25 * (1.0 - share)).abs() < 5e-4,
+            "{k}: {fraction}"
+        );
+    }
+}
+
+/// Relays that are all alike, ζ = 1: nearly a single play with a normal curve behind it.
+#[test]
+fn alike_relays_leave_a_plateau_after_a_reversal() {
+    let material = of_family(LoopFamily::Relays, (10.0, 2.0, 1.0), Rule::Nested);
+    let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
+    let turned = walk(&material, &mut memory, &[10.0]);
+    let later = walk(&material, &mut memory, &[0.0]);
+    assert!((turned - 0.5).abs() < 1e-3 && (later - turned).abs() < 0.02);
+}
+
+#[test]
+fn kinetics_by_hand() {
+    let (width, spread) = (8.0, 2.0);
+    let material = of_family(
+        LoopFamily::Kinetics,
+        (width, spread, 1.0),
+        Rule::LastReversal,
+    );
+    let half = 2.25 * spread;
+    let done = |x: f64| 0.5 * (1.0 - (PI * x.clamp(0.0, 1.0)).cos());
+    let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
+    let up = |at: f64| done((at - (width - half)) / (2.0 * half));
+    for at in [0.0, 4.0, 6.0, 9.0] {
+        let fraction = walk(&material, &mut memory, &[at]);
+        assert!((fraction - up(at)).abs() < 1e-12, "{at}: {fraction}");
+    }
+    // A plateau, and an excursion on it that leaves no trace.
+    for at in [-3.0, 8.0, 9.0, 10.0] {
+        let fraction = walk(&material, &mut memory, &[at]);
+        let expected = if at < 9.0 { up(9.0) } else { up(at) };
+        assert!(
+            (fraction - expected).abs() < 1e-12,
+            "{at}: {fraction} {expected}"
+        );
+    }
+    // Cooling far enough to transform: heating starts anew, with what is left.
+    let down = |at: f64| up(10.0) * (1.0 - done((-width + half - at) / (2.0 * half)));
+    assert!((walk(&material, &mut memory, &[-9.0]) - down(-9.0)).abs() < 1e-12);
+    let left = down(-9.0);
+    let again = left + (1.0 - left) * up(7.0);
+    assert!((walk(&material, &mut memory, &[7.0]) - again).abs() < 1e-12);
+    // Turned within a transformation that overlaps none: a plateau once more, and back onto the same curve.
+    walk(&material, &mut memory, &[0.0, 1.0, -1.0, 2.0]);
+    let later = left + (1.0 - left) * up(8.0);
+    assert!((walk(&material, &mut memory, &[8.0]) - later).abs() < 1e-12);
+}
+
+#[test]
+fn families_by_name() {
+    for family in LoopFamily::ALL {
+        assert_eq!(LoopFamily::parse(family.id()), Some(family));
+    }
+    assert_eq!(LoopFamily::parse("duhem"), None);
+}
+
+#[test]
+fn no_number_and_infinity() {
+    for family in LoopFamily::ALL {
+        let material = of_family(family, (8.0, 3.0, 0.7), Rule::Nested);
+        let mut memory = material.on_limiting_curve(Branch::Cooling, [-40.0]);
+        walk(&material, &mut memory, &[9.0, 3.0]);
+        let before = memory.clone();
+        assert!(walk(&material, &mut memory, &[f64::NAN]).is_nan());
+        assert_eq!(memory, before);
+        let hot = walk(&material, &mut memory, &[f64::INFINITY]);
+        assert!((hot - 1.0).abs() < ROUNDING, "{family}: {hot}");
+        let cold = walk(&material, &mut memory, &[f64::NEG_INFINITY]);
+        assert!(cold.abs() < ROUNDING, "{family}: {cold}");
+    }
+}

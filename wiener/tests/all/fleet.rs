@@ -1,0 +1,105 @@
+//! Any plant in lockstep: here a lag without hysteresis.
+
+use wiener::{Fleet, Input, Lanes, NARROW, Output, Plant, Profile, Started, WIDE, lockstep, run};
+
+/// A displacement that follows the drive, each lane with its own time constant.
+struct Lag<const L: usize> {
+    tau_s: [f64; L],
+}
+
+impl<const L: usize> Plant<L> for Lag<L> {
+    type State = [f64; L];
+
+    fn rest(&self, _: f64) -> [f64; L] {
+        [0.0; L]
+    }
+
+    #[inline(always)]
+    fn output(&self, state: &[f64; L]) -> Output<L> {
+        Output {
+            displacement: *state,
+            temperature_degc: [20.0; L],
+        }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &mut [f64; L], input: &Input<L>, dt_s: f64) {
+        for l in 0..L {
+            state[l] += (input.drive[l] - state[l]) * dt_s / (dt_s + self.tau_s[l]);
+        }
+    }
+}
+
+/// Members: time constant and first displacement.
+struct Lags;
+
+impl Fleet for Lags {
+    type Member = (f64, f64);
+    type Error = String;
+
+    fn narrow(
+        &self,
+        members: &[(f64, f64); NARROW],
+    ) -> Result<Box<dyn Lanes<NARROW> + Send>, String> {
+        Ok(started(members)?.boxed())
+    }
+
+    fn wide(&self, members: &[(f64, f64); WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, String> {
+        Ok(started(members)?.boxed())
+    }
+}
+
+fn started<const L: usize>(members: &[(f64, f64); L]) -> Result<Started<L, Lag<L>>, String> {
+    match members.iter().find(|(tau_s, _)| tau_s.is_nan()) {
+        Some(_) => Err("tau_s = NaN".to_owned()),
+        None => Ok(Started {
+            plant: Lag {
+                tau_s: members.map(|(tau_s, _)| tau_s),
+            },
+            state: members.map(|(_, first)| first),
+        }),
+    }
+}
+
+fn profile(drive: &[f64]) -> Profile<'_> {
+    Profile::uniform(drive, 0.1, 20.0).unwrap()
+}
+
+#[test]
+fn members_of_any_fleet_have_the_bits_of_a_run_alone() {
+    let drive: Vec<f64> = (0..100).map(|k| f64::from(k % 7)).collect();
+    let profile = profile(&drive);
+    for size in [0, 1, 8, 9, 16, 17, 57, 70] {
+        let members: Vec<(f64, f64)> = (0..size)
+            .map(|k| (0.1 + 0.3 * f64::from(k), f64::from(k)))
+            .collect();
+        let mut traces = vec![Vec::new(); members.len()];
+        lockstep(&Lags, &members, &profile, &mut |block| {
+            for row in block.displacement.chunks(block.stride) {
+                for column in 0..block.members {
+                    traces[block.first_member + column].push(row[column].to_bits());
+                }
+            }
+        })
+        .unwrap();
+        for (&(tau_s, first), trace) in members.iter().zip(&traces) {
+            let mut alone = Vec::new();
+            run(
+                &Lag { tau_s: [tau_s] },
+                &mut [first],
+                &profile,
+                |_, output| {
+                    alone.push(output.displacement[0].to_bits());
+                },
+            );
+            assert_eq!(trace, &alone);
+        }
+    }
+}
+
+#[test]
+fn an_error_of_a_fleet_is_passed_on() {
+    let members = [(1.0, 0.0), (f64::NAN, 0.0)];
+    let refused = lockstep(&Lags, &members, &profile(&[1.0]), &mut |_| {});
+    assert_eq!(refused, Err("tau_s = NaN".to_owned()));
+}
