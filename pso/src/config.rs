@@ -47,7 +47,7 @@ impl SwarmConfig {
     /// ended at over 100 times that cost, caught by a local minimum; in the narrower ring of
     /// [`SwarmConfig::patient`] 92 did, and none ended so high
     /// (`cargo run --release -p benches --bin performance_table`). On the published functions in 30
-    /// coordinates it ends below a swarm with everybody informed (`tests/functions.rs`).
+    /// coordinates it ends below a swarm with everybody informed (`tests/all/functions.rs`).
     ///
     /// A swarm of fewer than 22 particles is reached around by this ring: everybody is informed.
     #[must_use]

@@ -23,7 +23,7 @@ use crate::{EffectSet, EffectValues, PhysicsError, Setting};
 /// active, because each effect adds an exact zero.
 ///
 /// It is the first lane of a small chunk of [`Extended`](crate::Extended), so that the equations are compiled once: a
-/// fleet runs eight plants in little more time than this runs one.
+/// fleet runs sixteen plants in about the time that this runs one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtendedPlant {
     lanes: Plants<NARROW>,

@@ -4,12 +4,13 @@ use crate::{Drives, Lanes, Profile, Shown, Stretch};
 
 /// Lanes of a full chunk: four vectors of eight, enough to hide the latency of one another.
 pub const WIDE: usize = 32;
-/// Lanes of a small chunk: one vector of eight.
+/// Lanes of a small chunk: two vectors of eight. With eight lanes alone compilers unroll loops before they see that they
+/// are vectors, and a chunk takes nearly as long.
 pub const NARROW: usize = 16;
 /// Samples simulated before the visitor sees them: its rows stay in the first-level cache.
 const BLOCK: usize = 32;
 
-/// Plants of one kind that [`lockstep`] runs side by side: how to make them, in two numbers.
+/// Plants of one kind that [`lockstep`] runs side by side: how to make chunks of them, in two sizes.
 ///
 /// [`Ensemble`](crate::Ensemble) is the fleet of Wiener models; an extended plant has its own. Implementors make the
 /// plants with one function that is generic over the number of lanes, and return
