@@ -37,7 +37,7 @@ pub fn controller(rig: &Rig, dt_s: f64) -> PidParams {
 ///
 /// # Errors
 ///
-/// [`WorkbenchError`] naming what is refused.
+/// What the task refuses of the plant or the controller.
 pub fn of_paper(task: &Task<'_, Turned>, rig: &Rig) -> Result<Terms, TaskError<PhysicsError>> {
     let [terms] = task.evaluate(&[(rig.member, PAPER)])?[..] else {
         unreachable!("one case has one response");

@@ -107,7 +107,7 @@ impl Gallery {
     ///
     /// # Errors
     ///
-    /// [`WorkbenchError`](crate::WorkbenchError) if a figure cannot be drawn.
+    /// [`WorkbenchError::IsFile`], [`WorkbenchError::NoFolder`].
     pub fn at(folder: &Path) -> Result<Self, WorkbenchError> {
         if folder.exists() && !folder.is_dir() {
             return Err(WorkbenchError::IsFile {
@@ -131,7 +131,7 @@ impl Gallery {
     ///
     /// # Errors
     ///
-    /// [`WorkbenchError`](crate::WorkbenchError) if a figure cannot be drawn.
+    /// [`WorkbenchError`] if a figure cannot be drawn, or a file written.
     pub fn hang(&self, figures: &[Figure]) -> Result<(), WorkbenchError> {
         let Self(folder) = self;
         if !folder.is_dir() {
