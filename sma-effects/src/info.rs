@@ -1,5 +1,7 @@
 //! What is said of an effect, apart from its equation.
 
+use crate::{EffectId, SizePrior};
+
 /// What is known of an effect before any recording is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectInfo {
@@ -22,9 +24,86 @@ pub struct EffectInfo {
     /// Sentence for a report. `{value}` stands for the size with its unit (of several, for the one
     /// that its name rests on, which has a `least`, or the largest in magnitude), `{partner}` for the partner with its unit.
     pub sentence: &'static str,
+    /// Whose its values are.
+    pub belongs_to: Belongs,
+    /// How likely a rig has it, before any recording.
+    pub presence: Presence,
+    /// Those that do the same to the displacement in every rig as long as the drive is slow: losses that grow faster than
+    /// the temperature, delays, slow shifts of the loop. Symmetrical and transitive: groups.
+    pub acts_like: &'static [EffectId],
+    /// What must happen in the recordings: without any one of these the effect does nothing, or what the plain model's
+    /// parameters do, whatever its size. What is merely faint elsewhere is not listed: that, the smallest detectable size
+    /// tells.
+    pub needs_in_recording: &'static [Occurrence],
+    /// Whether a simulation takes ten times as long, since the rod has several zones.
+    pub costly: bool,
+    /// Whether another [`LoopFamily`](wiener::hysteresis::LoopFamily) than the paper's goes by its name.
+    pub names_loop_families: bool,
+    /// Whether a recorded temperature of the surroundings holds it already, so that a thermometer beside the rod settles it.
+    pub settled_by_ambient_record: bool,
+    /// What its mean over the recording does, of what the plain model can do: the part that is not to be told from the rig.
+    pub mean_acts_as: Option<ActsAs>,
 }
 
 impl EffectInfo {
+    /// An effect of the rig that not every rod has, is like no other, and acts in every recording; all else is empty.
+    pub(crate) const ORDINARY: Self = Self {
+        id: "",
+        name: "",
+        block: EffectBlock::Displacement,
+        flexible: false,
+        smoothness: Smoothness::Smooth,
+        needs: &[],
+        parameters: &[],
+        equation: "",
+        sentence: "",
+        belongs_to: Belongs::Rig,
+        presence: Presence::Seldom,
+        acts_like: &[],
+        needs_in_recording: &[],
+        costly: false,
+        names_loop_families: false,
+        settled_by_ambient_record: false,
+        mean_acts_as: None,
+    };
+
+    /// Whether physics knows it in every rod, whatever its size.
+    #[must_use]
+    pub const fn in_every_rod(&self) -> bool {
+        matches!(self.presence, Presence::EveryRod)
+    }
+
+    /// Whether it does the same in every recording: it belongs to the rig, and has a form of its own.
+    #[must_use]
+    pub const fn is_rigid(&self) -> bool {
+        !self.flexible && matches!(self.belongs_to, Belongs::Rig)
+    }
+
+    /// Whether it is of the thermometer and not of the rod: with its sizes 0 a plant shows the rod's own temperature.
+    #[must_use]
+    pub const fn is_of_sensor(&self) -> bool {
+        matches!(self.block, EffectBlock::Sensor)
+    }
+
+    /// Natural logarithm of the prior density of its values, in the order of its parameters, over that of the mode; at most
+    /// 0, and -∞ if one is out of bounds or there are more or fewer than it has parameters.
+    ///
+    /// Sizes count by themselves, since they are different things. Those of a flexible effect are points of one curve,
+    /// which are large together: the least likely of them counts, once.
+    #[must_use]
+    pub fn ln_prior(&self, values: &[f64]) -> f64 {
+        if values.len() != self.parameters.len() {
+            return f64::NEG_INFINITY;
+        }
+        let of_each = self.parameters.iter().zip(values);
+        let of_each = of_each.map(|(parameter, &value)| parameter.ln_prior(value));
+        if self.flexible {
+            of_each.fold(0.0, f64::min)
+        } else {
+            of_each.sum()
+        }
+    }
+
     /// The partner that screening varies, the first: its number among the parameters and the values to try; `None` if
     /// there is none. Others stay at their typical values until a fit moves them.
     #[must_use]
@@ -95,6 +174,81 @@ pub enum Need {
     Load,
 }
 
+/// Whose the values of an effect are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Belongs {
+    /// The rig's: the same in every recording of it.
+    Rig,
+    /// A recording's: a drift. It is held to account within it, and never carried to another.
+    Recording,
+    /// The rig's, by a law of the cycles since the recording began: neither the same in every recording nor free in each.
+    /// It is to be asked only of recordings that start from the same state.
+    History,
+}
+
+/// How likely a rig has an effect, before any recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Presence {
+    /// Physics knows it in every rod; at issue is whether it is large enough to show.
+    EveryRod,
+    /// Some rigs have it.
+    Seldom,
+}
+
+impl Presence {
+    /// Natural logarithm of the odds that a model needs it.
+    ///
+    /// | presence | odds | basis |
+    /// | --- | --- | --- |
+    /// | every rod | 1 | nothing speaks for or against its being large enough |
+    /// | seldom | e⁻³, 1 to 20 | chosen: one of the twenty-one effects is expected in a rig that something is wrong with |
+    #[must_use]
+    pub const fn ln_odds(self) -> f64 {
+        match self {
+            Self::EveryRod => 0.0,
+            Self::Seldom => -3.0,
+        }
+    }
+}
+
+/// What happens to a rod in a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Occurrence {
+    /// It transforms while it cools.
+    Cooling,
+    /// It transforms while it heats and while it cools, in one recording or in two.
+    BothBranches,
+    /// It turns from heating to cooling or back, and moves.
+    Reversal,
+    /// It turns twice in a row in the midst of the transformation, and goes beyond the first turn.
+    InnerReversals,
+    /// Its transformations, partial ones by their share, add up to more than one cycle.
+    SecondCycle,
+}
+
+impl Occurrence {
+    /// Name in files and reports.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Cooling => "cooling",
+            Self::BothBranches => "both-branches",
+            Self::Reversal => "reversal",
+            Self::InnerReversals => "inner-reversals",
+            Self::SecondCycle => "second-cycle",
+        }
+    }
+}
+
+/// What an effect of size 1 does, as a change of a parameter of the plain model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ActsAs {
+    /// Name of that parameter.
+    pub parameter: &'static str,
+    /// Its change, in its unit over that of the effect's parameter.
+    pub per_unit: f64,
+}
+
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectParameter {
@@ -106,6 +260,9 @@ pub struct EffectParameter {
     pub typical: f64,
     /// Physical bounds, both accepted.
     pub bounds: [f64; 2],
+    /// Whether the upper bound is an end of what can be, or changes nothing further that a recording would show: a value may
+    /// stand on it. Otherwise it is how far a search goes, and a value on it says that the effect is another.
+    pub upper_is_physical: bool,
     /// Magnitude of a size below which the name does not fit, whatever it is that the recordings show; 0 where all do.
     pub least: f64,
     /// Whether it is zero in the baseline.
@@ -118,6 +275,11 @@ pub struct EffectParameter {
     /// Unit where the setting has no [`Setting::length_output`](crate::Setting::length_output), if that is another: see
     /// [`Setting::unit_of`](crate::Setting::unit_of).
     pub unit_without_length: Option<&'static str>,
+    /// Power of the specific heat with which its value scales at the same displacement: all temperature differences
+    /// divided by c = C_p/C_p0 give the same.
+    pub power_of_specific_heat: i32,
+    /// Whether its value is counted in watts, and so scales with the power of the drive at the same displacement.
+    pub scales_with_power: bool,
 }
 
 /// What a parameter is in the baseline.
@@ -159,11 +321,14 @@ impl EffectParameter {
             unit,
             typical,
             bounds,
+            upper_is_physical: false,
             least: 0.0,
             role: Role::Size,
             literature: None,
             needs_thermometer: false,
             unit_without_length: None,
+            power_of_specific_heat: 0,
+            scales_with_power: false,
         }
     }
 
@@ -219,6 +384,27 @@ impl EffectParameter {
         }
     }
 
+    pub(crate) const fn up_to_an_end(self) -> Self {
+        Self {
+            upper_is_physical: true,
+            ..self
+        }
+    }
+
+    pub(crate) const fn scaled_by_heat(self, power_of_specific_heat: i32) -> Self {
+        Self {
+            power_of_specific_heat,
+            ..self
+        }
+    }
+
+    pub(crate) const fn in_watts(self) -> Self {
+        Self {
+            scales_with_power: true,
+            ..self
+        }
+    }
+
     pub(crate) const fn named(self, name: &'static str) -> Self {
         Self { name, ..self }
     }
@@ -246,5 +432,24 @@ impl EffectParameter {
     #[must_use]
     pub fn accepts(&self, value: f64) -> bool {
         (self.bounds[0]..=self.bounds[1]).contains(&value)
+    }
+
+    /// What value is to be expected of it, in its [`unit`](EffectParameter::unit); of another one
+    /// [`Setting::prior_of`](crate::Setting::prior_of) knows.
+    #[must_use]
+    pub fn prior(&self) -> SizePrior {
+        SizePrior::of(self, true)
+    }
+
+    /// [`SizePrior::ln_relative`] of its prior: at most 0, and -∞ out of bounds.
+    #[must_use]
+    pub fn ln_prior(&self, value: f64) -> f64 {
+        self.prior().ln_relative(value)
+    }
+
+    /// [`SizePrior::ln_width`] of its prior.
+    #[must_use]
+    pub fn ln_prior_width(&self) -> f64 {
+        self.prior().ln_width()
     }
 }

@@ -18,6 +18,7 @@ mod loop_scale;
 mod part;
 mod plant;
 mod play;
+mod prior;
 mod sense;
 mod set;
 mod setting;
@@ -39,7 +40,9 @@ pub use extended_plant::{ExtendedPlant, ExtendedState};
 pub use fleet::{Extended, Member};
 pub use hypothesis::Hypothesis;
 pub use info::{
-    EffectBlock, EffectInfo, EffectParameter, Literature, Need, Role, Sign, Smoothness,
+    ActsAs, Belongs, EffectBlock, EffectInfo, EffectParameter, Literature, Need, Occurrence,
+    Presence, Role, Sign, Smoothness,
 };
+pub use prior::SizePrior;
 pub use set::EffectSet;
 pub use setting::Setting;

@@ -2,7 +2,7 @@ use wiener::Drive;
 use wiener::hysteresis::{LoopFamily, Rule};
 
 use crate::hypothesis::MOST_HYPOTHESES;
-use crate::{EffectParameter, EffectSet, Hypothesis, PhysicsError};
+use crate::{EffectParameter, EffectSet, Hypothesis, PhysicsError, SizePrior};
 
 /// Most sub-steps of a sample.
 const MOST_SUB_STEPS: usize = 64;
@@ -74,6 +74,13 @@ impl Setting {
             .unit_without_length
             .filter(|_| self.length_output.is_none());
         without_length.unwrap_or(parameter.unit)
+    }
+
+    /// What value of a parameter is to be expected, in that unit. Without a length its literature is less worth: the
+    /// strain of 4 % stands for 2 to 8 %.
+    #[must_use]
+    pub fn prior_of(&self, parameter: &EffectParameter) -> SizePrior {
+        SizePrior::of(parameter, self.unit_of(parameter) == parameter.unit)
     }
 
     /// Checks everything but the drive, which the baseline checks.

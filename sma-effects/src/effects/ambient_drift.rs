@@ -1,13 +1,17 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{
+    ActsAs, Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness,
+};
 use crate::spline::Spline;
+use crate::{EffectId, EffectValues};
 
 /// Knots after the start.
 const KNOTS: usize = 8;
 
 const fn knot() -> EffectParameter {
-    EffectParameter::size("K", 2.0, [-15.0, 15.0]).unchecked([1.0, 5.0], "rooms over a day")
+    EffectParameter::size("K", 2.0, [-15.0, 15.0])
+        .unchecked([1.0, 5.0], "rooms over a day")
+        .scaled_by_heat(-1)
 }
 
 parameters! {
@@ -50,6 +54,17 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "T_a(t) = T_a + v(t),  v smooth through eight values",
     sentence: "the surroundings drift by up to {value} during the run",
+    belongs_to: Belongs::Recording,
+    presence: Presence::Seldom,
+    acts_like: &[EffectId::FunctionalFatigue],
+    needs_in_recording: &[],
+    settled_by_ambient_record: true,
+    // Warmer surroundings are as a loop that lies lower.
+    mean_acts_as: Some(ActsAs {
+        parameter: "loop_center_degc",
+        per_unit: -1.0,
+    }),
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

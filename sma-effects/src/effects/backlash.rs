@@ -1,7 +1,9 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory_in_zones};
 use crate::elementary::expm1;
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{
+    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
+};
 use crate::play::play_at;
 
 parameters! {
@@ -24,7 +26,9 @@ parameters! {
         /// nothing.
         backlash_softness: EffectParameter::partner("half widths", 0.0, [0.0, 5.0], &[0.0, 0.5, 1.0, 2.0, 4.0]),
         /// How far it had come back at the start s; 0 to 2. A partner: without a width it does nothing.
-        backlash_relaxed: EffectParameter::partner("half widths", 0.0, [0.0, 2.0], &[]),
+        backlash_relaxed: EffectParameter::partner("half widths", 0.0, [0.0, 2.0], &[])
+            // The other side of the play.
+            .up_to_an_end(),
     }
 }
 
@@ -38,6 +42,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "z = y - w u,  du/d|y| = min(1, (1 - u)/q)/w,  -1 ≤ u ≤ 1",
     sentence: "after each reversal the output lags by {value}, and catches up over {partner}",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[Occurrence::Reversal],
+    ..EffectInfo::ORDINARY
 };
 
 /// Below it, a play: keeps a quotient finite.

@@ -1,7 +1,7 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Instant, Moment, Seen, without_memory_in_zones};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 use crate::part::{Turn, progress, unit};
+use crate::{EffectId, EffectValues};
 
 /// Samples (sub-steps count) that the delay spans at most.
 const LONGEST_SAMPLES: usize = 64;
@@ -27,7 +27,9 @@ parameters! {
         /// Share b of it between the rod and the recorded output, 0 to 1; told by a thermometer alone, which sees the
         /// delay of the drive, but not that of the output.
         dead_time_output_share: EffectParameter::partner("1", 0.0, [0.0, 1.0], &[0.0, 0.25, 0.5, 0.75, 1.0])
-            .told_by_thermometer(),
+            .told_by_thermometer()
+            // All of the delay may lie behind the rod.
+            .up_to_an_end(),
     }
 }
 
@@ -41,6 +43,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "P(t) = P_drive(t - D), or in part y'(t) = y(t - D)",
     sentence: "what is recorded follows the drive {value} late",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[EffectId::SupplyLag, EffectId::OutputLag],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 use crate::EffectValues;
 use crate::conduction::{CELLS, CLAMP, NODES, Square, Ways, ZONES};
 use crate::effect::{Base, Effect, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 
 /// Lengths of the cells of an end from the middle to the clamp, over the length ℓ on which a fin cools.
 const CELL_LENGTHS: [f64; CELLS] = [1.2, 0.7, 0.45, 0.3, 0.2];
@@ -33,11 +33,17 @@ parameters! {
             .literature([0.01, 0.6], "computed: 2 × 5.7 mm (D = 0.5 mm, h = 70) of 1 m to 2 × 34 mm (3 mm, 12) of 110 mm"),
         /// Resistance of the contact to the clamp over that of a length ℓ of the rod c; 0 to 20. A partner: without
         /// ends it does nothing.
-        contact_ratio: EffectParameter::partner("1", 0.5, [0.0, 20.0], &[0.1, 0.25, 0.5, 1.0, 2.0]),
+        contact_ratio: EffectParameter::partner("1", 0.5, [0.0, 20.0], &[0.1, 0.25, 0.5, 1.0, 2.0])
+            // A contact that insulates.
+            .up_to_an_end(),
         /// Rise of the clamps in the end over that of the rod's ends w; 0 (they stay at ambient) to 0.95. A partner.
-        clamp_warming: EffectParameter::partner("1", 0.2, [0.0, 0.95], &[]),
+        clamp_warming: EffectParameter::partner("1", 0.2, [0.0, 0.95], &[])
+            // Clamps that warm up with the rod.
+            .up_to_an_end(),
         /// Time constant of the clamps τ_c, s; 0 to 20,000. A partner: with w = 0 it does nothing either.
-        clamp_s: EffectParameter::partner("s", 200.0, [0.0, 20_000.0], &[]),
+        clamp_s: EffectParameter::partner("s", 200.0, [0.0, 20_000.0], &[])
+            // Longer than a run takes.
+            .up_to_an_end(),
     }
 }
 
@@ -51,6 +57,12 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "C ∂T/∂t = P - hA (T - T_a) + ∂/∂x (k(ξ) S ∂T/∂x),  cold at both clamps",
     sentence: "{value} of the length cools toward the clamps, through contacts that resist like {partner} of a cooling length",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    costly: true,
+    ..EffectInfo::ORDINARY
 };
 
 /// Shortest time constant of the clamps, s: what is faster follows at once.

@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 
 parameters! {
     /// The moving part runs into a stop.
@@ -16,7 +16,10 @@ parameters! {
     EndStop {
         /// Share of the movement beyond the stop that it holds back b; 0 to 1. What is less stiff than the rod, b < ½, is
         /// no stop.
-        end_stop_share: EffectParameter::size("1", 1.0, [0.0, 1.0]).at_least(0.5),
+        end_stop_share: EffectParameter::size("1", 1.0, [0.0, 1.0])
+            .at_least(0.5)
+            // A hard stop.
+            .up_to_an_end(),
         /// Place of the stop in the stroke u_s; 0.05 to 1. A partner: where nothing is held back it does
         /// nothing.
         end_stop_position: EffectParameter::partner("1", 0.85, [0.05, 1.0], &[0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95]),
@@ -33,6 +36,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "y' = y - b gain max(0, u - u_s),  u the place in the stroke",
     sentence: "a stop at {partner} of the stroke holds back {value} of what lies beyond",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
 
 parameters! {
     /// The transformation takes up heat on heating and gives it back on cooling.
@@ -17,7 +17,8 @@ parameters! {
         /// Latent heat ΔH, J/kg; 0 to 60,000. No calorimetry of a rod that transforms came near 1,000.
         latent_heat_j_per_kg: EffectParameter::size("J/kg", 12e3, [0.0, 60e3])
             .literature([4e3, 37e3], "calorimetry of NiTi wires and springs; 24.2 kJ/kg with 837 J/(kg K) is unchecked")
-            .at_least(1e3),
+            .at_least(1e3)
+            .in_watts(),
     }
 }
 
@@ -31,6 +32,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "m C_p dT/dt = … - m ΔH dξ/dt",
     sentence: "the rod takes up {value} while transforming, and gives it back on cooling",
+    belongs_to: Belongs::Rig,
+    presence: Presence::EveryRod,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

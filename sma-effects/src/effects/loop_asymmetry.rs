@@ -1,6 +1,8 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{
+    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
+};
 
 parameters! {
     /// The transformation takes a wider range of temperatures on cooling than on heating.
@@ -27,6 +29,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "h_0 → h_0 (1 - a) on heating, h_0 (1 + a) on cooling",
     sentence: "the transformation is spread {value} wider on cooling, and as much narrower on heating, than assumed",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[Occurrence::BothBranches],
+    ..EffectInfo::ORDINARY
 };
 
 /// Nothing is left to do in a sample: the loop itself has the asymmetry.

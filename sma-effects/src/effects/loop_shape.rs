@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Mapped, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 use crate::loop_scale::LoopScale;
 
 const fn coefficient() -> EffectParameter {
@@ -38,6 +38,12 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "ξ' = ξ + c_1 φ_1(ξ) + c_2 φ_2(ξ) + c_3 φ_3(ξ)",
     sentence: "the loop's curves are bent by up to {value} of their slope",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    names_loop_families: true,
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
-use crate::EffectValues;
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
 use crate::elementary::{expm1, ln};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 use crate::part::progress;
+use crate::{EffectId, EffectValues};
 
 /// Rise above the surroundings at which the conductance is that of the baseline, K.
 const REFERENCE_RISE_K: f64 = 50.0;
@@ -38,6 +38,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "loss = hA (T - T_a) (|T - T_a|/50 K)^n",
     sentence: "heat loss grows faster than the temperature, with an extra exponent of {value}",
+    belongs_to: Belongs::Rig,
+    presence: Presence::EveryRod,
+    acts_like: &[EffectId::Radiation],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

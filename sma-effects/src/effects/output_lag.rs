@@ -1,7 +1,7 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Instant, Moment, Seen, without_memory_in_zones};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 use crate::lag::Lag;
+use crate::{EffectId, EffectValues};
 
 parameters! {
     /// The mechanics or the filter of the sensor follow the rod with a time constant.
@@ -29,6 +29,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "θ dy'/dt + y' = y",
     sentence: "the output follows the rod with a time constant of {value}",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[EffectId::SupplyLag, EffectId::DeadTime],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@ use wiener::Drive;
 
 use crate::EffectValues;
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
 
 parameters! {
     /// The resistance changes with the phase, and rises with the temperature as that of every metal.
@@ -20,11 +20,12 @@ parameters! {
     PhaseDependentResistance {
         /// Relative change of the resistance over the transformation ρ; -0.9 to 0.9.
         resistance_change: EffectParameter::size("1", 0.1, [-0.9, 0.9])
-            .unchecked([0.08, 0.15], "76 (M), 82 (A) µΩ cm, but also 102 (M), 89 (A)")
+            .unchecked([0.03, 0.25], "76 (M), 82 (A) µΩ cm, or 80, 100, but also 102, 89; a wire that shortens by 4 % loses 8 %")
             .at_least(0.01),
         /// Temperature coefficient of the resistance a, 1/K; 0 to 1e-3.
         resistance_rise_per_k: EffectParameter::size("1/K", 2.5e-4, [0.0, 1e-3])
-            .unchecked([2e-4, 3e-4], "both phases"),
+            .unchecked([2e-4, 3e-4], "both phases")
+            .scaled_by_heat(1),
     }
 }
 
@@ -38,6 +39,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "R = R_0 (1 + ρ ξ)(1 + a (T - T_ref))",
     sentence: "the rod's resistance changes by {value} of its value while transforming",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

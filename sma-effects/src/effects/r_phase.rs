@@ -4,7 +4,9 @@ use wiener::hysteresis::atan;
 
 use crate::EffectValues;
 use crate::effect::{Base, Before, Effect, Standing, Trial, ZoneStart, without_memory_of_the_rod};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{
+    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
+};
 use crate::loop_scale::LoopScale;
 use crate::play::{play, play_at};
 
@@ -30,9 +32,11 @@ parameters! {
             .at_least(0.03),
         /// Its temperature above the middle of the cooling curve d, K; -10 to 60. A partner: without a
         /// share it does nothing.
-        r_phase_above_k: EffectParameter::partner("K", 15.0, [-10.0, 60.0], &[2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0]),
+        r_phase_above_k: EffectParameter::partner("K", 15.0, [-10.0, 60.0], &[2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0])
+            .scaled_by_heat(-1),
         /// Spread of its loop h, K, as that of the main one in eq. 4; 0.3 to 4. A partner: without a share it does nothing.
-        r_phase_spread_k: EffectParameter::partner("K", 1.5, [0.3, 4.0], &[]),
+        r_phase_spread_k: EffectParameter::partner("K", 1.5, [0.3, 4.0], &[])
+            .scaled_by_heat(-1),
     }
 }
 
@@ -46,6 +50,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "y = gain ξ (1 - r (1 - ρ(T))),  ρ = ½ + atan((T - T_R)/h)/π",
     sentence: "on cooling, {value} of the stroke is given back early, {partner} above the main transformation",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[Occurrence::Cooling],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
-use crate::EffectValues;
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
+use crate::{EffectId, EffectValues};
 
 /// Stefan–Boltzmann constant, W/(m² K⁴), CODATA 2018.
 const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
@@ -17,9 +17,13 @@ parameters! {
     /// Beside the convection of the baseline, at a temperature between those at the ends of the sample.
     /// Surroundings of one temperature, much larger than the rod.
     Radiation {
-        /// Emissivity ε; 0 to 1, and to 1.25 for what surface and specific heat are known to.
+        /// Emissivity ε; 0 to 1, and to 1.25 for what surface and specific heat are known to: who stands there is beyond the
+        /// physical end.
         emissivity: EffectParameter::size("1", 0.5, [0.0, 1.25])
-            .unchecked([0.2, 0.7], "oxidized NiTi"),
+            .unchecked([0.2, 0.7], "oxidized NiTi")
+            .in_watts()
+            // What radiation adds to the linear loss grows with the square of the temperature difference.
+            .scaled_by_heat(2),
     }
 }
 
@@ -33,6 +37,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "m C_p dT/dt = … - ε σ A (T⁴ - T_a⁴),  absolute temperatures",
     sentence: "the rod radiates with an emissivity of {value}",
+    belongs_to: Belongs::Rig,
+    presence: Presence::EveryRod,
+    acts_like: &[EffectId::NaturalConvection],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,9 @@
 use wiener::hysteresis::{Hysteresis, Memory};
 
 use crate::effect::{Base, Before, Effect, Mapped, Trial, ZoneStart, without_memory_of_the_rod};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{
+    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
+};
 use crate::{EffectId, EffectValues};
 
 parameters! {
@@ -16,7 +18,9 @@ parameters! {
     /// temperature, so they differ only after inner reversals.
     ReturnPointMemory {
         /// Share of the rod with the other rule w; 0 to 1.
-        return_point_share: EffectParameter::size("1", 0.5, [0.0, 1.0]),
+        return_point_share: EffectParameter::size("1", 0.5, [0.0, 1.0])
+            // The rod remembers by the other rule alone.
+            .up_to_an_end(),
     }
 }
 
@@ -30,6 +34,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "ξ = (1 - w) ξ_rule + w ξ_other,  last reversal or all that enclose the loop",
     sentence: "{value} of the rod remembers inner reversals by another rule than assumed",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[Occurrence::InnerReversals],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

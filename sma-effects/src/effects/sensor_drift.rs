@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
 use crate::knots::Knots;
 
 const fn knot() -> EffectParameter {
@@ -41,6 +41,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "y' = y + |gain| v(t),  v smooth through four values",
     sentence: "the sensor's zero drifts by up to {value} during the run",
+    belongs_to: Belongs::Recording,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 
 const fn coefficient() -> EffectParameter {
     EffectParameter::size("of the stroke", 0.003, [-0.1, 0.1]).unchecked(
@@ -38,6 +38,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "y' = y + gain u (1 - u)(4 c_2 + 6√3 c_3 (1 - 2u)),  u the place in the stroke",
     sentence: "the displacement sensor is off by up to {value}",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Before, Effect, Shift, Trial, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
 
 parameters! {
     /// The load rises with the stroke and with it the temperatures of transformation.
@@ -16,7 +16,8 @@ parameters! {
     StressCoupling {
         /// Shift of the loop over a full stroke s, K; 0 to 60.
         stress_shift_k: EffectParameter::size("K", 10.0, [0.0, 60.0])
-            .unchecked([7.0, 20.0], "computed from a swing of 50 to 150 MPa at 7 MPa/K"),
+            .unchecked([7.0, 20.0], "computed from a swing of 50 to 150 MPa at 7 MPa/K")
+            .scaled_by_heat(-1),
     }
 }
 
@@ -30,6 +31,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "ξ = loop(T - s ξ̄),  s = Δσ/C  (Clausius–Clapeyron)",
     sentence: "the load raises the transformation temperatures by {value} over a full stroke",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,10 @@
 use wiener::Drive;
 
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, without_memory_in_zones};
 use crate::elementary::mean_exponential;
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 use crate::part::Turn;
+use crate::{EffectId, EffectValues};
 
 parameters! {
     /// The supply follows the drive with a time constant.
@@ -27,7 +27,7 @@ parameters! {
     SupplyLag {
         /// Time constant θ, s; 0 to 2.
         supply_lag_s: EffectParameter::size("s", 0.02, [0.0, 2.0])
-            .unchecked([0.001, 0.02], "current amplifiers: milliseconds"),
+            .unchecked([0.001, 0.2], "current amplifiers: milliseconds; bench supplies program down in some 100 ms"),
     }
 }
 
@@ -41,6 +41,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "θ da/dt + a = a_drive,  a the amplitude, or the power of a duty",
     sentence: "the supply follows the drive with a time constant of {value}",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[EffectId::DeadTime, EffectId::OutputLag],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, Standing, without_memory};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
 
 parameters! {
     /// The rod expands with temperature, against the stroke.
@@ -16,7 +16,8 @@ parameters! {
         /// Coefficient of expansion of the austenite α, 1/K; 0 to 3e-5.
         expansion_per_k: EffectParameter::size("1/K", 1e-5, [0.0, 3e-5])
             .literature([6.6e-6, 11e-6], "NiTi: martensite, austenite")
-            .without_length("1/K at a strain of 4 %"),
+            .without_length("1/K at a strain of 4 %")
+            .scaled_by_heat(1),
     }
 }
 
@@ -30,6 +31,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "y' = y - α L (0.6 + 0.4 ξ)(T - T_ref)",
     sentence: "the rod expands by {value} of its length, against the stroke",
+    belongs_to: Belongs::Rig,
+    presence: Presence::EveryRod,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 /// Expansion of martensite over that of austenite r.

@@ -1,6 +1,6 @@
 use crate::EffectValues;
 use crate::effect::{Base, Effect, without_memory_in_zones};
-use crate::info::{EffectBlock, EffectInfo, EffectParameter, Need, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
 use crate::lag::Lag;
 
 parameters! {
@@ -15,7 +15,8 @@ parameters! {
     /// change.
     ThermocoupleLag {
         /// Time constant θ, s; 0 to 30.
-        thermocouple_lag_s: EffectParameter::size("s", 0.5, [0.0, 30.0]),
+        thermocouple_lag_s: EffectParameter::size("s", 0.5, [0.0, 30.0])
+            .unchecked([0.05, 10.0], "data sheets: beads of 0.1 to 1 mm, from water to still air"),
         /// Rate at which the air alone would cool it g, 1/s; 0 to 0.5. A partner: without a lag it does nothing.
         bead_cooling_per_s: EffectParameter::partner("1/s", 0.02, [0.0, 0.5], &[0.0, 0.01, 0.02, 0.05, 0.1]),
     }
@@ -31,6 +32,11 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     parameters: PARAMETERS,
     equation: "dT'/dt = (T - T')/θ - g (T' - T_a)",
     sentence: "the thermocouple follows the rod with a time constant of {value}",
+    belongs_to: Belongs::Rig,
+    presence: Presence::Seldom,
+    acts_like: &[],
+    needs_in_recording: &[],
+    ..EffectInfo::ORDINARY
 };
 
 #[derive(Debug, Clone, PartialEq)]

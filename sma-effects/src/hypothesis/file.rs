@@ -207,6 +207,7 @@ fn hypothesis(source: &Source<'_>, table: &Spanned<Table>) -> Result<Hypothesis,
         parameters: Vec::leak(parameters),
         equation: intern(format!("{} = {}", place.key(), term.text())),
         sentence: intern(sentence),
+        ..EffectInfo::ORDINARY
     };
     Ok(Hypothesis {
         info: Box::leak(Box::new(info)),
