@@ -15,6 +15,7 @@ mod info;
 mod knots;
 mod lag;
 mod loop_scale;
+mod parameter;
 mod part;
 mod plant;
 mod play;
@@ -39,10 +40,8 @@ pub use error::PhysicsError;
 pub use extended_plant::{ExtendedPlant, ExtendedState};
 pub use fleet::{Extended, Member};
 pub use hypothesis::Hypothesis;
-pub use info::{
-    ActsAs, Belongs, EffectBlock, EffectInfo, EffectParameter, Literature, Need, Occurrence,
-    Presence, Role, Sign, Smoothness,
-};
+pub use info::{ActsAs, Belongs, EffectBlock, EffectInfo, Need, Occurrence, Presence, Smoothness};
+pub use parameter::{EffectParameter, Literature, Role, Sign};
 pub use prior::SizePrior;
 pub use set::EffectSet;
 pub use setting::Setting;

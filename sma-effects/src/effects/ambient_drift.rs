@@ -1,9 +1,7 @@
 use crate::effect::{Base, Effect, Moment, without_memory};
-use crate::info::{
-    ActsAs, Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness,
-};
+use crate::info::{ActsAs, Belongs, EffectBlock, EffectInfo, Need, Presence, Smoothness};
 use crate::spline::Spline;
-use crate::{EffectId, EffectValues};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 /// Knots after the start.
 const KNOTS: usize = 8;

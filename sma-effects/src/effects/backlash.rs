@@ -1,10 +1,8 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory_in_zones};
 use crate::elementary::expm1;
-use crate::info::{
-    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
-};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Occurrence, Presence, Smoothness};
 use crate::play::play_at;
+use crate::{EffectParameter, EffectValues};
 
 parameters! {
     /// Play between rod and sensor, or friction against a spring: after a reversal the output lags.

@@ -1,7 +1,7 @@
 use crate::effect::{Base, Effect, Instant, Moment, Seen, without_memory_in_zones};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
 use crate::part::{Turn, progress, unit};
-use crate::{EffectId, EffectValues};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 /// Samples (sub-steps count) that the delay spans at most.
 const LONGEST_SAMPLES: usize = 64;

@@ -1,7 +1,7 @@
-use crate::EffectValues;
 use crate::conduction::{CELLS, CLAMP, NODES, Square, Ways, ZONES};
 use crate::effect::{Base, Effect, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
+use crate::{EffectParameter, EffectValues};
 
 /// Lengths of the cells of an end from the middle to the clamp, over the length ℓ on which a fin cools.
 const CELL_LENGTHS: [f64; CELLS] = [1.2, 0.7, 0.45, 0.3, 0.2];

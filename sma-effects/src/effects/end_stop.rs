@@ -1,6 +1,6 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
+use crate::{EffectParameter, EffectValues};
 
 parameters! {
     /// The moving part runs into a stop.

@@ -1,11 +1,9 @@
 use crate::effect::{
     Base, Before, Effect, Shift, Standing, Trial, ZoneStart, without_memory_of_the_rod,
 };
-use crate::info::{
-    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
-};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Occurrence, Presence, Smoothness};
 use crate::loop_scale::LoopScale;
-use crate::{EffectId, EffectValues};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 parameters! {
     /// The loop drifts with the transformations that the rod has gone through, and the stroke with it, less and less.
@@ -42,6 +40,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     sentence: "the loop and its stroke drift with the number of cycles, by {value} in the first, fading at {partner}",
     belongs_to: Belongs::History,
     presence: Presence::Seldom,
+    // Where it does not fade and takes no stroke; at rest only the surroundings go on.
     acts_like: &[EffectId::AmbientDrift],
     needs_in_recording: &[Occurrence::SecondCycle],
     ..EffectInfo::ORDINARY

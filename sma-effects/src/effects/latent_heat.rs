@@ -1,6 +1,6 @@
-use crate::EffectValues;
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Need, Presence, Smoothness};
+use crate::{EffectParameter, EffectValues};
 
 parameters! {
     /// The transformation takes up heat on heating and gives it back on cooling.

@@ -1,8 +1,6 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, without_memory};
-use crate::info::{
-    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
-};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Occurrence, Presence, Smoothness};
+use crate::{EffectParameter, EffectValues};
 
 parameters! {
     /// The transformation takes a wider range of temperatures on cooling than on heating.

@@ -1,7 +1,7 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Mapped, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
 use crate::loop_scale::LoopScale;
+use crate::{EffectParameter, EffectValues};
 
 const fn coefficient() -> EffectParameter {
     EffectParameter::size("1", 0.1, [-0.3, 0.3])

@@ -26,7 +26,7 @@ macro_rules! parameters {
             $($(#[$field_doc])* pub $field: f64,)+
         }
 
-        const PARAMETERS: &[$crate::info::EffectParameter] =
+        const PARAMETERS: &[$crate::EffectParameter] =
             &[$($parameter.named(stringify!($field))),+];
 
         impl Default for $name {

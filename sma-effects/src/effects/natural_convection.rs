@@ -1,8 +1,8 @@
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
 use crate::elementary::{expm1, ln};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
 use crate::part::progress;
-use crate::{EffectId, EffectValues};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 /// Rise above the surroundings at which the conductance is that of the baseline, K.
 const REFERENCE_RISE_K: f64 = 50.0;

@@ -1,7 +1,7 @@
 use crate::effect::{Base, Effect, Instant, Moment, Seen, without_memory_in_zones};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
 use crate::lag::Lag;
-use crate::{EffectId, EffectValues};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 parameters! {
     /// The mechanics or the filter of the sensor follow the rod with a time constant.

@@ -1,8 +1,8 @@
 use wiener::Drive;
 
-use crate::EffectValues;
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Need, Presence, Smoothness};
+use crate::{EffectParameter, EffectValues};
 
 parameters! {
     /// The resistance changes with the phase, and rises with the temperature as that of every metal.

@@ -2,13 +2,11 @@ use core::f64::consts::FRAC_1_PI;
 
 use wiener::hysteresis::atan;
 
-use crate::EffectValues;
 use crate::effect::{Base, Before, Effect, Standing, Trial, ZoneStart, without_memory_of_the_rod};
-use crate::info::{
-    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
-};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Occurrence, Presence, Smoothness};
 use crate::loop_scale::LoopScale;
 use crate::play::{play, play_at};
+use crate::{EffectParameter, EffectValues};
 
 /// Half of the width of the R-phase's own loop, K: 3 K in all, of 1.5 to 5 K in the literature (unchecked).
 const HALF_WIDTH_K: f64 = 1.5;
@@ -53,6 +51,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     belongs_to: Belongs::Rig,
     presence: Presence::Seldom,
     acts_like: &[],
+    // On heating alone it is hardly to be told from the loop's own curve.
     needs_in_recording: &[Occurrence::Cooling],
     ..EffectInfo::ORDINARY
 };

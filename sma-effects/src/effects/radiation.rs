@@ -1,6 +1,6 @@
 use crate::effect::{Acting, Base, Before, Effect, Flow, Trial, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
-use crate::{EffectId, EffectValues};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Need, Presence, Smoothness};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 /// Stefan–Boltzmann constant, W/(m² K⁴), CODATA 2018.
 const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
@@ -17,8 +17,8 @@ parameters! {
     /// Beside the convection of the baseline, at a temperature between those at the ends of the sample.
     /// Surroundings of one temperature, much larger than the rod.
     Radiation {
-        /// Emissivity ε; 0 to 1, and to 1.25 for what surface and specific heat are known to: who stands there is beyond the
-        /// physical end.
+        /// Emissivity ε; 0 to 1, and to 1.25 for what surface and specific heat are known to: a value there is beyond
+        /// the physical end.
         emissivity: EffectParameter::size("1", 0.5, [0.0, 1.25])
             .unchecked([0.2, 0.7], "oxidized NiTi")
             .in_watts()

@@ -1,10 +1,8 @@
 use wiener::hysteresis::{Hysteresis, Memory};
 
 use crate::effect::{Base, Before, Effect, Mapped, Trial, ZoneStart, without_memory_of_the_rod};
-use crate::info::{
-    Belongs, EffectBlock, EffectInfo, EffectParameter, Occurrence, Presence, Smoothness,
-};
-use crate::{EffectId, EffectValues};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Occurrence, Presence, Smoothness};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 parameters! {
     /// Part of the rod remembers reversals by the other rule.

@@ -1,7 +1,7 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Need, Presence, Smoothness};
 use crate::knots::Knots;
+use crate::{EffectParameter, EffectValues};
 
 const fn knot() -> EffectParameter {
     EffectParameter::size("of the stroke", 0.01, [-0.3, 0.3]).unchecked(

@@ -1,6 +1,6 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, Moment, Seen, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
+use crate::{EffectParameter, EffectValues};
 
 const fn coefficient() -> EffectParameter {
     EffectParameter::size("of the stroke", 0.003, [-0.1, 0.1]).unchecked(

@@ -1,6 +1,6 @@
-use crate::EffectValues;
 use crate::effect::{Base, Before, Effect, Shift, Trial, without_memory};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Need, Presence, Smoothness};
+use crate::{EffectParameter, EffectValues};
 
 parameters! {
     /// The load rises with the stroke and with it the temperatures of transformation.

@@ -2,9 +2,9 @@ use wiener::Drive;
 
 use crate::effect::{Base, Effect, Moment, without_memory_in_zones};
 use crate::elementary::mean_exponential;
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Presence, Smoothness};
 use crate::part::Turn;
-use crate::{EffectId, EffectValues};
+use crate::{EffectId, EffectParameter, EffectValues};
 
 parameters! {
     /// The supply follows the drive with a time constant.

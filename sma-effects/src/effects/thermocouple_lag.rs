@@ -1,7 +1,7 @@
-use crate::EffectValues;
 use crate::effect::{Base, Effect, without_memory_in_zones};
-use crate::info::{Belongs, EffectBlock, EffectInfo, EffectParameter, Need, Presence, Smoothness};
+use crate::info::{Belongs, EffectBlock, EffectInfo, Need, Presence, Smoothness};
 use crate::lag::Lag;
+use crate::{EffectParameter, EffectValues};
 
 parameters! {
     /// The recorded temperature follows that of the rod with a time constant, and stays below it: what the rod heats

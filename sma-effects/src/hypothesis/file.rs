@@ -7,8 +7,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::expression::{self, Expression};
-use super::{Hypothesis, MOST_HYPOTHESES, MOST_PARAMETERS, Place, VARIABLES, vanishing};
-use crate::{EffectId, EffectInfo, EffectParameter, Need, PhysicsError, Role, Smoothness};
+use super::{Hypothesis, MOST_HYPOTHESES, MOST_PARAMETERS, Place, TIME, VARIABLES, vanishing};
+use crate::{Belongs, EffectId, EffectInfo, EffectParameter, Need, PhysicsError, Role, Smoothness};
 
 /// Most characters of an id, a name of a parameter or a unit.
 const LONGEST_NAME: usize = 40;
@@ -27,6 +27,7 @@ struct Table {
     id: Spanned<String>,
     name: Option<Spanned<String>>,
     sentence: Option<Spanned<String>>,
+    belongs_to: Option<Spanned<String>>,
     drive: Option<Spanned<String>>,
     heat_flow_w_per_m: Option<Spanned<String>>,
     shift_k: Option<Spanned<String>>,
@@ -207,12 +208,39 @@ fn hypothesis(source: &Source<'_>, table: &Spanned<Table>) -> Result<Hypothesis,
         parameters: Vec::leak(parameters),
         equation: intern(format!("{} = {}", place.key(), term.text())),
         sentence: intern(sentence),
+        belongs_to: belongs_to(source, table, &term)?,
         ..EffectInfo::ORDINARY
     };
     Ok(Hypothesis {
         info: Box::leak(Box::new(info)),
         place,
         term,
+    })
+}
+
+/// Whose the values are: as written, and otherwise a recording's if the term is of the time in it.
+fn belongs_to(
+    source: &Source<'_>,
+    table: &Table,
+    term: &Expression,
+) -> Result<Belongs, PhysicsError> {
+    let Some(written) = &table.belongs_to else {
+        let is_timed = term.uses(TIME);
+        return Ok(if is_timed {
+            Belongs::Recording
+        } else {
+            Belongs::Rig
+        });
+    };
+    let text = written.get_ref();
+    // Nothing in a term counts cycles: a history it cannot have.
+    let all = [Belongs::Rig, Belongs::Recording];
+    all.into_iter().find(|one| one.id() == text).ok_or_else(|| {
+        source.refused(
+            written.span().start,
+            quoted("belongs_to", text),
+            format!("must be {}", all.map(Belongs::id).join(" or ")),
+        )
     })
 }
 

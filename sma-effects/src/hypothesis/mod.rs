@@ -17,6 +17,8 @@ pub(crate) const MOST_HYPOTHESES: usize = 4;
 pub(crate) const MOST_PARAMETERS: usize = 4;
 /// What an expression may use besides its parameters; `y` last, which only a displacement has.
 const VARIABLES: [&str; 7] = ["T", "Ta", "xi", "drive", "t", "dir", "y"];
+/// Number of the time among them.
+const TIME: usize = 4;
 
 /// An effect of one's own: a term at one place of the cascade, written as an expression.
 ///
@@ -25,6 +27,7 @@ const VARIABLES: [&str; 7] = ["T", "Ta", "xi", "drive", "t", "dir", "y"];
 /// id = "stronger-convection"              # letters, digits and hyphens; not one of the catalogue
 /// name = "convection that grows with temperature"    # default: the id in words
 /// sentence = "the rod loses {value} more" # default: made from the name; {value} is the size with its unit, {partner} the partner
+/// belongs_to = "rig"                      # or "recording": the default if the term uses t
 /// heat_flow_w_per_m = "-k * (T - Ta)^1.25"
 ///
 /// [hypothesis.parameters.k]               # 1 to 4
@@ -54,6 +57,11 @@ const VARIABLES: [&str; 7] = ["T", "Ta", "xi", "drive", "t", "dir", "y"];
 /// With all sizes 0 the term must vanish in every state: [`Hypothesis::parse`] tries some thousand states. A
 /// parameter with `size = false` is a partner: it has no influence then, and screening tries values of it within
 /// its bounds. Its effect has the name of the parameter behind the id: `stronger_convection_k`.
+///
+/// What belongs to a recording is held to account within it and not carried to another, see
+/// [`Belongs`](crate::Belongs). All else that is known of an effect is of a hypothesis as of an effect that not every rod
+/// has: it is like no other, needs nothing of a recording, and its sizes are to be expected up to six times the
+/// typical ones, see [`SizePrior`](crate::SizePrior).
 ///
 /// **Accuracy.** A term of drive, heat flow or shift is evaluated once a sample (or sub-step, see
 /// [`Setting::sub_steps`](crate::Setting::sub_steps)), at its beginning, and held: its error is of first order in
