@@ -5,8 +5,8 @@ use crate::support;
 use std::path::Path;
 
 use sma_effects::{
-    EffectBlock, EffectId, EffectSet, EffectValues, ExtendedPlant, Hypothesis, PhysicsError, Role,
-    Setting,
+    Belongs, EffectBlock, EffectId, EffectSet, EffectValues, ExtendedPlant, Hypothesis,
+    PhysicsError, Role, Setting,
 };
 use support::{
     AMBIENT_DEGC, DRIVES, all_typical, current_a, drive_of, fleet, largest, params, setting, trace,
@@ -386,7 +386,7 @@ fn what_a_file_must_not_say_is_refused_with_its_place() {
         "must be letters, digits and _, from a letter, at most 40, and no variable or function";
     for (found, expected) in [
         (refusal(""), "1:1: missing field `hypothesis`".to_owned()),
-        (changed("id =", "idd ="), "2:1: unknown field `idd`, expected one of `id`, `name`, `sentence`, `drive`, `heat_flow_w_per_m`, `shift_k`, `displacement`, `parameters`".to_owned()),
+        (changed("id =", "idd ="), "2:1: unknown field `idd`, expected one of `id`, `name`, `sentence`, `belongs_to`, `drive`, `heat_flow_w_per_m`, `shift_k`, `displacement`, `parameters`".to_owned()),
         (changed("typical = 1", "typical = \"x\""), "6:11: invalid type: string \"x\", expected a number".to_owned()),
         (changed("bounds", "range"), "7:1: unknown field `range`, expected one of `unit`, `typical`, `bounds`, `size`".to_owned()),
         (changed("own-drive", "Own"), format!("2:6: id = \"Own\": {id}")),
@@ -465,4 +465,38 @@ fn a_state_can_be_kept_and_resumed() {
     second.iter().for_each(|&i| step(&mut state, i));
     second.iter().for_each(|&i| step(&mut kept, i));
     assert_eq!(kept, state);
+}
+
+#[test]
+fn a_term_of_time_belongs_to_its_recording_unless_the_file_says_otherwise() {
+    let whose = |text: &str| parsed(text)[0].info().belongs_to;
+    assert_eq!(whose(&one("displacement", "a")), Belongs::Rig);
+    let timed = one("displacement", "a * t");
+    assert_eq!(whose(&timed), Belongs::Recording);
+    let written = |whose: &str| {
+        timed.replacen(
+            "displacement =",
+            &format!("belongs_to = \"{whose}\"\ndisplacement ="),
+            1,
+        )
+    };
+    assert_eq!(whose(&written("rig")), Belongs::Rig);
+    assert_eq!(
+        refusal(&written("history")),
+        "own.toml:3:14: belongs_to = \"history\": must be rig or recording"
+    );
+}
+
+#[test]
+fn a_hypothesis_has_the_facts_of_an_ordinary_effect() {
+    let info = parsed(&one("displacement", "a"))[0].info();
+    assert!(info.is_rigid() && !info.in_every_rod() && !info.is_of_sensor() && !info.costly);
+    assert!(info.acts_like.is_empty() && info.needs_in_recording.is_empty());
+    let [a] = info.parameters else {
+        panic!("one parameter");
+    };
+    // Typically 1, within -1000 and 1000.
+    assert!(a.ln_prior(-6.0).abs() <= 0.0);
+    assert!(a.ln_prior(100.0) < a.ln_prior(-10.0) && a.ln_prior(-10.0) < 0.0);
+    assert!(a.ln_prior_width() > 12_f64.ln());
 }

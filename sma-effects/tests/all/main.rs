@@ -7,6 +7,7 @@ mod catalogue;
 mod direction;
 mod energy;
 mod errors;
+mod facts;
 mod hypothesis;
 mod lanes;
 mod second_route;
