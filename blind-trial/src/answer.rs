@@ -12,6 +12,12 @@ pub struct Answer {
     pub hysteresis: String,
     /// Kind of the noise.
     pub noise: String,
+    /// Which plant made the recordings: `volumes` or `lumped`; `None` where there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plant: Option<String>,
+    /// How the rig was recorded; `None` where all were as the guide asks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
 }
 
 /// A concealed piece of physics.
@@ -116,6 +122,8 @@ mod tests {
             concealed: vec![Concealed::of(Addition::LatentHeat, size, &plant)],
             hysteresis: "l2p".to_owned(),
             noise: "white".to_owned(),
+            plant: None,
+            recording: None,
         }
     }
 

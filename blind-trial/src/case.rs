@@ -1,19 +1,17 @@
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use truth_plant::{
-    Addition, BiasSpring, Draw, DriveName, DriveProfile, FamilyKind, NoiseKind, Shape, Traces,
-    TruthPlant,
+    Addition, BiasSpring, Draw, DriveName, FamilyKind, NoiseKind, Shape, Traces, TruthPlant,
 };
 
 use crate::Like;
 use crate::answer::{Answer, Concealed, hex, seal};
 use crate::chance::Chance;
+use crate::family::Era;
 use crate::family::{OUTSIDE, named};
 use crate::known::Known;
+use crate::runs::{Run, Runs, habit, name_of_habit};
 use crate::{CaseId, Family, TrialError};
-
-/// Samples of the training recording, and of the unseen one.
-const SAMPLES: [usize; 2] = [9_000, 6_000];
 
 /// Bits of the converter where its steps do not matter: a step is 2e-5 of the stroke.
 const FINE_BITS: u32 = 16;
@@ -27,6 +25,9 @@ const TEMPERATURE_NOISE_K: f64 = 0.2;
 /// Preload, and what the spring adds over the stroke where its size is 1, Pa.
 const STRESS_PA: f64 = 100e6;
 
+/// Share of the second plant's rigs whose loop is of relays; the others follow kinetics.
+const RELAYS: f64 = 0.65;
+
 /// A case: a rig that conceals something, or nothing, and what its user knows of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
@@ -36,18 +37,18 @@ pub struct Case {
     pub(crate) truth: TruthPlant,
     /// The same without one of the things that are concealed, each in turn.
     pub(crate) without: Vec<TruthPlant>,
-    /// Drives of the training and of the unseen recording.
-    pub(crate) drives: [DriveProfile; 2],
+    /// What is recorded of it.
+    pub(crate) runs: Runs,
     answer: Answer,
     salt: String,
     seed: String,
 }
 
-/// Two recordings of a rig.
+/// What the recordings of a rig show.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Recorded {
-    pub(crate) train: Traces,
-    pub(crate) held: Traces,
+    pub(crate) training: Vec<Traces>,
+    pub(crate) unseen: Traces,
 }
 
 impl Case {
@@ -72,28 +73,29 @@ impl Case {
             DriveName::Power,
         ][random.random_range(0..4)];
         let shapes = [0, 1].map(|_| Shape::ALL[random.random_range(0..Shape::ALL.len())]);
-        let mut plain = draw.plant(loop_of(id), drive);
+        let mut concealed = concealed(id, &mut chance.of("concealed"));
+        let family = loop_of(id, &concealed, &mut chance.of("loop"));
+        let mut plain = draw.plant(family, drive);
         if let Some(like) = like {
             plain = like.made_of(plain);
         }
         plain.bias_spring = Some(spring(&plain, draw.size()));
-        // A drive each, of one rig.
-        let mut drives = match like {
-            Some(like) => [like.profile.clone(), like.profile.clone()],
-            None => [
-                draw.drive(shapes[0], &plain, SAMPLES[0]),
-                Draw::new(chance.seed("unseen")).drive(shapes[1], &plain, SAMPLES[1]),
-            ],
+        let habit = match (id.era, like) {
+            (Era::Lab, None) => Some(habit(&mut chance.of("habit"))),
+            _ => None,
         };
-        drives.iter_mut().for_each(as_logged);
+        let runs = match (like, habit) {
+            (Some(like), _) => Runs::of_drive(&like.profile),
+            (None, None) => Runs::guided(&chance, &plain, shapes),
+            (None, Some(habit)) => Runs::of_lab(&chance, &plain, shapes, habit),
+        };
         let noise = noise_of(id, &mut chance.of("noise"));
         make_noise(noise, id, &draw, &mut plain);
         let own_m = like.and_then(|like| like.noise_m(&plain));
         if let (Some(deviation), Some(noise)) = (own_m, plain.displacement_noise.as_mut()) {
             noise.deviation = deviation;
         }
-        let run_s = drives[0].dt_s * drives[0].drive.len() as f64;
-        let mut concealed = concealed(id, &mut chance.of("concealed"));
+        let run_s = runs.longest_s();
         for (addition, size) in &mut concealed {
             // Its stress is that of the spring, which every rig has.
             if *addition == Addition::StressCoupling {
@@ -124,11 +126,13 @@ impl Case {
                     .iter()
                     .map(|&(addition, size)| Concealed::of(addition, size, &truth))
                     .collect(),
-                hysteresis: name_of(loop_of(id)).to_owned(),
+                hysteresis: name_of(family).to_owned(),
                 noise: name_of_noise(noise, id).to_owned(),
+                plant: (id.era == Era::Lab).then(|| plant_of(id).to_owned()),
+                recording: habit.map(|habit| name_of_habit(habit).to_owned()),
             },
             truth,
-            drives,
+            runs,
             salt: hex(&chance.digest("salt")[..16]),
             seed: seed.to_owned(),
         }
@@ -154,33 +158,27 @@ impl Case {
     }
 
     pub(crate) fn record(&self) -> Result<Recorded, TrialError> {
+        let training = self.runs.training.iter();
         Ok(Recorded {
-            train: self.run(&self.truth, &self.drives[0], "train")?,
-            held: self.run(&self.truth, &self.drives[1], "held")?,
+            training: training
+                .map(|run| self.run(&self.truth, run))
+                .collect::<Result<_, _>>()?,
+            unseen: self.run(&self.truth, &self.runs.unseen)?,
         })
     }
 
-    /// A run of a plant of this case; the name of the run is what its randomness comes from.
-    pub(crate) fn run(
-        &self,
-        plant: &TruthPlant,
-        profile: &DriveProfile,
-        name: &str,
-    ) -> Result<Traces, TrialError> {
-        plant
-            .simulate(&profile.drive, profile.dt_s, self.chance().seed(name))
-            .map_err(|source| TrialError::Truth {
-                case: self.id,
-                source,
-            })
-    }
-}
-
-/// A logger writes times to the millisecond and drives to six places: what is simulated is what is written.
-fn as_logged(profile: &mut DriveProfile) {
-    profile.dt_s = (1e3 * profile.dt_s).round().max(1.0) / 1e3;
-    for value in &mut profile.drive {
-        *value = (1e6 * *value).round() / 1e6;
+    /// What the recording of a run shows of a plant of this case.
+    pub(crate) fn run(&self, plant: &TruthPlant, run: &Run) -> Result<Traces, TrialError> {
+        let traces = run.conditioned(plant).simulate(
+            &run.profile.drive,
+            run.profile.dt_s,
+            self.chance().seed(&run.name),
+        );
+        let traces = traces.map_err(|source| TrialError::Truth {
+            case: self.id,
+            source,
+        })?;
+        Ok(run.recorded(traces))
     }
 }
 
@@ -193,11 +191,38 @@ fn spring(plant: &TruthPlant, size: f64) -> BiasSpring {
     }
 }
 
-fn loop_of(id: CaseId) -> FamilyKind {
-    match (id.family, id.number % 2) {
-        (Family::OtherLoop | Family::OtherLoopClean, 0) => FamilyKind::Preisach,
-        (Family::OtherLoop | Family::OtherLoopClean, _) => FamilyKind::Cosine,
-        _ => FamilyKind::L2p,
+/// The loop of the rig. That return points are remembered is news only where the others forget them.
+fn loop_of(id: CaseId, concealed: &[(Addition, f64)], random: &mut ChaCha8Rng) -> FamilyKind {
+    let other = matches!(id.family, Family::OtherLoop | Family::OtherLoopClean);
+    let is_even = id.number.is_multiple_of(2);
+    if id.has_second_plant() {
+        let forgets = concealed
+            .iter()
+            .any(|&(addition, _)| addition == Addition::NestedMemory);
+        let has_relays = if other {
+            is_even
+        } else {
+            random.random::<f64>() < RELAYS
+        };
+        return if has_relays && !forgets {
+            FamilyKind::Relays
+        } else {
+            FamilyKind::Tanaka
+        };
+    }
+    match (other, is_even) {
+        (true, true) => FamilyKind::Preisach,
+        (true, false) => FamilyKind::Cosine,
+        (false, _) => FamilyKind::L2p,
+    }
+}
+
+/// The plant of the rig.
+fn plant_of(id: CaseId) -> &'static str {
+    if id.has_second_plant() {
+        "lumped"
+    } else {
+        "volumes"
     }
 }
 
@@ -206,6 +231,8 @@ fn name_of(family: FamilyKind) -> &'static str {
         FamilyKind::L2p | FamilyKind::L2pNested => "l2p",
         FamilyKind::Preisach => "preisach",
         FamilyKind::Cosine => "cosine",
+        FamilyKind::Relays => "relays",
+        FamilyKind::Tanaka => "tanaka",
     }
 }
 
@@ -299,9 +326,13 @@ fn concealed(id: CaseId, random: &mut ChaCha8Rng) -> Vec<(Addition, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::folder::Folder;
+
+    /// Of the first published table.
+    const PUBLISHED_SEED: &str = "78df37d2691ed14051715e501e38ee6bccfd9fc6";
 
     fn case(family: Family, number: u64) -> Case {
-        Case::drawn("a seed", CaseId { family, number })
+        Case::drawn("a seed", CaseId::lab(family, number))
     }
 
     #[test]
@@ -334,6 +365,76 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Digests of the files of the first published table.
+    #[test]
+    fn guided_cases_are_those_that_were_published() {
+        let published = [
+            (
+                Family::CleanWhite,
+                0,
+                "73d6d51c540b169e78c2efb93742c216eec4da201d3e04504e1b4cbe106eae02",
+            ),
+            (
+                Family::Pair,
+                7,
+                "fbe710dae944df629cf748de29720c39eb8d4ffb29482e36cd692a3945dda34f",
+            ),
+            (
+                Family::OtherLoop,
+                3,
+                "e399e99b010878464a3b396f9c7d386768026c09ef8bdb42cc23db8a595623a9",
+            ),
+        ];
+        for (family, number, digest) in published {
+            let case = Case::drawn(PUBLISHED_SEED, CaseId::guided(family, number));
+            let folder = tempfile::tempdir().unwrap();
+            let recorded = case.record().unwrap();
+            let written = Folder::write(folder.path(), &case, &recorded).unwrap();
+            assert_eq!(written.digest().unwrap(), digest, "{family} {number}");
+        }
+    }
+
+    /// Both plants conceal every effect, and every size of it.
+    #[test]
+    fn plants_alternate_for_every_effect() {
+        for family in [Family::Single, Family::Outside] {
+            let mut plants = std::collections::BTreeMap::<_, [bool; 2]>::new();
+            for number in 0..family.published() {
+                let case = case(family, number);
+                let one = &case.answer.concealed[0];
+                let both = plants.entry(one.addition.clone()).or_default();
+                both[usize::from(case.answer.plant.as_deref() == Some("lumped"))] = true;
+            }
+            assert!(plants.values().all(|both| *both == [true; 2]), "{plants:?}");
+        }
+    }
+
+    /// Every kind of recording is simulated and written.
+    #[test]
+    fn lab_cases_are_recorded_in_one_to_five_files() {
+        let mut kinds = std::collections::BTreeSet::new();
+        for number in 0..24 {
+            let case = case(Family::Single, number);
+            let folder = tempfile::tempdir().unwrap();
+            let recorded = case.record().unwrap();
+            let written = Folder::write(folder.path(), &case, &recorded).unwrap();
+            let files = written.training();
+            assert_eq!(files.len(), case.runs.training.len());
+            assert!(
+                files
+                    .iter()
+                    .chain([&written.unseen()])
+                    .all(|file| file.exists())
+            );
+            for (traces, run) in recorded.training.iter().zip(&case.runs.training) {
+                let n = run.profile.drive.len() - run.n_before;
+                assert_eq!(traces.displacement_mm.len(), n);
+            }
+            kinds.extend(case.answer.recording.clone());
+        }
+        assert!(kinds.len() >= 6, "{kinds:?}");
     }
 
     #[test]

@@ -149,18 +149,80 @@ pub(crate) fn named() -> Vec<Addition> {
     Addition::ALL.into_iter().filter(known).collect()
 }
 
+/// How cases are recorded, and of what they are made.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Era {
+    /// One plant, every recording as the guide asks for it, one for training: the first published table.
+    #[default]
+    Guided,
+    /// Two plants that share no code for heat or loop, recordings as labs make them.
+    Lab,
+}
+
 /// One case of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct CaseId {
+    /// How it is recorded.
+    #[serde(default, skip_serializing_if = "Era::is_guided")]
+    pub era: Era,
     /// Its family.
     pub family: Family,
     /// Its number in the family, from 0.
     pub number: u64,
 }
 
+impl Era {
+    fn is_guided(&self) -> bool {
+        *self == Self::Guided
+    }
+}
+
+impl CaseId {
+    /// A case as labs record it.
+    #[must_use]
+    pub fn lab(family: Family, number: u64) -> Self {
+        let era = Era::Lab;
+        Self {
+            era,
+            family,
+            number,
+        }
+    }
+
+    /// A case that is recorded as the guide asks.
+    #[must_use]
+    pub fn guided(family: Family, number: u64) -> Self {
+        let era = Era::Guided;
+        Self {
+            era,
+            family,
+            number,
+        }
+    }
+
+    /// Whether its rig is of the second plant: in turn, and for every effect of a family that goes round.
+    pub(crate) fn has_second_plant(self) -> bool {
+        let turn = match self.family {
+            // Each of the plants has two loops here, in turn.
+            Family::OtherLoop | Family::OtherLoopClean => self.number / 2,
+            // An even number of effects.
+            Family::Outside => self.number + self.number / OUTSIDE.len() as u64,
+            _ => self.number,
+        };
+        self.era == Era::Lab && turn % 2 == 1
+    }
+}
+
 impl fmt::Display for CaseId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-{:04}", self.family, self.number)
+        let era = match self.era {
+            Era::Guided => "",
+            Era::Lab => "lab-",
+        };
+        write!(f, "{era}{}-{:04}", self.family, self.number)
     }
 }
 
@@ -174,27 +236,38 @@ impl Plan {
     /// The cases of a published table, of some families; of all, if none is given.
     #[must_use]
     pub fn published(families: &[Family]) -> Self {
-        Self::with(families, Family::published)
+        Self::with(Era::Lab, families, Family::published)
+    }
+
+    /// Those of the first published table, recorded as the guide asks: to compare.
+    #[must_use]
+    pub fn guided(families: &[Family]) -> Self {
+        Self::with(Era::Guided, families, Family::published)
     }
 
     /// About so many cases in all, in the proportions of the published table, at least one a family.
     #[must_use]
     pub fn of_about(n_cases: u64, families: &[Family]) -> Self {
         let all: u64 = chosen(families).map(Family::published).sum();
-        Self::with(families, |family| {
+        Self::with(Era::Lab, families, |family| {
             ((family.published() * n_cases + all / 2) / all).clamp(1, family.published())
         })
     }
 
-    /// Every effect that a catalogue knows, alone, at its usual size, half and twice that.
+    /// Every effect that a catalogue knows, alone, at its usual size, half and twice that, for a user's own drive.
     #[must_use]
     pub fn singles() -> Self {
-        Self::with(&[Family::Single], |_| 3 * N_NAMED)
+        Self::with(Era::Guided, &[Family::Single], |_| 3 * N_NAMED)
     }
 
-    fn with(families: &[Family], count: impl Fn(Family) -> u64) -> Self {
-        let cases = chosen(families)
-            .flat_map(|family| (0..count(family)).map(move |number| CaseId { family, number }));
+    fn with(era: Era, families: &[Family], count: impl Fn(Family) -> u64) -> Self {
+        let cases = chosen(families).flat_map(|family| {
+            (0..count(family)).map(move |number| CaseId {
+                era,
+                family,
+                number,
+            })
+        });
         Self {
             cases: cases.collect(),
         }

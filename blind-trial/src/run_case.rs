@@ -13,7 +13,7 @@ use crate::competitors::compete;
 use crate::folder::Folder;
 use crate::oracle::{Eye, Left};
 use crate::verdict::{Opened, Verdict};
-use crate::{Family, Oracle, TrialError};
+use crate::{Family, Oracle, TrialError, runs};
 
 /// Millimeters of a meter.
 const MM_PER_M: f64 = 1e3;
@@ -153,22 +153,25 @@ impl Judge<'_> {
             .filter(|_| is_ambiguous)
         {
             revealed.next = Some(Next {
-                recommended: self.resolved(&recommended(run), "recommended")?,
-                random: self.resolved(&self.random(run), "random")?,
+                recommended: self.resolved(&runs::Run::whole("recommended", recommended(run)))?,
+                random: self.resolved(&runs::Run::whole("random", self.random(run)))?,
             });
         }
         Ok(revealed)
     }
 
     fn left(&self, fit: &Fit, without: &truth_plant::TruthPlant) -> Result<Left, TrialError> {
-        let quiet = self.case.run(without, &self.case.drives[0], "train")?;
+        let training = self.case.runs.training.iter();
+        let quiet = training
+            .map(|run| self.case.run(without, run))
+            .collect::<Result<Vec<_>, _>>()?;
         let eye = Eye {
             base: &self.files.base,
             fit,
-            training: &self.files.training[0],
+            training: &self.files.training,
             truth: &self.case.truth,
         };
-        eye.left(&self.recorded.train, &quiet)
+        eye.left(&self.recorded.training, &quiet)
             .map_err(TrialError::diagnosis(self.case.id))
     }
 
@@ -181,25 +184,29 @@ impl Judge<'_> {
 
     /// Share of the squares of what is left in the blamed spans, and their share of the time; `None` without spans.
     fn spans(&self, left: &Left) -> Option<[f64; 2]> {
-        let spans = &self.diagnosis.mismatch.spans;
-        let time_s = self.files.training[0].time_s();
-        let is_inside = |k: usize| {
-            let mut spans = spans.iter();
-            spans.any(|span| (span.start_s..=span.end_s).contains(&time_s[k]))
-        };
-        let inside: Vec<usize> = (0..time_s.len()).filter(|&k| is_inside(k)).collect();
-        let squares = |k: usize| left.output_mm[k] * left.output_mm[k];
-        let all: f64 = (0..time_s.len()).map(squares).sum();
-        let own: f64 = inside.iter().map(|&k| squares(k)).sum();
-        (!inside.is_empty() && all > 0.0)
-            .then(|| [own / all, inside.len() as f64 / time_s.len() as f64])
+        let (mut own, mut all, mut n_inside, mut n) = (0.0, 0.0, 0, 0);
+        for (recording, left_mm) in self.files.training.iter().zip(&left.output_mm) {
+            let spans = self.diagnosis.mismatch.spans.iter();
+            let spans = spans.filter(|span| span.recording == recording.name());
+            let ends_s: Vec<_> = spans.map(|span| span.start_s..=span.end_s).collect();
+            for (time_s, mm) in recording.time_s().iter().zip(left_mm) {
+                let is_inside = ends_s.iter().any(|span| span.contains(time_s));
+                all += mm * mm;
+                n += 1;
+                if is_inside {
+                    own += mm * mm;
+                    n_inside += 1;
+                }
+            }
+        }
+        (n_inside > 0 && all > 0.0).then(|| [own / all, f64::from(n_inside) / f64::from(n)])
     }
 
     /// Whether one more run leaves the truth named, and alone: where the loop is of another family, a name in the
     /// transformation is neither right nor wrong.
-    fn resolved(&self, profile: &DriveProfile, name: &str) -> Result<bool, TrialError> {
-        let traces = self.case.run(&self.case.truth, profile, name)?;
-        self.folder.add_next(self.case, &traces, profile)?;
+    fn resolved(&self, run: &runs::Run) -> Result<bool, TrialError> {
+        let traces = self.case.run(&self.case.truth, run)?;
+        self.folder.add_next(self.case, &traces, run)?;
         let diagnosis = Opened::with_next(self.folder)?.diagnosed(EffectSet::all())?;
         let concealed = &self.case.open().1.concealed;
         let is_truth = |finding: &Finding| {
