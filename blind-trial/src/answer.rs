@@ -98,13 +98,17 @@ fn kebab(name: &str) -> String {
     text
 }
 
-/// A seal: SHA-256 of salt and answer, in hexadecimal. Published before the diagnosis; with the salt it shows later
-/// that the answer is the one that was sealed.
+/// What is published before the first diagnosis: SHA-256 over all answers of a plan in their order, each as JSON in a line of
+/// its own, in hexadecimal. It shows later that no answer has changed.
 #[must_use]
-pub fn seal(salt: &str, answer: &Answer) -> String {
-    // An answer holds no map with keys that are no text, and no number that is none.
-    let text = serde_json::to_string(answer).unwrap_or_default();
-    hex(&Sha256::digest(format!("{salt}\n{text}").as_bytes()))
+pub fn seal<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> String {
+    let mut digest = Sha256::new();
+    for answer in answers {
+        // An answer holds no map with keys that are no text, and no number that is none.
+        digest.update(serde_json::to_string(answer).unwrap_or_default());
+        digest.update("\n");
+    }
+    hex(&digest.finalize())
 }
 
 /// Bytes in hexadecimal.
@@ -128,10 +132,12 @@ mod tests {
     }
 
     #[test]
-    fn another_answer_or_another_salt_has_another_seal() {
-        assert_eq!(seal("salt", &answer(1.0)), seal("salt", &answer(1.0)));
-        assert_ne!(seal("salt", &answer(1.0)), seal("salt", &answer(0.5)));
-        assert_ne!(seal("salt", &answer(1.0)), seal("pepper", &answer(1.0)));
+    fn another_answer_or_another_order_has_another_seal() {
+        let of = |sizes: [f64; 2]| seal(&sizes.map(answer));
+        assert_eq!(of([1.0, 0.5]), of([1.0, 0.5]));
+        assert_ne!(of([1.0, 0.5]), of([0.5, 1.0]));
+        assert_ne!(of([1.0, 0.5]), of([1.0, 2.0]));
+        assert_ne!(of([1.0, 1.0]), seal(&[answer(1.0)]));
     }
 
     #[test]
@@ -145,7 +151,7 @@ mod tests {
             });
             let text = serde_json::to_string(&written).unwrap();
             let read: Answer = serde_json::from_str(&text).unwrap();
-            assert_eq!(seal("salt", &read), seal("salt", &written), "{value}");
+            assert_eq!(seal(&[read]), seal(&[written]), "{value}");
         }
     }
 

@@ -5,7 +5,7 @@ use truth_plant::{
 };
 
 use crate::Like;
-use crate::answer::{Answer, Concealed, hex, seal};
+use crate::answer::{Answer, Concealed};
 use crate::chance::Chance;
 use crate::family::Era;
 use crate::family::{OUTSIDE, named};
@@ -40,7 +40,6 @@ pub struct Case {
     /// What is recorded of it.
     pub(crate) runs: Runs,
     answer: Answer,
-    salt: String,
     seed: String,
 }
 
@@ -133,21 +132,18 @@ impl Case {
             },
             truth,
             runs,
-            salt: hex(&chance.digest("salt")[..16]),
             seed: seed.to_owned(),
         }
     }
 
-    /// What is published before the diagnosis.
+    /// What it conceals: not for who diagnoses.
     #[must_use]
-    pub fn seal(&self) -> String {
-        seal(&self.salt, &self.answer)
+    pub fn answer(&self) -> &Answer {
+        &self.answer
     }
 
-    /// Opens the seal: salt and answer.
-    #[must_use]
-    pub fn open(&self) -> (&str, &Answer) {
-        (&self.salt, &self.answer)
+    pub(crate) fn into_answer(self) -> Answer {
+        self.answer
     }
 
     pub(crate) fn chance(&self) -> Chance<'_> {

@@ -175,6 +175,18 @@ pub struct CaseId {
 }
 
 impl Era {
+    /// All of them.
+    const ALL: [Self; 2] = [Self::Guided, Self::Lab];
+
+    /// Its name in files.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Guided => "guided",
+            Self::Lab => "lab",
+        }
+    }
+
     fn is_guided(&self) -> bool {
         *self == Self::Guided
     }
@@ -229,7 +241,11 @@ impl fmt::Display for CaseId {
 /// How many cases of each family a trial has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
-    cases: Vec<CaseId>,
+    era: Era,
+    /// Cases of each family.
+    counts: Vec<(Family, u64)>,
+    /// Which of them are to be run: every n-th, from the i-th.
+    shard: (usize, usize),
 }
 
 impl Plan {
@@ -261,29 +277,64 @@ impl Plan {
     }
 
     fn with(era: Era, families: &[Family], count: impl Fn(Family) -> u64) -> Self {
-        let cases = chosen(families).flat_map(|family| {
-            (0..count(family)).map(move |number| CaseId {
-                era,
-                family,
-                number,
-            })
-        });
         Self {
-            cases: cases.collect(),
+            era,
+            counts: chosen(families)
+                .map(|family| (family, count(family)))
+                .collect(),
+            shard: (0, 1),
         }
     }
 
     /// Every n-th of its cases, from the i-th; `i` from 0, below `n`.
     #[must_use]
     pub fn shard(mut self, i: usize, n: usize) -> Self {
-        self.cases = self.cases.into_iter().skip(i).step_by(n.max(1)).collect();
+        self.shard = (i, n.max(1));
         self
     }
 
-    /// Its cases in their order.
+    /// The cases that are to be run, in their order.
     #[must_use]
-    pub fn cases(&self) -> &[CaseId] {
-        &self.cases
+    pub fn cases(&self) -> Vec<CaseId> {
+        let (i, n) = self.shard;
+        self.whole().skip(i).step_by(n).collect()
+    }
+
+    /// All cases in their order, whatever the shard.
+    pub(crate) fn whole(&self) -> impl Iterator<Item = CaseId> {
+        let era = self.era;
+        self.counts.iter().flat_map(move |&(family, n)| {
+            (0..n).map(move |number| CaseId {
+                era,
+                family,
+                number,
+            })
+        })
+    }
+
+    /// The plan of a text as it is displayed; `None` if it is none.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let mut words = text.split(' ');
+        let era = words.next()?;
+        let era = Era::ALL.into_iter().find(|one| one.id() == era)?;
+        let count = |word: &str| {
+            let (family, n) = word.split_once('=')?;
+            Some((Family::parse(family).ok()?, n.parse().ok()?))
+        };
+        Some(Self {
+            era,
+            counts: words.map(count).collect::<Option<_>>()?,
+            shard: (0, 1),
+        })
+    }
+}
+
+/// The era and how many cases of each family, whatever the shard.
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.era.id())?;
+        let mut counts = self.counts.iter();
+        counts.try_for_each(|(family, n)| write!(f, " {family}={n}"))
     }
 }
 
@@ -327,9 +378,21 @@ mod tests {
         let whole = Plan::of_about(60, &[]);
         assert!((50..75).contains(&whole.cases().len()));
         let mut shards: Vec<CaseId> = (0..3)
-            .flat_map(|i| whole.clone().shard(i, 3).cases)
+            .flat_map(|i| whole.clone().shard(i, 3).cases())
             .collect();
         shards.sort();
         assert_eq!(shards, whole.cases());
+    }
+
+    #[test]
+    fn a_plan_is_read_as_it_is_written() {
+        for plan in [Plan::published(&[]), Plan::guided(&[Family::Pair])] {
+            let text = plan.to_string();
+            assert_eq!(Plan::parse(&text), Some(plan.clone()));
+            assert_eq!(plan.shard(1, 4).to_string(), text);
+        }
+        let pairs = Plan::guided(&[Family::Pair]).to_string();
+        assert_eq!(pairs, "guided pair=80");
+        assert_eq!(Plan::parse("clean-ar-0000"), None);
     }
 }

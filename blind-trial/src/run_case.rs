@@ -27,7 +27,8 @@ pub struct Ran {
     pub diagnosis_s: f64,
 }
 
-/// Writes the files of a case into a folder, diagnoses them, asks others if they are wanted, and opens the seal.
+/// Writes the files of a case into a folder, diagnoses them, asks others if they are wanted, and compares with the
+/// answer.
 ///
 /// # Errors
 ///
@@ -62,7 +63,7 @@ pub fn run_case(case: &Case, folder: &Path, asks_others: bool) -> Result<Ran, Tr
         line: CaseLine {
             case: id,
             files: folder.digest()?,
-            seal: case.seal(),
+            seal: None,
             struck,
             verdict,
             competitors,
@@ -80,8 +81,7 @@ fn struck(
 ) -> Result<(Vec<String>, Diagnosis), TrialError> {
     let mut struck: Vec<String> = Vec::new();
     for effect in case
-        .open()
-        .1
+        .answer()
         .concealed
         .iter()
         .filter_map(|one| one.effect.as_ref())
@@ -99,7 +99,7 @@ fn struck(
     Ok((struck, diagnosis))
 }
 
-/// Who opens the seal.
+/// Who knows the answer.
 struct Judge<'a> {
     case: &'a Case,
     recorded: &'a Recorded,
@@ -110,10 +110,10 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     fn open(&self) -> Result<Revealed, TrialError> {
-        let (salt, answer) = self.case.open();
+        let answer = self.case.answer();
         let noise = self.case.truth.displacement_noise;
         let mut revealed = Revealed {
-            salt: salt.to_owned(),
+            salt: None,
             answer: answer.clone(),
             noise_mm: noise.map_or(0.0, |noise| MM_PER_M * noise.deviation),
             has_scale: self.case.known.has_scale(),
@@ -208,7 +208,7 @@ impl Judge<'_> {
         let traces = self.case.run(&self.case.truth, run)?;
         self.folder.add_next(self.case, &traces, run)?;
         let diagnosis = Opened::with_next(self.folder)?.diagnosed(EffectSet::all())?;
-        let concealed = &self.case.open().1.concealed;
+        let concealed = &self.case.answer().concealed;
         let is_truth = |finding: &Finding| {
             let mut truths = concealed.iter().filter_map(|one| one.effect.as_deref());
             truths.any(|truth| truth == finding.effect.id())
