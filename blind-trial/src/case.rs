@@ -11,6 +11,7 @@ use crate::family::Era;
 use crate::family::{OUTSIDE, named};
 use crate::known::Known;
 use crate::runs::{Run, Runs, habit, name_of_habit};
+use crate::sizes::size;
 use crate::{CaseId, Family, TrialError};
 
 /// Bits of the converter where its steps do not matter: a step is 2e-5 of the stroke.
@@ -40,6 +41,8 @@ pub struct Case {
     /// What is recorded of it.
     pub(crate) runs: Runs,
     answer: Answer,
+    /// Sizes of what is concealed, in the catalogue's units.
+    pub(crate) sizes: Vec<Option<f64>>,
     seed: String,
 }
 
@@ -116,9 +119,15 @@ impl Case {
             others.remove(left_out);
             with(&others)
         });
+        let known = like.map_or_else(|| Known::drawn(&chance), |like| like.known);
+        let sizes = concealed.iter().map(|&(addition, _)| {
+            let size = size(addition, &truth)?;
+            (known.has_scale() || !size.needs_scale).then_some(size.value)
+        });
         Self {
             id,
-            known: like.map_or_else(|| Known::drawn(&chance), |like| like.known),
+            known,
+            sizes: sizes.collect(),
             without: without.collect(),
             answer: Answer {
                 concealed: concealed

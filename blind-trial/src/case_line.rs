@@ -44,6 +44,12 @@ pub struct Revealed {
     pub aliases: Vec<Vec<String>>,
     /// What the catalogue of the diagnosis says of each of them.
     pub said: Vec<Option<String>>,
+    /// Sizes of each of them in the catalogue's unit, where truth and catalogue can be compared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sizes: Vec<Option<f64>>,
+    /// Above which size the diagnosis excludes each of them, if it does.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub excluded_above: Vec<Option<f64>>,
     /// Of a single effect: share of the squares of what it leaves in the spans that are blamed, and share of the
     /// time that these take.
     pub spans: Option<[f64; 2]>,

@@ -71,8 +71,8 @@ impl Family {
         }
     }
 
-    /// Whether its loops are of another family than the plain model's.
-    pub(crate) fn has_other_loop(self) -> bool {
+    /// Whether its loops are of another family than the plain model's, whatever the plant.
+    fn has_other_loop(self) -> bool {
         matches!(self, Self::OtherLoop | Self::OtherLoopClean)
     }
 
@@ -213,6 +213,12 @@ impl CaseId {
             family,
             number,
         }
+    }
+
+    /// Whether its loop is of another family than the plain model's: a name in the transformation is neither right nor
+    /// wrong there.
+    pub(crate) fn has_other_loop(self) -> bool {
+        self.family.has_other_loop() || self.has_second_plant()
     }
 
     /// Whether its rig is of the second plant: in turn, and for every effect of a family that goes round.

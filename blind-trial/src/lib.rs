@@ -18,6 +18,7 @@ mod proportion;
 mod run_case;
 mod runs;
 pub mod scores;
+mod sizes;
 mod trial;
 mod verdict;
 

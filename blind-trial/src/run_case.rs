@@ -2,7 +2,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use identify::Fit;
-use missing_physics::{Diagnosis, EffectBlock, EffectSet, Finding, Run};
+use missing_physics::{Diagnosis, EffectBlock, EffectSet, Entry, Finding, Run, Status};
 use rand::Rng;
 use truth_plant::{Draw, DriveProfile, Shape};
 
@@ -120,6 +120,8 @@ impl Judge<'_> {
             oracles: Vec::new(),
             aliases: Vec::new(),
             said: Vec::new(),
+            sizes: self.case.sizes.clone(),
+            excluded_above: Vec::new(),
             spans: None,
             next: None,
         };
@@ -137,7 +139,10 @@ impl Judge<'_> {
             });
             revealed
                 .said
-                .push(effect.and_then(|effect| self.said(effect)));
+                .push(effect.and_then(|effect| Some(self.entry(effect)?.status.id().to_owned())));
+            revealed
+                .excluded_above
+                .push(effect.and_then(|effect| self.excluded_above(effect)));
         }
         if let [only] = &left[..] {
             revealed.spans = self.spans(only);
@@ -176,10 +181,17 @@ impl Judge<'_> {
     }
 
     /// What the catalogue says of an effect.
-    fn said(&self, effect: &str) -> Option<String> {
+    fn entry(&self, effect: &str) -> Option<&Entry> {
         let mut entries = self.diagnosis.catalogue.iter();
-        let entry = entries.find(|entry| entry.effect.id() == effect)?;
-        Some(entry.status.id().to_owned())
+        entries.find(|entry| entry.effect.id() == effect)
+    }
+
+    /// Above which size it is excluded, in the unit of its size.
+    fn excluded_above(&self, effect: &str) -> Option<f64> {
+        match self.entry(effect)?.status {
+            Status::Excluded { upper } => Some(upper),
+            _ => None,
+        }
     }
 
     /// Share of the squares of what is left in the blamed spans, and their share of the time; `None` without spans.
@@ -217,7 +229,7 @@ impl Judge<'_> {
         let is_resolved = findings.all(|finding| {
             let is_of_the_loop = finding.effect.info().block == EffectBlock::Transformation;
             let is_right = is_truth(finding) && finding.could_also_be.is_empty();
-            is_right || (is_of_the_loop && self.case.id.family.has_other_loop())
+            is_right || (is_of_the_loop && self.case.id.has_other_loop())
         });
         Ok(is_resolved && diagnosis.findings.iter().any(is_truth))
     }
