@@ -52,6 +52,12 @@ pub enum TrialError {
         /// Which case.
         case: CaseId,
     },
+    /// An effect in time cannot be put on it.
+    #[error("{recording}: a static loop; effects are put on recordings in time")]
+    NoTime {
+        /// Name of the recording.
+        recording: String,
+    },
     /// A file cannot be read or written.
     #[error("{}", path.display())]
     File {

@@ -10,6 +10,7 @@ mod error;
 mod family;
 mod folder;
 mod in_order;
+pub mod injected;
 mod journal;
 mod known;
 mod like;
