@@ -416,6 +416,21 @@ mod tests {
         }
     }
 
+    /// Of every family and both plants, with every effect.
+    #[test]
+    fn lab_rigs_can_be_recorded() {
+        for family in Family::ALL {
+            let n = if family.is_clean() { 6 } else { 42 };
+            for number in 0..n.min(family.published()) {
+                let recorded = case(family, number).record().unwrap();
+                for traces in recorded.training.iter().chain([&recorded.unseen]) {
+                    let finite = traces.displacement_mm.iter().all(|mm| mm.is_finite());
+                    assert!(finite, "{family} {number}");
+                }
+            }
+        }
+    }
+
     /// Every kind of recording is simulated and written.
     #[test]
     fn lab_cases_are_recorded_in_one_to_five_files() {

@@ -48,7 +48,7 @@ pub enum DriveName {
 /// | middle of the loop | 55 to 75 °C |
 /// | half width | 4 to 12 K |
 /// | spread (h_0 of the arc tangent) | 1.5 to 4 K; deviation of Preisach's and of the relays and mean way of the kinetics 1.5 times, range of the cosine 4.5 times that |
-/// | ζ | 0.6 to 1; ϱ of Preisach 0.2 to 0.8, of the relays 0.3 to 0.9 |
+/// | ζ | 0.6 to 1; ϱ of Preisach 0.2 to 0.8, of the relays 0.3 to 0.9; their tails 0 to 0.8 |
 /// | stroke | 3 to 5 % of the length |
 /// | noise | 0.05 to 0.5 % of the stroke, even in the logarithm |
 /// | converter | 10 to 14 bits over 1.3 strokes |
@@ -133,6 +133,7 @@ impl Draw {
                 cooling_center_degc: center_degc - half_width_k,
                 cooling_deviation_k: 1.5 * spread_k,
                 correlation: 0.3 + 0.6 * shape,
+                tails: 0.8 * random.uniform(),
             }),
             FamilyKind::Tanaka => {
                 // Half of the transformation is done a center away from its middle.

@@ -70,7 +70,7 @@ impl LoopFamily {
             Self::L2p(l) => l.loop_center_degc + l.loop_half_width_k + 8.0 * l.loop_spread_k,
             Self::Preisach(l) => l.heating_center_degc + 2.5 * l.heating_deviation_k,
             Self::Cosine(l) => l.austenite_finish_degc + 2.0,
-            Self::Relays(l) => l.heating_center_degc + 2.5 * l.heating_deviation_k,
+            Self::Relays(l) => l.heating_center_degc + l.reach() * l.heating_deviation_k,
             // A hundredth is left.
             Self::Tanaka(l) => l.austenite_start_degc + 4.6 / l.austenite_rate_per_k,
         }
@@ -83,7 +83,7 @@ impl LoopFamily {
             Self::L2p(l) => l.loop_center_degc - l.loop_half_width_k - 8.0 * l.loop_spread_k,
             Self::Preisach(l) => l.cooling_center_degc - 2.5 * l.cooling_deviation_k,
             Self::Cosine(l) => l.martensite_finish_degc - 2.0,
-            Self::Relays(l) => l.cooling_center_degc - 2.5 * l.cooling_deviation_k,
+            Self::Relays(l) => l.cooling_center_degc - l.reach() * l.cooling_deviation_k,
             Self::Tanaka(l) => l.martensite_start_degc - 4.6 / l.martensite_rate_per_k,
         }
     }

@@ -3,6 +3,9 @@ use crate::random::Random;
 use crate::{Draw, DriveProfile, TruthPlant};
 use std::f64::consts::PI;
 
+/// Lowest level of a rig that never rests.
+const LOWEST_DRIVEN: f64 = 0.3;
+
 /// How a lab drives a rig that nobody has given a guide to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Manner {
@@ -131,9 +134,9 @@ impl Hand<'_> {
                 self.pieces(n, 0.0);
             }
             Manner::NoRests => {
-                let level = self.random.between(0.3, 0.7);
+                let level = self.level(LOWEST_DRIVEN);
                 self.hold(level, 0.5, 2.0);
-                self.pieces(n, 0.3);
+                self.pieces(n, LOWEST_DRIVEN);
             }
             Manner::WarmStart => {
                 let before = self.random.between(6.0, 14.0) * self.unit as f64;
@@ -155,7 +158,7 @@ impl Hand<'_> {
                 self.rest(0.04);
                 self.hold(1.0, 3.0, 5.0);
                 while self.levels.len() < n {
-                    let level = self.level(0.25);
+                    let level = self.level(0.0);
                     self.hold(level, 1.0, 5.0);
                 }
             }
@@ -168,11 +171,11 @@ impl Hand<'_> {
         self.levels.resize(self.levels.len() + n.max(5), 0.0);
     }
 
-    /// A level of some use, or, in one of five where rests are allowed, none.
+    /// A level that holds the rod in its loop or near it; in one of six where rests are allowed, none.
     fn level(&mut self, lowest: f64) -> f64 {
-        let rests = lowest < 0.3 && self.random.uniform() < 0.2;
-        let level = self.random.between(0.3, 1.0);
-        if rests { 0.0 } else { level }
+        let rests = lowest < LOWEST_DRIVEN && self.random.uniform() < 1.0 / 6.0;
+        let level = inside(self.plant, self.random.between(0.1, 1.0));
+        if rests { 0.0 } else { level.max(lowest) }
     }
 
     fn duration(&mut self, shortest: f64, longest: f64) -> usize {
@@ -193,9 +196,9 @@ impl Hand<'_> {
 
     /// One to four periods around a level, as far as it goes.
     fn sine(&mut self, lowest: f64) {
-        let middle = self.random.between(0.45, 0.8);
+        let middle = inside(self.plant, self.random.between(0.35, 0.65));
         let widest = (1.0 - middle).min(middle - lowest);
-        let amplitude = self.random.between(0.3, 1.0) * widest;
+        let amplitude = self.random.between(0.4, 1.0) * widest;
         let n = self.duration(2.0, 7.0);
         let periods = self.random.between(1.0, 4.0);
         let phase = 2.0 * PI * self.random.uniform();
@@ -277,7 +280,7 @@ impl Hand<'_> {
         self.rest(0.04);
         let kept = (-self.logging.dt_s / self.plant.time_constant_s()).exp();
         let (mut warmth, mut is_on) = (0.0, true);
-        let mut set = 0.92;
+        let (mut set, mut is_high) = (0.92, true);
         while self.levels.len() < self.logging.n_samples {
             let band = self.random.between(0.01, 0.05);
             let on = self.random.between(set + 0.5 * (1.0 - set), 1.0);
@@ -291,7 +294,10 @@ impl Hand<'_> {
                 warmth = kept * warmth + (1.0 - kept) * power_share(self.plant, level);
                 self.levels.push(level);
             }
-            let wanted = inside(self.plant, self.random.between(0.1, 0.95));
+            // Above and below in turn, as a stroke is asked for and given back.
+            is_high = !is_high;
+            let share = self.random.between(0.12, 0.45);
+            let wanted = inside(self.plant, if is_high { 1.0 - share } else { share });
             set = power_share(self.plant, wanted);
         }
     }

@@ -16,20 +16,23 @@ const NARROWEST_K: f64 = 0.5;
 /// ξ = share of the domains that are up,     up above α, down below β < α
 /// ```
 ///
-/// α and β of all domains are spread by a normal distribution of two correlated variables, evenly (a sequence of low
-/// discrepancy, so that no chance of the draw is seen). Return points are remembered because every domain is.
+/// α and β of all domains are spread by a normal distribution of two correlated variables, whose deviations differ from
+/// domain to domain themselves, log-normally: the more, the heavier the tails of the loop. They are spread evenly (a sequence of
+/// low discrepancy, so that no chance of the draw is seen). Return points are remembered because every domain is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelayLoop {
     /// Mean temperature at which domains go up, °C; above that at which they go down, to 250.
     pub heating_center_degc: f64,
-    /// Its standard deviation, K; 0.5 to 40.
+    /// Median of its standard deviation, K; 0.5 to 40.
     pub heating_deviation_k: f64,
     /// Mean temperature at which domains go down, °C; -100 to 200.
     pub cooling_center_degc: f64,
-    /// Its standard deviation, K; 0.5 to 40.
+    /// Median of its standard deviation, K; 0.5 to 40.
     pub cooling_deviation_k: f64,
     /// Correlation of both; -0.9 to 0.95.
     pub correlation: f64,
+    /// Standard deviation of the logarithm of both deviations; 0, normal, to 1.
+    pub tails: f64,
 }
 
 impl Default for RelayLoop {
@@ -40,6 +43,7 @@ impl Default for RelayLoop {
             cooling_center_degc: 50.0,
             cooling_deviation_k: 5.0,
             correlation: 0.6,
+            tails: 0.0,
         }
     }
 }
@@ -58,7 +62,8 @@ impl RelayLoop {
         )?;
         within("heating_deviation_k", self.heating_deviation_k, 0.5..=40.0)?;
         within("cooling_deviation_k", self.cooling_deviation_k, 0.5..=40.0)?;
-        within("correlation", self.correlation, -0.9..=0.95)
+        within("correlation", self.correlation, -0.9..=0.95)?;
+        within("tails", self.tails, 0.0..=1.0)
     }
 
     pub(crate) fn with_spread_ratio(self, ratio: f64) -> Self {
@@ -69,14 +74,20 @@ impl RelayLoop {
         }
     }
 
+    /// How far from the means hardly anything is left to transform, in deviations.
+    pub(crate) fn reach(&self) -> f64 {
+        2.5 * (1.0 + self.tails)
+    }
+
     /// All domains, down.
     pub(crate) fn domains(&self) -> Relays {
         let rest = (1.0 - self.correlation * self.correlation).sqrt();
         Relays::new((0..RELAYS).map(|k| {
-            let [a, b] = even_normals(k);
+            let [a, b, c, _] = even_normals(k);
+            let wide = (self.tails * c).exp();
             let down_degc = self.cooling_center_degc
-                + self.cooling_deviation_k * (self.correlation * a + rest * b);
-            let up_degc = self.heating_center_degc + self.heating_deviation_k * a;
+                + wide * self.cooling_deviation_k * (self.correlation * a + rest * b);
+            let up_degc = self.heating_center_degc + wide * self.heating_deviation_k * a;
             [up_degc.max(down_degc + NARROWEST_K), down_degc]
         }))
     }
@@ -90,14 +101,18 @@ pub(crate) fn narrow(center_degc: f64, half_width_k: f64, deviation_k: f64) -> R
     }))
 }
 
-/// Two independent normal numbers of an even sequence in the plane (the plastic number's, Box and Muller).
-fn even_normals(k: usize) -> [f64; 2] {
-    const PLASTIC: f64 = 1.324_717_957_244_746;
-    let place = |step: f64| (0.5 + (k + 1) as f64 * step).fract();
-    let (u, v) = (place(1.0 / PLASTIC), place(1.0 / (PLASTIC * PLASTIC)));
-    let radius = (-2.0 * (1.0 - u).ln()).sqrt();
-    let angle = 2.0 * PI * v;
-    [radius * angle.cos(), radius * angle.sin()]
+/// Four independent normal numbers of an even sequence in four dimensions: powers of the root of x⁵ = x + 1, as the golden
+/// ratio's in one, by the transform of Box and Muller.
+fn even_normals(k: usize) -> [f64; 4] {
+    const ROOT: f64 = 1.167_303_978_261_418_7;
+    let place = |power: i32| (0.5 + (k + 1) as f64 * ROOT.powi(-power)).fract();
+    let pair = |u: f64, v: f64| {
+        let radius = (-2.0 * (1.0 - u).ln()).sqrt();
+        let angle = 2.0 * PI * v;
+        [radius * angle.cos(), radius * angle.sin()]
+    };
+    let ([a, b], [c, d]) = (pair(place(1), place(2)), pair(place(3), place(4)));
+    [a, b, c, d]
 }
 
 /// A relay waiting to switch, by the temperature at which it does.
@@ -220,6 +235,29 @@ mod tests {
         assert!(along(&mut relays, &[100.0]) > 0.9999);
         assert!((along(&mut relays, &[50.0]) - 0.5).abs() < 0.01);
         assert!((along(&mut relays, &[45.0]) - 0.159).abs() < 0.01);
+    }
+
+    #[test]
+    fn tails_are_heavier_where_deviations_differ() {
+        let share_beyond = |tails: f64| {
+            let loops = RelayLoop {
+                tails,
+                ..RelayLoop::default()
+            };
+            1.0 - along(&mut loops.domains(), &[-200.0, 66.0 + 3.0 * 5.0])
+        };
+        assert!(share_beyond(0.0) < 0.003);
+        assert!(
+            (0.01..0.08).contains(&share_beyond(0.8)),
+            "{}",
+            share_beyond(0.8)
+        );
+        let loops = RelayLoop {
+            tails: 0.8,
+            ..RelayLoop::default()
+        };
+        let hot_degc = 66.0 + 5.0 * loops.reach();
+        assert!(along(&mut loops.domains(), &[hot_degc]) > 0.97);
     }
 
     #[test]

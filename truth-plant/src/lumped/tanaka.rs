@@ -79,6 +79,7 @@ impl TanakaLoop {
             cooling_center_degc,
             cooling_deviation_k: down_k.clamp(0.5, 40.0),
             correlation: 0.6,
+            tails: 0.0,
         }
     }
 
