@@ -2,6 +2,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use truth_plant::{Addition, TruthPlant};
 
+use crate::sizes::size;
+
 /// What is sealed: the answer of a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,29 +64,17 @@ impl Concealed {
 
 /// What means the same in the truth and in the catalogue.
 fn parameter(addition: Addition, plant: &TruthPlant) -> Option<(&'static str, f64)> {
-    Some(match addition {
-        Addition::SupplyLag => ("supply_lag_s", plant.supply?.time_constant_s),
-        Addition::SupplyDeadTime => ("dead_time_s", plant.supply?.dead_time_s),
-        Addition::OutputDelay => ("dead_time_s", plant.output_filter?.dead_time_s),
-        Addition::OutputFilter => ("output_lag_s", plant.output_filter?.time_constant_s),
-        Addition::LatentHeat => ("latent_heat_j_per_kg", plant.latent_heat?.enthalpy_j_per_kg),
-        Addition::Radiation => ("emissivity", plant.radiation?.emissivity),
-        Addition::Thermocouple => {
-            // Behind its contact; its own loss is another parameter.
-            let bead = plant.thermocouple?;
-            let lag_s = bead.contact_k_per_w * bead.heat_capacity_j_per_k;
-            ("thermocouple_lag_s", lag_s)
-        }
-        Addition::StressCoupling => {
-            let spring = plant.bias_spring?;
-            let yields = spring.stiffness_n_per_m / plant.rod.stiffness_n_per_m();
-            let swing_n = spring.stiffness_n_per_m * plant.stroke_m / (1.0 + yields);
-            let rise_n_per_k =
-                plant.rod.section_m2() * plant.stress_coupling?.clausius_clapeyron_pa_per_k;
-            ("stress_shift_k", swing_n / rise_n_per_k)
-        }
+    let name = match addition {
+        Addition::SupplyLag => "supply_lag_s",
+        Addition::SupplyDeadTime | Addition::OutputDelay => "dead_time_s",
+        Addition::OutputFilter => "output_lag_s",
+        Addition::LatentHeat => "latent_heat_j_per_kg",
+        Addition::Radiation => "emissivity",
+        Addition::Thermocouple => "thermocouple_lag_s",
+        Addition::StressCoupling => "stress_shift_k",
         _ => return None,
-    })
+    };
+    Some((name, size(addition, plant)?.value))
 }
 
 fn kebab(name: &str) -> String {

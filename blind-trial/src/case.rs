@@ -75,7 +75,7 @@ impl Case {
             DriveName::Power,
         ][random.random_range(0..4)];
         let shapes = [0, 1].map(|_| Shape::ALL[random.random_range(0..Shape::ALL.len())]);
-        let mut concealed = concealed(id, &mut chance.of("concealed"));
+        let concealed = concealed(id, &mut chance.of("concealed"), draw.size());
         let family = loop_of(id, &concealed, &mut chance.of("loop"));
         let mut plain = draw.plant(family, drive);
         if let Some(like) = like {
@@ -98,26 +98,11 @@ impl Case {
             noise.deviation = deviation;
         }
         let run_s = runs.longest_s();
-        for (addition, size) in &mut concealed {
-            // Its stress is that of the spring, which every rig has.
-            if *addition == Addition::StressCoupling {
-                *size = draw.size();
-            }
-        }
-        let with = |among: &[(Addition, f64)]| {
-            let mut plant = plain.clone();
-            for &(addition, size) in among {
-                addition.install(&mut plant, size, run_s);
-            }
-            // What the user may know of the spring says nothing of what is concealed.
-            plant.bias_spring = plain.bias_spring;
-            plant
-        };
-        let truth = with(&concealed);
+        let truth = installed(&plain, &concealed, run_s);
         let without = (0..concealed.len()).map(|left_out| {
             let mut others = concealed.clone();
             others.remove(left_out);
-            with(&others)
+            installed(&plain, &others, run_s)
         });
         let known = like.map_or_else(|| Known::drawn(&chance), |like| like.known);
         let sizes = concealed.iter().map(|&(addition, _)| {
@@ -185,6 +170,17 @@ impl Case {
         })?;
         Ok(run.recorded(traces))
     }
+}
+
+/// A plant with some additions, in a run of this length.
+fn installed(plain: &TruthPlant, additions: &[(Addition, f64)], run_s: f64) -> TruthPlant {
+    let mut plant = plain.clone();
+    for &(addition, size) in additions {
+        addition.install(&mut plant, size, run_s);
+    }
+    // What the user may know of the spring says nothing of what is concealed.
+    plant.bias_spring = plain.bias_spring;
+    plant
 }
 
 /// A spring whose force grows over the stroke by `size` times 100 MPa.
@@ -301,15 +297,16 @@ fn make_noise(kind: NoiseKind, id: CaseId, draw: &Draw, plant: &mut TruthPlant) 
     });
 }
 
-/// What a case conceals, and how much of it. Effects go round with the number of the case, then sizes.
-fn concealed(id: CaseId, random: &mut ChaCha8Rng) -> Vec<(Addition, f64)> {
+/// What a case conceals, and how much of it. Effects go round with the number of the case, then sizes; stress is as large as
+/// that of the spring, which every rig has.
+fn concealed(id: CaseId, random: &mut ChaCha8Rng, spring_size: f64) -> Vec<(Addition, f64)> {
     let named = named();
     let round = |all: &[Addition]| {
         let n = all.len() as u64;
         let size = [1.0, 0.5, 2.0][(id.number / n % 3) as usize];
         (all[(id.number % n) as usize], size)
     };
-    match id.family {
+    let mut concealed = match id.family {
         family if family.is_clean() => Vec::new(),
         Family::OtherLoopClean => Vec::new(),
         Family::Outside => vec![round(&OUTSIDE)],
@@ -325,7 +322,13 @@ fn concealed(id: CaseId, random: &mut ChaCha8Rng) -> Vec<(Addition, f64)> {
         }
         Family::Deleted => vec![(round(&named).0, 1.0)],
         _ => vec![round(&named)],
+    };
+    for (addition, size) in &mut concealed {
+        if *addition == Addition::StressCoupling {
+            *size = spring_size;
+        }
     }
+    concealed
 }
 
 #[cfg(test)]

@@ -368,6 +368,37 @@ mod tests {
     }
 
     #[test]
+    fn shards_put_together_are_a_trial_whose_seal_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        let config = RunConfig {
+            jobs: 2,
+            keep_files: false,
+            asks_others: false,
+        };
+        let plan = Plan::of_about(1, &[Family::CleanWhite]);
+        let open = |name: &str| Trial::open(&place(name), "a seed", None).unwrap();
+        let mut last = Vec::new();
+        let mut one = open("one");
+        let failed = one.run(&plan.clone().shard(0, 2), config, &mut |progress| {
+            last.push((progress.done, progress.of));
+        });
+        assert_eq!((failed.unwrap(), last), (0, vec![(1, 1)]));
+        drop(one);
+        let mut whole = open("whole");
+        whole.merge(&place("one")).unwrap();
+        let lines = whole.finished().unwrap();
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].case, CaseId::lab(Family::CleanWhite, 0));
+        fs::remove_file(place("whole").join(SEALS)).unwrap();
+        let text = open("whole").finished().unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "lab-clean-white-0000: of no plan whose answers were sealed"
+        );
+    }
+
+    #[test]
     fn the_first_published_table_is_still_read_and_its_answers_are_drawn_again() {
         let folder = tempfile::tempdir().unwrap();
         let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
