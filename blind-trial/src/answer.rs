@@ -2,6 +2,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use truth_plant::{Addition, TruthPlant};
 
+use crate::sizes::size;
+
 /// What is sealed: the answer of a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -12,6 +14,12 @@ pub struct Answer {
     pub hysteresis: String,
     /// Kind of the noise.
     pub noise: String,
+    /// Which plant made the recordings: `volumes` or `lumped`; `None` where there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plant: Option<String>,
+    /// How the rig was recorded; `None` where all were as the guide asks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
 }
 
 /// A concealed piece of physics.
@@ -56,29 +64,17 @@ impl Concealed {
 
 /// What means the same in the truth and in the catalogue.
 fn parameter(addition: Addition, plant: &TruthPlant) -> Option<(&'static str, f64)> {
-    Some(match addition {
-        Addition::SupplyLag => ("supply_lag_s", plant.supply?.time_constant_s),
-        Addition::SupplyDeadTime => ("dead_time_s", plant.supply?.dead_time_s),
-        Addition::OutputDelay => ("dead_time_s", plant.output_filter?.dead_time_s),
-        Addition::OutputFilter => ("output_lag_s", plant.output_filter?.time_constant_s),
-        Addition::LatentHeat => ("latent_heat_j_per_kg", plant.latent_heat?.enthalpy_j_per_kg),
-        Addition::Radiation => ("emissivity", plant.radiation?.emissivity),
-        Addition::Thermocouple => {
-            // Behind its contact; its own loss is another parameter.
-            let bead = plant.thermocouple?;
-            let lag_s = bead.contact_k_per_w * bead.heat_capacity_j_per_k;
-            ("thermocouple_lag_s", lag_s)
-        }
-        Addition::StressCoupling => {
-            let spring = plant.bias_spring?;
-            let yields = spring.stiffness_n_per_m / plant.rod.stiffness_n_per_m();
-            let swing_n = spring.stiffness_n_per_m * plant.stroke_m / (1.0 + yields);
-            let rise_n_per_k =
-                plant.rod.section_m2() * plant.stress_coupling?.clausius_clapeyron_pa_per_k;
-            ("stress_shift_k", swing_n / rise_n_per_k)
-        }
+    let name = match addition {
+        Addition::SupplyLag => "supply_lag_s",
+        Addition::SupplyDeadTime | Addition::OutputDelay => "dead_time_s",
+        Addition::OutputFilter => "output_lag_s",
+        Addition::LatentHeat => "latent_heat_j_per_kg",
+        Addition::Radiation => "emissivity",
+        Addition::Thermocouple => "thermocouple_lag_s",
+        Addition::StressCoupling => "stress_shift_k",
         _ => return None,
-    })
+    };
+    Some((name, size(addition, plant)?.value))
 }
 
 fn kebab(name: &str) -> String {
@@ -92,13 +88,17 @@ fn kebab(name: &str) -> String {
     text
 }
 
-/// A seal: SHA-256 of salt and answer, in hexadecimal. Published before the diagnosis; with the salt it shows later
-/// that the answer is the one that was sealed.
+/// What is published before the first diagnosis: SHA-256 over all answers of a plan in their order, each as JSON in a line of
+/// its own, in hexadecimal. It shows later that no answer has changed.
 #[must_use]
-pub fn seal(salt: &str, answer: &Answer) -> String {
-    // An answer holds no map with keys that are no text, and no number that is none.
-    let text = serde_json::to_string(answer).unwrap_or_default();
-    hex(&Sha256::digest(format!("{salt}\n{text}").as_bytes()))
+pub fn seal<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> String {
+    let mut digest = Sha256::new();
+    for answer in answers {
+        // An answer holds no map with keys that are no text, and no number that is none.
+        digest.update(serde_json::to_string(answer).unwrap_or_default());
+        digest.update("\n");
+    }
+    hex(&digest.finalize())
 }
 
 /// Bytes in hexadecimal.
@@ -116,14 +116,18 @@ mod tests {
             concealed: vec![Concealed::of(Addition::LatentHeat, size, &plant)],
             hysteresis: "l2p".to_owned(),
             noise: "white".to_owned(),
+            plant: None,
+            recording: None,
         }
     }
 
     #[test]
-    fn another_answer_or_another_salt_has_another_seal() {
-        assert_eq!(seal("salt", &answer(1.0)), seal("salt", &answer(1.0)));
-        assert_ne!(seal("salt", &answer(1.0)), seal("salt", &answer(0.5)));
-        assert_ne!(seal("salt", &answer(1.0)), seal("pepper", &answer(1.0)));
+    fn another_answer_or_another_order_has_another_seal() {
+        let of = |sizes: [f64; 2]| seal(&sizes.map(answer));
+        assert_eq!(of([1.0, 0.5]), of([1.0, 0.5]));
+        assert_ne!(of([1.0, 0.5]), of([0.5, 1.0]));
+        assert_ne!(of([1.0, 0.5]), of([1.0, 2.0]));
+        assert_ne!(of([1.0, 1.0]), seal(&[answer(1.0)]));
     }
 
     #[test]
@@ -137,7 +141,7 @@ mod tests {
             });
             let text = serde_json::to_string(&written).unwrap();
             let read: Answer = serde_json::from_str(&text).unwrap();
-            assert_eq!(seal("salt", &read), seal("salt", &written), "{value}");
+            assert_eq!(seal(&[read]), seal(&[written]), "{value}");
         }
     }
 

@@ -1,19 +1,18 @@
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use truth_plant::{
-    Addition, BiasSpring, Draw, DriveName, DriveProfile, FamilyKind, NoiseKind, Shape, Traces,
-    TruthPlant,
+    Addition, BiasSpring, Draw, DriveName, FamilyKind, NoiseKind, Shape, Traces, TruthPlant,
 };
 
 use crate::Like;
-use crate::answer::{Answer, Concealed, hex, seal};
+use crate::answer::{Answer, Concealed};
 use crate::chance::Chance;
+use crate::family::Era;
 use crate::family::{OUTSIDE, named};
 use crate::known::Known;
+use crate::runs::{Run, Runs, habit, name_of_habit};
+use crate::sizes::size;
 use crate::{CaseId, Family, TrialError};
-
-/// Samples of the training recording, and of the unseen one.
-const SAMPLES: [usize; 2] = [9_000, 6_000];
 
 /// Bits of the converter where its steps do not matter: a step is 2e-5 of the stroke.
 const FINE_BITS: u32 = 16;
@@ -27,6 +26,9 @@ const TEMPERATURE_NOISE_K: f64 = 0.2;
 /// Preload, and what the spring adds over the stroke where its size is 1, Pa.
 const STRESS_PA: f64 = 100e6;
 
+/// Share of the second plant's rigs whose loop is of relays; the others follow kinetics.
+const RELAYS: f64 = 0.65;
+
 /// A case: a rig that conceals something, or nothing, and what its user knows of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
@@ -36,18 +38,19 @@ pub struct Case {
     pub(crate) truth: TruthPlant,
     /// The same without one of the things that are concealed, each in turn.
     pub(crate) without: Vec<TruthPlant>,
-    /// Drives of the training and of the unseen recording.
-    pub(crate) drives: [DriveProfile; 2],
+    /// What is recorded of it.
+    pub(crate) runs: Runs,
     answer: Answer,
-    salt: String,
+    /// Sizes of what is concealed, in the catalogue's units.
+    pub(crate) sizes: Vec<Option<f64>>,
     seed: String,
 }
 
-/// Two recordings of a rig.
+/// What the recordings of a rig show.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Recorded {
-    pub(crate) train: Traces,
-    pub(crate) held: Traces,
+    pub(crate) training: Vec<Traces>,
+    pub(crate) unseen: Traces,
 }
 
 impl Case {
@@ -72,78 +75,69 @@ impl Case {
             DriveName::Power,
         ][random.random_range(0..4)];
         let shapes = [0, 1].map(|_| Shape::ALL[random.random_range(0..Shape::ALL.len())]);
-        let mut plain = draw.plant(loop_of(id), drive);
+        let concealed = concealed(id, &mut chance.of("concealed"), draw.size());
+        let family = loop_of(id, &concealed, &mut chance.of("loop"));
+        let mut plain = draw.plant(family, drive);
         if let Some(like) = like {
             plain = like.made_of(plain);
         }
         plain.bias_spring = Some(spring(&plain, draw.size()));
-        // A drive each, of one rig.
-        let mut drives = match like {
-            Some(like) => [like.profile.clone(), like.profile.clone()],
-            None => [
-                draw.drive(shapes[0], &plain, SAMPLES[0]),
-                Draw::new(chance.seed("unseen")).drive(shapes[1], &plain, SAMPLES[1]),
-            ],
+        let habit = match (id.era, like) {
+            (Era::Lab, None) => Some(habit(&mut chance.of("habit"))),
+            _ => None,
         };
-        drives.iter_mut().for_each(as_logged);
+        let runs = match (like, habit) {
+            (Some(like), _) => Runs::of_drive(&like.profile),
+            (None, None) => Runs::guided(&chance, &plain, shapes),
+            (None, Some(habit)) => Runs::of_lab(&chance, &plain, shapes, habit),
+        };
         let noise = noise_of(id, &mut chance.of("noise"));
         make_noise(noise, id, &draw, &mut plain);
         let own_m = like.and_then(|like| like.noise_m(&plain));
         if let (Some(deviation), Some(noise)) = (own_m, plain.displacement_noise.as_mut()) {
             noise.deviation = deviation;
         }
-        let run_s = drives[0].dt_s * drives[0].drive.len() as f64;
-        let mut concealed = concealed(id, &mut chance.of("concealed"));
-        for (addition, size) in &mut concealed {
-            // Its stress is that of the spring, which every rig has.
-            if *addition == Addition::StressCoupling {
-                *size = draw.size();
-            }
-        }
-        let with = |among: &[(Addition, f64)]| {
-            let mut plant = plain.clone();
-            for &(addition, size) in among {
-                addition.install(&mut plant, size, run_s);
-            }
-            // What the user may know of the spring says nothing of what is concealed.
-            plant.bias_spring = plain.bias_spring;
-            plant
-        };
-        let truth = with(&concealed);
+        let run_s = runs.longest_s();
+        let truth = installed(&plain, &concealed, run_s);
         let without = (0..concealed.len()).map(|left_out| {
             let mut others = concealed.clone();
             others.remove(left_out);
-            with(&others)
+            installed(&plain, &others, run_s)
+        });
+        let known = like.map_or_else(|| Known::drawn(&chance), |like| like.known);
+        let sizes = concealed.iter().map(|&(addition, _)| {
+            let size = size(addition, &truth)?;
+            (known.has_scale() || !size.needs_scale).then_some(size.value)
         });
         Self {
             id,
-            known: like.map_or_else(|| Known::drawn(&chance), |like| like.known),
+            known,
+            sizes: sizes.collect(),
             without: without.collect(),
             answer: Answer {
                 concealed: concealed
                     .iter()
                     .map(|&(addition, size)| Concealed::of(addition, size, &truth))
                     .collect(),
-                hysteresis: name_of(loop_of(id)).to_owned(),
+                hysteresis: name_of(family).to_owned(),
                 noise: name_of_noise(noise, id).to_owned(),
+                plant: (id.era == Era::Lab).then(|| plant_of(id).to_owned()),
+                recording: habit.map(|habit| name_of_habit(habit).to_owned()),
             },
             truth,
-            drives,
-            salt: hex(&chance.digest("salt")[..16]),
+            runs,
             seed: seed.to_owned(),
         }
     }
 
-    /// What is published before the diagnosis.
+    /// What it conceals: not for who diagnoses.
     #[must_use]
-    pub fn seal(&self) -> String {
-        seal(&self.salt, &self.answer)
+    pub fn answer(&self) -> &Answer {
+        &self.answer
     }
 
-    /// Opens the seal: salt and answer.
-    #[must_use]
-    pub fn open(&self) -> (&str, &Answer) {
-        (&self.salt, &self.answer)
+    pub(crate) fn into_answer(self) -> Answer {
+        self.answer
     }
 
     pub(crate) fn chance(&self) -> Chance<'_> {
@@ -154,34 +148,39 @@ impl Case {
     }
 
     pub(crate) fn record(&self) -> Result<Recorded, TrialError> {
+        let training = self.runs.training.iter();
         Ok(Recorded {
-            train: self.run(&self.truth, &self.drives[0], "train")?,
-            held: self.run(&self.truth, &self.drives[1], "held")?,
+            training: training
+                .map(|run| self.run(&self.truth, run))
+                .collect::<Result<_, _>>()?,
+            unseen: self.run(&self.truth, &self.runs.unseen)?,
         })
     }
 
-    /// A run of a plant of this case; the name of the run is what its randomness comes from.
-    pub(crate) fn run(
-        &self,
-        plant: &TruthPlant,
-        profile: &DriveProfile,
-        name: &str,
-    ) -> Result<Traces, TrialError> {
-        plant
-            .simulate(&profile.drive, profile.dt_s, self.chance().seed(name))
-            .map_err(|source| TrialError::Truth {
-                case: self.id,
-                source,
-            })
+    /// What the recording of a run shows of a plant of this case.
+    pub(crate) fn run(&self, plant: &TruthPlant, run: &Run) -> Result<Traces, TrialError> {
+        let traces = run.conditioned(plant).simulate(
+            &run.profile.drive,
+            run.profile.dt_s,
+            self.chance().seed(&run.name),
+        );
+        let traces = traces.map_err(|source| TrialError::Truth {
+            case: self.id,
+            source,
+        })?;
+        Ok(run.recorded(traces))
     }
 }
 
-/// A logger writes times to the millisecond and drives to six places: what is simulated is what is written.
-fn as_logged(profile: &mut DriveProfile) {
-    profile.dt_s = (1e3 * profile.dt_s).round().max(1.0) / 1e3;
-    for value in &mut profile.drive {
-        *value = (1e6 * *value).round() / 1e6;
+/// A plant with some additions, in a run of this length.
+fn installed(plain: &TruthPlant, additions: &[(Addition, f64)], run_s: f64) -> TruthPlant {
+    let mut plant = plain.clone();
+    for &(addition, size) in additions {
+        addition.install(&mut plant, size, run_s);
     }
+    // What the user may know of the spring says nothing of what is concealed.
+    plant.bias_spring = plain.bias_spring;
+    plant
 }
 
 /// A spring whose force grows over the stroke by `size` times 100 MPa.
@@ -193,11 +192,38 @@ fn spring(plant: &TruthPlant, size: f64) -> BiasSpring {
     }
 }
 
-fn loop_of(id: CaseId) -> FamilyKind {
-    match (id.family, id.number % 2) {
-        (Family::OtherLoop | Family::OtherLoopClean, 0) => FamilyKind::Preisach,
-        (Family::OtherLoop | Family::OtherLoopClean, _) => FamilyKind::Cosine,
-        _ => FamilyKind::L2p,
+/// The loop of the rig. That return points are remembered is news only where the others forget them.
+fn loop_of(id: CaseId, concealed: &[(Addition, f64)], random: &mut ChaCha8Rng) -> FamilyKind {
+    let other = matches!(id.family, Family::OtherLoop | Family::OtherLoopClean);
+    let is_even = id.number.is_multiple_of(2);
+    if id.has_second_plant() {
+        let forgets = concealed
+            .iter()
+            .any(|&(addition, _)| addition == Addition::NestedMemory);
+        let has_relays = if other {
+            is_even
+        } else {
+            random.random::<f64>() < RELAYS
+        };
+        return if has_relays && !forgets {
+            FamilyKind::Relays
+        } else {
+            FamilyKind::Tanaka
+        };
+    }
+    match (other, is_even) {
+        (true, true) => FamilyKind::Preisach,
+        (true, false) => FamilyKind::Cosine,
+        (false, _) => FamilyKind::L2p,
+    }
+}
+
+/// The plant of the rig.
+fn plant_of(id: CaseId) -> &'static str {
+    if id.has_second_plant() {
+        "lumped"
+    } else {
+        "volumes"
     }
 }
 
@@ -206,6 +232,8 @@ fn name_of(family: FamilyKind) -> &'static str {
         FamilyKind::L2p | FamilyKind::L2pNested => "l2p",
         FamilyKind::Preisach => "preisach",
         FamilyKind::Cosine => "cosine",
+        FamilyKind::Relays => "relays",
+        FamilyKind::Tanaka => "tanaka",
     }
 }
 
@@ -269,15 +297,16 @@ fn make_noise(kind: NoiseKind, id: CaseId, draw: &Draw, plant: &mut TruthPlant) 
     });
 }
 
-/// What a case conceals, and how much of it. Effects go round with the number of the case, then sizes.
-fn concealed(id: CaseId, random: &mut ChaCha8Rng) -> Vec<(Addition, f64)> {
+/// What a case conceals, and how much of it. Effects go round with the number of the case, then sizes; stress is as large as
+/// that of the spring, which every rig has.
+fn concealed(id: CaseId, random: &mut ChaCha8Rng, spring_size: f64) -> Vec<(Addition, f64)> {
     let named = named();
     let round = |all: &[Addition]| {
         let n = all.len() as u64;
         let size = [1.0, 0.5, 2.0][(id.number / n % 3) as usize];
         (all[(id.number % n) as usize], size)
     };
-    match id.family {
+    let mut concealed = match id.family {
         family if family.is_clean() => Vec::new(),
         Family::OtherLoopClean => Vec::new(),
         Family::Outside => vec![round(&OUTSIDE)],
@@ -293,15 +322,26 @@ fn concealed(id: CaseId, random: &mut ChaCha8Rng) -> Vec<(Addition, f64)> {
         }
         Family::Deleted => vec![(round(&named).0, 1.0)],
         _ => vec![round(&named)],
+    };
+    for (addition, size) in &mut concealed {
+        if *addition == Addition::StressCoupling {
+            *size = spring_size;
+        }
     }
+    concealed
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CaseLine;
+    use crate::folder::Folder;
+
+    /// Of the first published table.
+    const PUBLISHED_SEED: &str = "78df37d2691ed14051715e501e38ee6bccfd9fc6";
 
     fn case(family: Family, number: u64) -> Case {
-        Case::drawn("a seed", CaseId { family, number })
+        Case::drawn("a seed", CaseId::lab(family, number))
     }
 
     #[test]
@@ -334,6 +374,76 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Some of every family.
+    #[test]
+    fn guided_cases_are_those_that_were_published() {
+        let published = include_str!("../results/cases.jsonl");
+        for line in published.lines().step_by(70) {
+            let line: CaseLine = serde_json::from_str(line).unwrap();
+            let case = Case::drawn(PUBLISHED_SEED, line.case);
+            let folder = tempfile::tempdir().unwrap();
+            let recorded = case.record().unwrap();
+            let written = Folder::write(folder.path(), &case, &recorded).unwrap();
+            assert_eq!(written.digest().unwrap(), line.files, "{}", line.case);
+        }
+    }
+
+    /// Both plants conceal every effect, and every size of it.
+    #[test]
+    fn plants_alternate_for_every_effect() {
+        for family in [Family::Single, Family::Outside] {
+            let mut plants = std::collections::BTreeMap::<_, [bool; 2]>::new();
+            for number in 0..family.published() {
+                let case = case(family, number);
+                let one = &case.answer.concealed[0];
+                let both = plants.entry(one.addition.clone()).or_default();
+                both[usize::from(case.answer.plant.as_deref() == Some("lumped"))] = true;
+            }
+            assert!(plants.values().all(|both| *both == [true; 2]), "{plants:?}");
+        }
+    }
+
+    /// Of every family and both plants, with every effect.
+    #[test]
+    fn lab_rigs_can_be_recorded() {
+        for family in Family::ALL {
+            let n = if family.is_clean() { 6 } else { 42 };
+            for number in 0..n.min(family.published()) {
+                let recorded = case(family, number).record().unwrap();
+                for traces in recorded.training.iter().chain([&recorded.unseen]) {
+                    let finite = traces.displacement_mm.iter().all(|mm| mm.is_finite());
+                    assert!(finite, "{family} {number}");
+                }
+            }
+        }
+    }
+
+    /// Every kind of recording is simulated and written.
+    #[test]
+    fn lab_cases_are_recorded_in_one_to_five_files() {
+        let mut kinds = std::collections::BTreeSet::new();
+        for number in 0..24 {
+            let case = case(Family::Single, number);
+            let folder = tempfile::tempdir().unwrap();
+            let recorded = case.record().unwrap();
+            let written = Folder::write(folder.path(), &case, &recorded).unwrap();
+            let files = written.training();
+            assert_eq!(files.len(), case.runs.training.len());
+            assert!(
+                files
+                    .iter()
+                    .chain([&written.unseen()])
+                    .all(|file| file.exists())
+            );
+            for (traces, run) in recorded.training.iter().zip(&case.runs.training) {
+                let n = run.profile.drive.len() - run.n_before;
+                assert_eq!(traces.displacement_mm.len(), n);
+            }
+            kinds.extend(case.answer.recording.clone());
+        }
+        assert!(kinds.len() >= 6, "{kinds:?}");
     }
 
     #[test]

@@ -1,7 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::answer::{Answer, seal};
-use crate::{CaseId, Competitors, Line, Oracle, TrialError, Verdict};
+use crate::{Answer, CaseId, Competitors, Line, Oracle, Verdict};
 
 /// What came out of a case; no times, so that equal seeds give equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -11,8 +10,9 @@ pub struct CaseLine {
     pub case: CaseId,
     /// SHA-256 of the files that were diagnosed.
     pub files: String,
-    /// Seal of the answer, published before.
-    pub seal: String,
+    /// Seal of the answer, where every case had its own: in the first published table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seal: Option<String>,
     /// Effects that the diagnosis had to do without.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub struck: Vec<String>,
@@ -21,16 +21,17 @@ pub struct CaseLine {
     /// What others say of the same files, where they were asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub competitors: Option<Competitors>,
-    /// What was behind the seal, and what there was to be seen.
+    /// What was concealed, and what there was to be seen.
     pub opened: Revealed,
 }
 
-/// What is known of a case after its seal was opened.
+/// What is known of a case after its diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Revealed {
-    /// Salt of the seal.
-    pub salt: String,
+    /// Salt of its own seal, where it had one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub salt: Option<String>,
     /// The answer.
     pub answer: Answer,
     /// Standard deviation of the output's noise, mm.
@@ -43,6 +44,12 @@ pub struct Revealed {
     pub aliases: Vec<Vec<String>>,
     /// What the catalogue of the diagnosis says of each of them.
     pub said: Vec<Option<String>>,
+    /// Sizes of each of them in the catalogue's unit, where truth and catalogue can be compared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sizes: Vec<Option<f64>>,
+    /// Above which size the diagnosis excludes each of them, if it does.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub excluded_above: Vec<Option<f64>>,
     /// Of a single effect: share of the squares of what it leaves in the spans that are blamed, and share of the
     /// time that these take.
     pub spans: Option<[f64; 2]>,
@@ -65,19 +72,5 @@ impl Line for CaseLine {
 
     fn key(&self) -> CaseId {
         self.case
-    }
-}
-
-impl CaseLine {
-    /// Checks that the answer is the one that was sealed.
-    ///
-    /// # Errors
-    ///
-    /// [`TrialError::BrokenSeal`].
-    pub fn check_seal(&self) -> Result<(), TrialError> {
-        if seal(&self.opened.salt, &self.opened.answer) == self.seal {
-            return Ok(());
-        }
-        Err(TrialError::BrokenSeal { case: self.case })
     }
 }

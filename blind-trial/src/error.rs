@@ -52,6 +52,12 @@ pub enum TrialError {
         /// Which case.
         case: CaseId,
     },
+    /// An effect in time cannot be put on it.
+    #[error("{recording}: a static loop; effects are put on recordings in time")]
+    NoTime {
+        /// Name of the recording.
+        recording: String,
+    },
     /// A file cannot be read or written.
     #[error("{}", path.display())]
     File {
@@ -105,6 +111,22 @@ pub enum TrialError {
     BrokenSeal {
         /// Which case.
         case: CaseId,
+    },
+    /// A case was diagnosed without its answer having been published in a seal.
+    #[error("{case}: of no plan whose answers were sealed")]
+    NotSealed {
+        /// Which case.
+        case: CaseId,
+    },
+    /// The answers of a plan are not those that were published.
+    #[error("plan {plan}: its answers have the seal {found}, and {published} was published")]
+    OtherAnswers {
+        /// Which plan.
+        plan: String,
+        /// Seal of the answers now.
+        found: String,
+        /// Seal before the first diagnosis.
+        published: String,
     },
 }
 

@@ -3,25 +3,27 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
-use truth_plant::{DriveProfile, Traces};
+use truth_plant::Traces;
 
 use crate::answer::hex;
 use crate::case::{Case, Recorded};
 use crate::known::drive_column;
+use crate::runs::Run;
 use crate::{CaseId, TrialError};
 
 /// What is known of a rig.
 const ROD: &str = "rod.toml";
-/// The recordings.
-const RECORDINGS: [&str; 2] = ["train.csv", "held.csv"];
+/// The unseen recording.
+const UNSEEN: &str = "held.csv";
 /// The recording of a run that was recommended.
 const NEXT: &str = "next.csv";
 
-/// A case as its user has it: a folder with a rod file and two recordings, and nothing else.
+/// A case as its user has it: a folder with a rod file and the recordings, and nothing else.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Folder {
     pub(crate) case: CaseId,
     path: PathBuf,
+    n_training: usize,
 }
 
 impl Folder {
@@ -30,13 +32,16 @@ impl Folder {
         let folder = Self {
             case: case.id,
             path: path.to_owned(),
+            n_training: case.runs.training.len(),
         };
-        let largest_drive = case.drives[0].drive.iter().copied().fold(0.0, f64::max);
-        let traces = [&recorded.train, &recorded.held];
+        let largest_drive = case.runs.largest_drive();
         folder.put(ROD, &case.known.rod_file(&case.truth, largest_drive))?;
-        for ((name, traces), profile) in RECORDINGS.iter().zip(traces).zip(&case.drives) {
-            folder.put(name, &table(case, traces, profile))?;
+        let training = recorded.training.iter().zip(&case.runs.training);
+        for (k, (traces, run)) in training.enumerate() {
+            folder.put(&folder.training_name(k), &table(case, traces, run))?;
         }
+        let unseen = table(case, &recorded.unseen, &case.runs.unseen);
+        folder.put(UNSEEN, &unseen)?;
         Ok(folder)
     }
 
@@ -45,18 +50,30 @@ impl Folder {
         &self,
         case: &Case,
         traces: &Traces,
-        profile: &DriveProfile,
+        run: &Run,
     ) -> Result<(), TrialError> {
-        self.put(NEXT, &table(case, traces, profile))
+        self.put(NEXT, &table(case, traces, run))
     }
 
     pub(crate) fn rod(&self) -> PathBuf {
         self.path.join(ROD)
     }
 
-    /// The training recording and the unseen one.
-    pub(crate) fn recordings(&self) -> [PathBuf; 2] {
-        RECORDINGS.map(|name| self.path.join(name))
+    /// The training recordings.
+    pub(crate) fn training(&self) -> Vec<PathBuf> {
+        let names = (0..self.n_training).map(|k| self.training_name(k));
+        names.map(|name| self.path.join(name)).collect()
+    }
+
+    pub(crate) fn unseen(&self) -> PathBuf {
+        self.path.join(UNSEEN)
+    }
+
+    fn training_name(&self, k: usize) -> String {
+        match self.n_training {
+            1 => "train.csv".to_owned(),
+            _ => format!("train_{}.csv", k + 1),
+        }
     }
 
     pub(crate) fn next(&self) -> PathBuf {
@@ -66,7 +83,8 @@ impl Folder {
     /// SHA-256 of the files that are diagnosed, one after the other.
     pub(crate) fn digest(&self) -> Result<String, TrialError> {
         let mut digest = Sha256::new();
-        for path in std::iter::once(self.rod()).chain(self.recordings()) {
+        let recordings = self.training().into_iter().chain([self.unseen()]);
+        for path in std::iter::once(self.rod()).chain(recordings) {
             let bytes = fs::read(&path).map_err(|source| TrialError::file(&path, source))?;
             digest.update(bytes);
         }
@@ -80,7 +98,7 @@ impl Folder {
 }
 
 /// A recording as CSV.
-fn table(case: &Case, traces: &Traces, profile: &DriveProfile) -> String {
+fn table(case: &Case, traces: &Traces, run: &Run) -> String {
     let mut text = format!("time_s,{},displacement_mm", drive_column(&case.truth.drive));
     if case.known.temperature {
         text += ",temperature_degc";
@@ -89,13 +107,13 @@ fn table(case: &Case, traces: &Traces, profile: &DriveProfile) -> String {
         text += ",ambient_degc";
     }
     text.push('\n');
-    for k in 0..profile.drive.len() {
+    for k in 0..traces.drive.len() {
         // Writing to a string does not fail.
         let _ = write!(
             text,
             "{:.3},{:.6},{:.6}",
-            k as f64 * profile.dt_s,
-            profile.drive[k],
+            k as f64 * run.profile.dt_s,
+            traces.drive[k],
             traces.displacement_mm[k]
         );
         if case.known.temperature {

@@ -197,16 +197,13 @@ mod tests {
     #[test]
     fn what_the_rod_file_says_is_so_and_the_rest_is_drawn() {
         let like = like();
-        let id = |number| CaseId {
-            family: Family::Single,
-            number,
-        };
+        let id = |number| CaseId::guided(Family::Single, number);
         let [one, other] = [0, 1].map(|number| Case::around(Some(&like), "a seed", id(number)));
         for case in [&one, &other] {
             assert!((case.truth.rod.diameter_m - 0.5e-3).abs() < 1e-15);
             assert!((case.truth.rod.length_m - 0.2).abs() < 1e-15);
             assert!((case.truth.ambient_degc - 24.0).abs() < 1e-12);
-            assert_eq!(case.drives[0].drive, like.profile.drive);
+            assert_eq!(case.runs.training[0].profile.drive, like.profile.drive);
             assert!(!case.known.resistance && !case.known.temperature);
             // 0.01 of a range of 1 and the noise's own.
             let noise = case.truth.displacement_noise.unwrap();
@@ -219,14 +216,15 @@ mod tests {
     #[test]
     fn the_drive_completes_the_transformation() {
         let like = like();
-        let id = CaseId {
-            family: Family::CleanWhite,
-            number: 3,
-        };
+        let id = CaseId::guided(Family::CleanWhite, 3);
         let recorded = Case::around(Some(&like), "a seed", id).record().unwrap();
-        let largest = recorded.train.fraction.iter().copied().fold(0.0, f64::max);
+        let largest = recorded.training[0]
+            .fraction
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
         assert!(largest > 0.9, "{largest}");
-        assert!(recorded.train.fraction[0] < 0.1);
+        assert!(recorded.training[0].fraction[0] < 0.1);
     }
 
     #[test]

@@ -29,42 +29,46 @@ pub struct Oracle {
     pub t: f64,
 }
 
-/// What an effect leaves in the training recording after the plain model has been refitted, sample by sample.
+/// What an effect leaves in the training recordings after the plain model has been refitted, sample by sample.
 #[derive(Debug, Clone)]
 pub(crate) struct Left {
     pub(crate) oracle: Oracle,
-    /// Δ of the output, mm.
-    pub(crate) output_mm: Vec<f64>,
+    /// Δ of the output of each recording, mm.
+    pub(crate) output_mm: Vec<Vec<f64>>,
 }
 
-/// How the plain model sees the training recording.
+/// How the plain model sees the training recordings.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Eye<'a> {
     pub(crate) base: &'a WienerModel,
-    /// Where it ended on the noisy recording: a start near both ends that are sought.
+    /// Where it ended on the noisy recordings: a start near both ends that are sought.
     pub(crate) fit: &'a Fit,
-    pub(crate) training: &'a Recording,
+    pub(crate) training: &'a [Recording],
     /// The true rig: its noise counts.
     pub(crate) truth: &'a TruthPlant,
 }
 
 impl Eye<'_> {
-    /// What one effect leaves, from quiet traces with and without it.
-    pub(crate) fn left(&self, with: &Traces, without: &Traces) -> Result<Left, IdentifyError> {
+    /// What one effect leaves, from quiet traces of every recording with and without it.
+    pub(crate) fn left(&self, with: &[Traces], without: &[Traces]) -> Result<Left, IdentifyError> {
         let [with_rest, without_rest] = [self.rest(with)?, self.rest(without)?];
-        let apart =
-            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-        let raw = apart(&with.quiet_displacement_mm, &without.quiet_displacement_mm);
+        let quiet = |traces: &[Traces]| -> Vec<Vec<f64>> {
+            let outputs = traces.iter().map(|one| &one.quiet_displacement_mm);
+            outputs.cloned().collect()
+        };
+        let raw = apart(&quiet(with), &quiet(without));
         let output_mm = apart(&with_rest.output_mm, &without_rest.output_mm);
         let temperature_k = apart(&with_rest.temperature_k, &without_rest.temperature_k);
-        let mut squares = self.whitened_squares(&output_mm);
+        let of_outputs = output_mm.iter().map(|one| self.whitened_squares(one));
+        let mut squares: f64 = of_outputs.sum();
         if let Some(noise) = self.truth.temperature_noise {
-            squares += sum_of_squares(&temperature_k) / (noise.deviation * noise.deviation);
+            squares +=
+                sum_of_squares(&temperature_k.concat()) / (noise.deviation * noise.deviation);
         }
         Ok(Left {
             oracle: Oracle {
-                raw_mm: rms(&raw),
-                left_mm: rms(&output_mm),
+                raw_mm: rms(&raw.concat()),
+                left_mm: rms(&output_mm.concat()),
                 t: squares.sqrt(),
             },
             output_mm,
@@ -72,16 +76,18 @@ impl Eye<'_> {
     }
 
     /// What the plain model leaves of quiet traces.
-    fn rest(&self, traces: &Traces) -> Result<Rest, IdentifyError> {
-        let quiet = self.quiet(traces)?;
-        let recordings = [quiet];
-        let vector = ParameterVector::new(self.base.parameters(), 1);
+    fn rest(&self, traces: &[Traces]) -> Result<Rest, IdentifyError> {
+        let pairs = self.training.iter().zip(traces);
+        let recordings = pairs
+            .map(|(noisy, traces)| quiet(noisy, traces))
+            .collect::<Result<Vec<_>, _>>()?;
+        let vector = ParameterVector::new(self.base.parameters(), recordings.len());
         let start = self.fit.coordinates(&vector);
-        let temperature_weight = match (
-            self.training.temperature_degc(),
-            self.fit.temperature_rmse_k,
-        ) {
-            (Some(_), Some(rmse_k)) if rmse_k > 0.0 => (self.fit.train_rmse / rmse_k).powi(2),
+        let has_temperature = self.training[0].temperature_degc().is_some();
+        let temperature_weight = match self.fit.temperature_rmse_k {
+            Some(rmse_k) if rmse_k > 0.0 && has_temperature => {
+                (self.fit.train_rmse / rmse_k).powi(2)
+            }
             _ => 0.0,
         };
         let config = RefineConfig {
@@ -89,34 +95,16 @@ impl Eye<'_> {
             ..RefineConfig::default()
         };
         let refined = refine(self.base, &recordings, &[start], &config)?;
-        let shown = predict(self.base, &refined.points[0], &recordings[0])?;
-        let less = |recorded: &[f64], shown: &[f64]| -> Vec<f64> {
-            recorded.iter().zip(shown).map(|(y, f)| y - f).collect()
-        };
-        Ok(Rest {
-            output_mm: less(recordings[0].output(), &shown.output),
-            temperature_k: match recordings[0].temperature_degc() {
-                Some(recorded) => less(recorded, &shown.temperature_degc),
-                None => Vec::new(),
-            },
-        })
-    }
-
-    /// The training recording without its noise.
-    fn quiet(&self, traces: &Traces) -> Result<Recording, IdentifyError> {
-        let noisy = self.training;
-        let has_temperature = noisy.temperature_degc().is_some();
-        Ok(Recording::new(RecordingParts {
-            name: noisy.name().to_owned(),
-            time_s: Some(noisy.time_s().to_vec()),
-            drive_quantity: noisy.drive_quantity(),
-            drive: noisy.drive().to_vec(),
-            output_unit: noisy.output_unit().to_owned(),
-            output: traces.quiet_displacement_mm.clone(),
-            temperature_degc: has_temperature.then(|| traces.quiet_thermocouple_degc.clone()),
-            ambient_degc: noisy.ambient_degc().map(<[f64]>::to_vec),
-            ..RecordingParts::default()
-        })?)
+        let mut rest = Rest::default();
+        for (recording, point) in recordings.iter().zip(&refined.points) {
+            let shown = predict(self.base, point, recording)?;
+            rest.output_mm.push(less(recording.output(), &shown.output));
+            if let Some(recorded) = recording.temperature_degc() {
+                rest.temperature_k
+                    .push(less(recorded, &shown.temperature_degc));
+            }
+        }
+        Ok(rest)
     }
 
     /// x' Σ⁻¹ x, Σ the covariance of the output's noise.
@@ -131,9 +119,36 @@ impl Eye<'_> {
     }
 }
 
+/// Of every recording.
+#[derive(Debug, Default)]
 struct Rest {
-    output_mm: Vec<f64>,
-    temperature_k: Vec<f64>,
+    output_mm: Vec<Vec<f64>>,
+    temperature_k: Vec<Vec<f64>>,
+}
+
+/// A training recording without its noise.
+fn quiet(noisy: &Recording, traces: &Traces) -> Result<Recording, IdentifyError> {
+    let has_temperature = noisy.temperature_degc().is_some();
+    Ok(Recording::new(RecordingParts {
+        name: noisy.name().to_owned(),
+        time_s: Some(noisy.time_s().to_vec()),
+        drive_quantity: noisy.drive_quantity(),
+        drive: noisy.drive().to_vec(),
+        output_unit: noisy.output_unit().to_owned(),
+        output: traces.quiet_displacement_mm.clone(),
+        temperature_degc: has_temperature.then(|| traces.quiet_thermocouple_degc.clone()),
+        ambient_degc: noisy.ambient_degc().map(<[f64]>::to_vec),
+        ..RecordingParts::default()
+    })?)
+}
+
+fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// Differences of as many series.
+fn apart(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    a.iter().zip(b).map(|(a, b)| less(a, b)).collect()
 }
 
 /// Covariances of the output's noise at lags 0, 1, …, mm²: the process and the rounding of the converter. Of outliers

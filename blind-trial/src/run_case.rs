@@ -2,7 +2,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use identify::Fit;
-use missing_physics::{Diagnosis, EffectBlock, EffectSet, Finding, Run};
+use missing_physics::{Diagnosis, EffectBlock, EffectSet, Entry, Finding, Run, Status};
 use rand::Rng;
 use truth_plant::{Draw, DriveProfile, Shape};
 
@@ -13,7 +13,7 @@ use crate::competitors::compete;
 use crate::folder::Folder;
 use crate::oracle::{Eye, Left};
 use crate::verdict::{Opened, Verdict};
-use crate::{Family, Oracle, TrialError};
+use crate::{Family, Oracle, TrialError, runs};
 
 /// Millimeters of a meter.
 const MM_PER_M: f64 = 1e3;
@@ -27,7 +27,8 @@ pub struct Ran {
     pub diagnosis_s: f64,
 }
 
-/// Writes the files of a case into a folder, diagnoses them, asks others if they are wanted, and opens the seal.
+/// Writes the files of a case into a folder, diagnoses them, asks others if they are wanted, and compares with the
+/// answer.
 ///
 /// # Errors
 ///
@@ -62,7 +63,7 @@ pub fn run_case(case: &Case, folder: &Path, asks_others: bool) -> Result<Ran, Tr
         line: CaseLine {
             case: id,
             files: folder.digest()?,
-            seal: case.seal(),
+            seal: None,
             struck,
             verdict,
             competitors,
@@ -80,8 +81,7 @@ fn struck(
 ) -> Result<(Vec<String>, Diagnosis), TrialError> {
     let mut struck: Vec<String> = Vec::new();
     for effect in case
-        .open()
-        .1
+        .answer()
         .concealed
         .iter()
         .filter_map(|one| one.effect.as_ref())
@@ -99,7 +99,7 @@ fn struck(
     Ok((struck, diagnosis))
 }
 
-/// Who opens the seal.
+/// Who knows the answer.
 struct Judge<'a> {
     case: &'a Case,
     recorded: &'a Recorded,
@@ -110,16 +110,18 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     fn open(&self) -> Result<Revealed, TrialError> {
-        let (salt, answer) = self.case.open();
+        let answer = self.case.answer();
         let noise = self.case.truth.displacement_noise;
         let mut revealed = Revealed {
-            salt: salt.to_owned(),
+            salt: None,
             answer: answer.clone(),
             noise_mm: noise.map_or(0.0, |noise| MM_PER_M * noise.deviation),
             has_scale: self.case.known.has_scale(),
             oracles: Vec::new(),
             aliases: Vec::new(),
             said: Vec::new(),
+            sizes: self.case.sizes.clone(),
+            excluded_above: Vec::new(),
             spans: None,
             next: None,
         };
@@ -137,7 +139,10 @@ impl Judge<'_> {
             });
             revealed
                 .said
-                .push(effect.and_then(|effect| self.said(effect)));
+                .push(effect.and_then(|effect| Some(self.entry(effect)?.status.id().to_owned())));
+            revealed
+                .excluded_above
+                .push(effect.and_then(|effect| self.excluded_above(effect)));
         }
         if let [only] = &left[..] {
             revealed.spans = self.spans(only);
@@ -153,55 +158,69 @@ impl Judge<'_> {
             .filter(|_| is_ambiguous)
         {
             revealed.next = Some(Next {
-                recommended: self.resolved(&recommended(run), "recommended")?,
-                random: self.resolved(&self.random(run), "random")?,
+                recommended: self.resolved(&runs::Run::whole("recommended", recommended(run)))?,
+                random: self.resolved(&runs::Run::whole("random", self.random(run)))?,
             });
         }
         Ok(revealed)
     }
 
     fn left(&self, fit: &Fit, without: &truth_plant::TruthPlant) -> Result<Left, TrialError> {
-        let quiet = self.case.run(without, &self.case.drives[0], "train")?;
+        let training = self.case.runs.training.iter();
+        let quiet = training
+            .map(|run| self.case.run(without, run))
+            .collect::<Result<Vec<_>, _>>()?;
         let eye = Eye {
             base: &self.files.base,
             fit,
-            training: &self.files.training[0],
+            training: &self.files.training,
             truth: &self.case.truth,
         };
-        eye.left(&self.recorded.train, &quiet)
+        eye.left(&self.recorded.training, &quiet)
             .map_err(TrialError::diagnosis(self.case.id))
     }
 
     /// What the catalogue says of an effect.
-    fn said(&self, effect: &str) -> Option<String> {
+    fn entry(&self, effect: &str) -> Option<&Entry> {
         let mut entries = self.diagnosis.catalogue.iter();
-        let entry = entries.find(|entry| entry.effect.id() == effect)?;
-        Some(entry.status.id().to_owned())
+        entries.find(|entry| entry.effect.id() == effect)
+    }
+
+    /// Above which size it is excluded, in the unit of its size.
+    fn excluded_above(&self, effect: &str) -> Option<f64> {
+        match self.entry(effect)?.status {
+            Status::Excluded { upper } => Some(upper),
+            _ => None,
+        }
     }
 
     /// Share of the squares of what is left in the blamed spans, and their share of the time; `None` without spans.
     fn spans(&self, left: &Left) -> Option<[f64; 2]> {
-        let spans = &self.diagnosis.mismatch.spans;
-        let time_s = self.files.training[0].time_s();
-        let is_inside = |k: usize| {
-            let mut spans = spans.iter();
-            spans.any(|span| (span.start_s..=span.end_s).contains(&time_s[k]))
-        };
-        let inside: Vec<usize> = (0..time_s.len()).filter(|&k| is_inside(k)).collect();
-        let squares = |k: usize| left.output_mm[k] * left.output_mm[k];
-        let all: f64 = (0..time_s.len()).map(squares).sum();
-        let own: f64 = inside.iter().map(|&k| squares(k)).sum();
-        (!inside.is_empty() && all > 0.0)
-            .then(|| [own / all, inside.len() as f64 / time_s.len() as f64])
+        let (mut own, mut all, mut n_inside, mut n) = (0.0, 0.0, 0, 0);
+        for (recording, left_mm) in self.files.training.iter().zip(&left.output_mm) {
+            let spans = self.diagnosis.mismatch.spans.iter();
+            let spans = spans.filter(|span| span.recording == recording.name());
+            let ends_s: Vec<_> = spans.map(|span| span.start_s..=span.end_s).collect();
+            for (time_s, mm) in recording.time_s().iter().zip(left_mm) {
+                let is_inside = ends_s.iter().any(|span| span.contains(time_s));
+                all += mm * mm;
+                n += 1;
+                if is_inside {
+                    own += mm * mm;
+                    n_inside += 1;
+                }
+            }
+        }
+        (n_inside > 0 && all > 0.0).then(|| [own / all, f64::from(n_inside) / f64::from(n)])
     }
 
     /// Whether one more run leaves the truth named, and alone: where the loop is of another family, a name in the
     /// transformation is neither right nor wrong.
-    fn resolved(&self, profile: &DriveProfile, name: &str) -> Result<bool, TrialError> {
-        let traces = self.case.run(&self.case.truth, profile, name)?;
-        self.folder.add_next(self.case, &traces, profile)?;
+    fn resolved(&self, run: &runs::Run) -> Result<bool, TrialError> {
+        let traces = self.case.run(&self.case.truth, run)?;
+        self.folder.add_next(self.case, &traces, run)?;
         let diagnosis = Opened::with_next(self.folder)?.diagnosed(EffectSet::all())?;
-        let concealed = &self.case.open().1.concealed;
+        let concealed = &self.case.answer().concealed;
         let is_truth = |finding: &Finding| {
             let mut truths = concealed.iter().filter_map(|one| one.effect.as_deref());
             truths.any(|truth| truth == finding.effect.id())
@@ -210,7 +229,7 @@ impl Judge<'_> {
         let is_resolved = findings.all(|finding| {
             let is_of_the_loop = finding.effect.info().block == EffectBlock::Transformation;
             let is_right = is_truth(finding) && finding.could_also_be.is_empty();
-            is_right || (is_of_the_loop && self.case.id.family.has_other_loop())
+            is_right || (is_of_the_loop && self.case.id.has_other_loop())
         });
         Ok(is_resolved && diagnosis.findings.iter().any(is_truth))
     }

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, OpenOptions};
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Case, CaseId, CaseLine, Journal, Like, Plan, Ran, TrialError, in_order, run_case};
+use crate::{
+    Answer, Case, CaseId, CaseLine, Journal, Like, Plan, Ran, TrialError, in_order, run_case, seal,
+};
 
 /// Which trial a folder holds.
 const TRIAL: &str = "trial.json";
-/// Seals, published before the first diagnosis.
+/// A seal a plan, published before the first diagnosis.
 const SEALS: &str = "seals.csv";
 /// What came out, a line a case.
 const CASES: &str = "cases.jsonl";
@@ -22,7 +24,7 @@ const RUNS: &str = "runs.csv";
 /// Files of cases, where they are kept.
 const KEPT: &str = "cases";
 
-/// A trial: a folder with sealed answers and what came out.
+/// A trial: a folder with the seal of its answers and what came out.
 #[derive(Debug)]
 pub struct Trial {
     folder: PathBuf,
@@ -93,11 +95,11 @@ impl Trial {
 
     /// Runs the cases of a plan that are not in the folder yet; returns how many failed.
     ///
-    /// The seals of the whole plan are written before the first diagnosis.
+    /// The seal of the whole plan, whatever its shard, is written before the first diagnosis.
     ///
     /// # Errors
     ///
-    /// [`TrialError::File`]. A case that fails stops no other; `progress` hears of it, and another run tries it again.
+    /// [`TrialError::File`], [`TrialError::OtherAnswers`]. A case that fails stops no other; `progress` hears of it, and another run tries it again.
     pub fn run(
         &mut self,
         plan: &Plan,
@@ -105,22 +107,22 @@ impl Trial {
         progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<usize, TrialError> {
         self.publish(plan)?;
-        let missing: Vec<CaseId> = plan
-            .cases()
-            .iter()
-            .copied()
+        let cases = plan.cases();
+        let of = cases.len();
+        let missing: Vec<CaseId> = cases
+            .into_iter()
             .filter(|&id| !self.journal.contains(id))
             .collect();
-        let of = plan.cases().len();
         let (mut done, mut n_failed, mut broken) = (of - missing.len(), 0, None);
         let folder = self.folder.clone();
-        let cases: Vec<Case> = missing.iter().map(|&id| self.case(id)).collect();
+        let (like, seed) = (self.like.clone(), self.head.seed.clone());
         in_order(
-            &cases,
+            &missing,
             config.jobs,
-            |case| {
+            |&id| {
+                let case = Case::around(like.as_ref(), &seed, id);
                 let kept_in = config.keep_files.then_some(&folder);
-                sound(case, kept_in, config.asks_others)
+                sound(&case, kept_in, config.asks_others)
             },
             |ran| {
                 done += 1;
@@ -167,22 +169,32 @@ impl Trial {
         self.journal.merge(other.journal)
     }
 
-    /// Brings the cases into their order and gives them out, each with its seal checked against its answer and
-    /// against what was published.
+    /// Brings the cases into their order and gives them out, each with its answer checked against the seed, and the answers
+    /// of each plan against the seal that was published.
     ///
     /// # Errors
     ///
-    /// [`TrialError::BrokenSeal`], [`TrialError::File`].
+    /// [`TrialError::BrokenSeal`], [`TrialError::NotSealed`], [`TrialError::OtherAnswers`], [`TrialError::File`].
     pub fn finished(self) -> Result<Vec<CaseLine>, TrialError> {
-        let seals = self.rows(SEALS)?;
-        let lines: Vec<CaseLine> = self.journal.sorted()?.lines().cloned().collect();
-        for line in &lines {
-            line.check_seal()?;
-            if seals.get(&line.case.to_string()) != Some(&line.seal) {
-                return Err(TrialError::BrokenSeal { case: line.case });
+        let mut sealed: BTreeSet<CaseId> = BTreeSet::new();
+        for (text, published) in self.rows(SEALS)? {
+            // Folders of the first published table have a row a case.
+            let Some(plan) = Plan::parse(&text) else {
+                continue;
+            };
+            self.check_seal(&plan, &published)?;
+            sealed.extend(plan.whole());
+        }
+        for line in self.journal.lines() {
+            let case = line.case;
+            if line.seal.is_none() && !sealed.contains(&case) {
+                return Err(TrialError::NotSealed { case });
+            }
+            if self.case(case).answer() != &line.opened.answer {
+                return Err(TrialError::BrokenSeal { case });
             }
         }
-        Ok(lines)
+        Ok(self.journal.sorted()?.lines().cloned().collect())
     }
 
     /// Wall times of the diagnoses that ran alone on the machine, s.
@@ -217,14 +229,31 @@ impl Trial {
         Case::around(self.like.as_ref(), &self.head.seed, id)
     }
 
-    /// Writes the seals of a plan, beside those that are there.
+    /// Writes the seal of a plan, beside those that are there.
     fn publish(&self, plan: &Plan) -> Result<(), TrialError> {
         let mut rows = self.rows(SEALS)?;
-        for &id in plan.cases() {
-            rows.entry(id.to_string())
-                .or_insert_with(|| self.case(id).seal());
+        if let Some(published) = rows.get(&plan.to_string()) {
+            return self.check_seal(plan, published);
         }
+        rows.insert(plan.to_string(), self.seal(plan));
         self.write_rows(SEALS, &rows)
+    }
+
+    fn seal(&self, plan: &Plan) -> String {
+        let answers: Vec<Answer> = plan.whole().map(|id| self.case(id).into_answer()).collect();
+        seal(&answers)
+    }
+
+    fn check_seal(&self, plan: &Plan, published: &str) -> Result<(), TrialError> {
+        let found = self.seal(plan);
+        if found == published {
+            return Ok(());
+        }
+        Err(TrialError::OtherAnswers {
+            plan: plan.to_string(),
+            found,
+            published: published.to_owned(),
+        })
     }
 
     /// The rows of a table, by what stands first in them.
@@ -312,4 +341,83 @@ fn append(path: &Path, text: &str) -> Result<(), TrialError> {
         .open(path)
         .and_then(|mut file| file.write_all(text.as_bytes()))
         .map_err(|source| TrialError::file(path, source))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Family;
+
+    /// Of the first published table.
+    const PUBLISHED_SEED: &str = "78df37d2691ed14051715e501e38ee6bccfd9fc6";
+
+    #[test]
+    fn one_seal_is_published_a_plan_whatever_the_shard() {
+        let folder = tempfile::tempdir().unwrap();
+        let trial = Trial::open(folder.path(), "a seed", None).unwrap();
+        let plan = Plan::of_about(3, &[Family::Single]);
+        trial.publish(&plan.clone().shard(1, 2)).unwrap();
+        trial.publish(&plan).unwrap();
+        let rows = trial.rows(SEALS).unwrap();
+        assert_eq!(rows.len(), 1);
+        assert_eq!(rows[&plan.to_string()], trial.seal(&plan));
+        let other = Trial::open(&folder.path().join("other"), "another", None).unwrap();
+        let error = other.check_seal(&plan, &rows[&plan.to_string()]);
+        let text = error.unwrap_err().to_string();
+        assert!(text.starts_with("plan lab single=3: its answers have the seal "));
+    }
+
+    #[test]
+    fn shards_put_together_are_a_trial_whose_seal_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        let config = RunConfig {
+            jobs: 2,
+            keep_files: false,
+            asks_others: false,
+        };
+        let plan = Plan::of_about(1, &[Family::CleanWhite]);
+        let open = |name: &str| Trial::open(&place(name), "a seed", None).unwrap();
+        let mut last = Vec::new();
+        let mut one = open("one");
+        let failed = one.run(&plan.clone().shard(0, 2), config, &mut |progress| {
+            last.push((progress.done, progress.of));
+        });
+        assert_eq!((failed.unwrap(), last), (0, vec![(1, 1)]));
+        drop(one);
+        let mut whole = open("whole");
+        whole.merge(&place("one")).unwrap();
+        let lines = whole.finished().unwrap();
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].case, CaseId::lab(Family::CleanWhite, 0));
+        fs::remove_file(place("whole").join(SEALS)).unwrap();
+        let text = open("whole").finished().unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "lab-clean-white-0000: of no plan whose answers were sealed"
+        );
+    }
+
+    #[test]
+    fn the_first_published_table_is_still_read_and_its_answers_are_drawn_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+        let place = |name: &str| folder.path().join(name);
+        for name in [TRIAL, SEALS] {
+            fs::copy(results.join(name), place(name)).unwrap();
+        }
+        let lines = fs::read_to_string(results.join(CASES)).unwrap();
+        // One in twenty: every family is among them.
+        let some: String = lines.split_inclusive('\n').step_by(20).collect();
+        fs::write(place(CASES), &some).unwrap();
+        let trial = Trial::open(folder.path(), PUBLISHED_SEED, None).unwrap();
+        assert_eq!(trial.finished().unwrap().len(), some.lines().count());
+        fs::write(place(CASES), some.replace("\"l2p\"", "\"preisach\"")).unwrap();
+        let trial = Trial::open(folder.path(), PUBLISHED_SEED, None).unwrap();
+        let text = trial.finished().unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "clean-white-0000: the answer is not the one that was sealed"
+        );
+    }
 }

@@ -148,17 +148,17 @@ pub(crate) struct Opened {
 
 impl Opened {
     pub(crate) fn read(folder: &Folder) -> Result<Self, TrialError> {
-        let [train, held] = folder.recordings();
-        Self::of(folder, &[train], &held)
+        Self::of(folder, &folder.training())
     }
 
     /// The same with the run that was recommended as one more recording.
     pub(crate) fn with_next(folder: &Folder) -> Result<Self, TrialError> {
-        let [train, held] = folder.recordings();
-        Self::of(folder, &[train, folder.next()], &held)
+        let mut training = folder.training();
+        training.push(folder.next());
+        Self::of(folder, &training)
     }
 
-    fn of(folder: &Folder, train: &[PathBuf], held: &Path) -> Result<Self, TrialError> {
+    fn of(folder: &Folder, training: &[PathBuf]) -> Result<Self, TrialError> {
         let case = folder.case;
         let refused = TrialError::diagnosis(case);
         let rod = Rod::read(&folder.rod()).map_err(&refused)?;
@@ -169,11 +169,11 @@ impl Opened {
                 source: Box::new(source),
             })
         };
-        let training = train
+        let training = training
             .iter()
             .map(|path| read(path))
             .collect::<Result<Vec<_>, _>>()?;
-        let unseen = vec![read(held)?];
+        let unseen = vec![read(&folder.unseen())?];
         Ok(Self {
             case,
             base: WienerModel::new(&rod, Rule::LastReversal, &training).map_err(&refused)?,

@@ -259,8 +259,13 @@ impl Addition {
                 });
             }
             Self::NestedMemory => {
-                if let LoopFamily::L2p(parameters) = &mut plant.hysteresis {
-                    parameters.nested = size > 0.0;
+                match &mut plant.hysteresis {
+                    LoopFamily::L2p(parameters) => parameters.nested = size > 0.0,
+                    // Domains remember where kinetics forget.
+                    LoopFamily::Tanaka(kinetics) if size > 0.0 => {
+                        plant.hysteresis = LoopFamily::Relays(kinetics.remembering());
+                    }
+                    _ => {}
                 }
             }
             _ => {

@@ -1,7 +1,7 @@
 use crate::random::{Random, Stream};
 use crate::{
     Addition, Converter, CosineLoop, DriveKind, L2pLoop, LoopFamily, Noise, NoiseKind,
-    PreisachLoop, Rod, TruthPlant,
+    PreisachLoop, RelayLoop, Rod, TanakaLoop, TruthPlant,
 };
 
 /// Which family of loops to draw.
@@ -15,6 +15,10 @@ pub enum FamilyKind {
     Preisach,
     /// Cosine kinetics.
     Cosine,
+    /// Explicit relays, in the lumped plant.
+    Relays,
+    /// Exponential kinetics, in the lumped plant.
+    Tanaka,
 }
 
 /// Which drive to draw a plant for.
@@ -43,8 +47,8 @@ pub enum DriveName {
 /// | ambient | 17 to 28 °C |
 /// | middle of the loop | 55 to 75 °C |
 /// | half width | 4 to 12 K |
-/// | spread (h_0 of the arc tangent) | 1.5 to 4 K; deviation of Preisach's 1.5 times, range of the cosine 4.5 times that |
-/// | ζ | 0.6 to 1; ϱ of Preisach 0.2 to 0.8 |
+/// | spread (h_0 of the arc tangent) | 1.5 to 4 K; deviation of Preisach's and of the relays and mean way of the kinetics 1.5 times, range of the cosine 4.5 times that |
+/// | ζ | 0.6 to 1; ϱ of Preisach 0.2 to 0.8, of the relays 0.3 to 0.9; their tails 0 to 0.8 |
 /// | stroke | 3 to 5 % of the length |
 /// | noise | 0.05 to 0.5 % of the stroke, even in the logarithm |
 /// | converter | 10 to 14 bits over 1.3 strokes |
@@ -123,6 +127,25 @@ impl Draw {
                 cooling_deviation_k: 1.5 * spread_k,
                 correlation: 0.2 + 0.6 * shape,
             }),
+            FamilyKind::Relays => LoopFamily::Relays(RelayLoop {
+                heating_center_degc: center_degc + half_width_k,
+                heating_deviation_k: 1.5 * spread_k,
+                cooling_center_degc: center_degc - half_width_k,
+                cooling_deviation_k: 1.5 * spread_k,
+                correlation: 0.3 + 0.6 * shape,
+                tails: 0.8 * random.uniform(),
+            }),
+            FamilyKind::Tanaka => {
+                // Half of the transformation is done a center away from its middle.
+                let mean_k = 1.5 * spread_k;
+                let half_done_k = mean_k * std::f64::consts::LN_2;
+                LoopFamily::Tanaka(TanakaLoop {
+                    martensite_start_degc: center_degc - half_width_k + half_done_k,
+                    martensite_rate_per_k: 1.0 / mean_k,
+                    austenite_start_degc: center_degc + half_width_k - half_done_k,
+                    austenite_rate_per_k: 1.0 / mean_k,
+                })
+            }
             FamilyKind::Cosine => {
                 let half_range_k = 2.25 * spread_k;
                 LoopFamily::Cosine(CosineLoop {

@@ -91,7 +91,7 @@ impl Draw {
 }
 
 /// The drive that completes the transformation of the plain rod.
-fn largest_drive(plant: &TruthPlant) -> f64 {
+pub(crate) fn largest_drive(plant: &TruthPlant) -> f64 {
     let (power_w, ohm) = (hot_power_w(plant), rod_ohm(plant));
     match plant.drive {
         DriveKind::Current => (power_w / ohm).sqrt(),
@@ -124,6 +124,20 @@ fn level_of(plant: &TruthPlant, temperature_degc: f64) -> f64 {
     match plant.drive {
         DriveKind::Current | DriveKind::Voltage => share.sqrt(),
         DriveKind::Duty { .. } | DriveKind::Power => share,
+    }
+}
+
+/// Level that holds the plain rod inside the loop, so far between its cold and its hot end.
+pub(crate) fn inside(plant: &TruthPlant, share: f64) -> f64 {
+    let (cold_degc, hot_degc) = (plant.hysteresis.cold_degc(), plant.hysteresis.hot_degc());
+    level_of(plant, cold_degc + share * (hot_degc - cold_degc))
+}
+
+/// Power at a level, share of the largest.
+pub(crate) fn power_share(plant: &TruthPlant, level: f64) -> f64 {
+    match plant.drive {
+        DriveKind::Current | DriveKind::Voltage => level * level,
+        DriveKind::Duty { .. } | DriveKind::Power => level,
     }
 }
 
@@ -211,8 +225,7 @@ fn pieces(shape: Shape, plant: &TruthPlant, random: &mut Random) -> Vec<Piece> {
 
 /// Between levels that hold the rod well inside the loop.
 fn inner_loops(plant: &TruthPlant, random: &mut Random) -> Vec<Piece> {
-    let (cold_degc, hot_degc) = (plant.hysteresis.cold_degc(), plant.hysteresis.hot_degc());
-    let inside = |share: f64| level_of(plant, cold_degc + share * (hot_degc - cold_degc));
+    let inside = |share: f64| inside(plant, share);
     let n = 3 + random.below(4);
     let each = 0.7 / (2 * n) as f64;
     let mut pieces = vec![(0.15, 0.0, 1.0)];

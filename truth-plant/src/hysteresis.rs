@@ -1,5 +1,5 @@
 use crate::error::TruthError;
-use crate::{CosineLoop, L2pLoop, PreisachLoop};
+use crate::{CosineLoop, L2pLoop, PreisachLoop, RelayLoop, TanakaLoop};
 
 /// From the temperature, less the shift by stress, to the transformed (austenite) fraction.
 ///
@@ -16,7 +16,8 @@ pub trait Hysteresis {
     fn commit(&self, memory: &mut Self::Memory, temperature_degc: f64) -> f64;
 }
 
-/// Which loop the rod has.
+/// Which loop the rod has, and with it which of the two plants it is: the first three go with finite volumes, the last
+/// two with the lumped mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LoopFamily {
     /// Limiting-loop proximity.
@@ -25,6 +26,10 @@ pub enum LoopFamily {
     Preisach(PreisachLoop),
     /// Cosine kinetics of Liang and Rogers.
     Cosine(CosineLoop),
+    /// Explicit relays, in the lumped plant.
+    Relays(RelayLoop),
+    /// Exponential kinetics, in the lumped plant.
+    Tanaka(TanakaLoop),
 }
 
 impl Default for LoopFamily {
@@ -39,6 +44,8 @@ impl LoopFamily {
             Self::L2p(parameters) => parameters.check(),
             Self::Preisach(parameters) => parameters.check(),
             Self::Cosine(parameters) => parameters.check(),
+            Self::Relays(parameters) => parameters.check(),
+            Self::Tanaka(parameters) => parameters.check(),
         }
     }
 
@@ -51,6 +58,8 @@ impl LoopFamily {
             }),
             Self::Preisach(parameters) => Self::Preisach(parameters.with_spread_ratio(ratio)),
             Self::Cosine(parameters) => Self::Cosine(parameters.with_spread_ratio(ratio)),
+            Self::Relays(parameters) => Self::Relays(parameters.with_spread_ratio(ratio)),
+            Self::Tanaka(parameters) => Self::Tanaka(parameters.with_spread_ratio(ratio)),
         }
     }
 
@@ -61,6 +70,9 @@ impl LoopFamily {
             Self::L2p(l) => l.loop_center_degc + l.loop_half_width_k + 8.0 * l.loop_spread_k,
             Self::Preisach(l) => l.heating_center_degc + 2.5 * l.heating_deviation_k,
             Self::Cosine(l) => l.austenite_finish_degc + 2.0,
+            Self::Relays(l) => l.heating_center_degc + l.reach() * l.heating_deviation_k,
+            // A hundredth is left.
+            Self::Tanaka(l) => l.austenite_start_degc + 4.6 / l.austenite_rate_per_k,
         }
     }
 
@@ -71,6 +83,8 @@ impl LoopFamily {
             Self::L2p(l) => l.loop_center_degc - l.loop_half_width_k - 8.0 * l.loop_spread_k,
             Self::Preisach(l) => l.cooling_center_degc - 2.5 * l.cooling_deviation_k,
             Self::Cosine(l) => l.martensite_finish_degc - 2.0,
+            Self::Relays(l) => l.cooling_center_degc - l.reach() * l.cooling_deviation_k,
+            Self::Tanaka(l) => l.martensite_start_degc - 4.6 / l.martensite_rate_per_k,
         }
     }
 }

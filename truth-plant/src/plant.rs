@@ -1,5 +1,6 @@
 use crate::error::{TruthError, within};
-use crate::simulate::{Course, run};
+use crate::lumped::LumpedLoop;
+use crate::simulate::{Course, run, run_lumped};
 use crate::{
     AmbientDrift, AmbientSensor, BiasSpring, ConvectionDip, Converter, Draughts, DriveKind,
     EndFittings, EndStop, Fatigue, FreeConvection, Friction, LatentHeat, LoopAsymmetry, LoopFamily,
@@ -199,6 +200,12 @@ impl TruthPlant {
             LoopFamily::L2p(loops) => run(self, &loops.operator()?, course, controller),
             LoopFamily::Preisach(loops) => run(self, &loops.operator()?, course, controller),
             LoopFamily::Cosine(loops) => run(self, &loops.operator()?, course, controller),
+            LoopFamily::Relays(loops) => {
+                run_lumped(self, LumpedLoop::Relays(loops), course, controller)
+            }
+            LoopFamily::Tanaka(loops) => {
+                run_lumped(self, LumpedLoop::Tanaka(loops), course, controller)
+            }
         }
     }
 

@@ -1,17 +1,32 @@
 //! A run, sample by sample.
 
-use crate::integrator::Integrator;
+use crate::lumped::{Lumped, LumpedLoop};
 use crate::random::{Random, Stream};
-use crate::rig::{Rig, Sample};
+use crate::rig::Sample;
 use crate::surroundings::Weather;
+use crate::volumes::Volumes;
 use crate::{Hysteresis, Traces, TruthError, TruthPlant};
 
 /// Millimeters of a meter.
 const MM_PER_M: f64 = 1e3;
-/// Steps of a sample at least, where the path between samples is filtered or delayed.
-const STEPS_FOR_ELECTRONICS: f64 = 32.0;
-/// The same where friction must see the path turn.
-const STEPS_FOR_FRICTION: f64 = 8.0;
+
+/// A plant under way, taken from sample to sample.
+pub(crate) trait Machine {
+    /// The next sample begins; its time counts from 0.
+    fn begin(&mut self, sample: Sample);
+    /// The supply is told `target` over a span of the sample, s; `index` is the sample's.
+    fn advance(&mut self, target: f64, span_s: (f64, f64), index: usize) -> Result<(), TruthError>;
+    /// The sample ends.
+    fn end_sample(&mut self);
+    /// Displacement as it leaves the electronics, without what is added to it.
+    fn output_m(&self) -> f64;
+    /// Temperature of the middle of the (first) rod.
+    fn middle_degc(&self) -> f64;
+    /// Temperature of the bead, if there is one.
+    fn bead_degc(&self) -> Option<f64>;
+    /// Transformed fraction, the mean over all rods.
+    fn mean_fraction(&self) -> f64;
+}
 
 /// How long a run is, and where its randomness comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,38 +48,76 @@ fn pieces(drive: &[f64], dt_s: f64, dead_time_s: f64) -> [(f64, f64); 2] {
     [(0.0, late(whole + 1)), (rest_s, late(whole))]
 }
 
-/// A run whose drive is asked for at every sample, with what the sensor shows there, mm.
+/// What the run is made in, beside the plant.
+#[derive(Debug)]
+struct World {
+    course: Course,
+    weather: Weather,
+}
+
+impl World {
+    fn new(plant: &TruthPlant, course: Course) -> Self {
+        let Course {
+            n_samples,
+            dt_s,
+            seed,
+        } = course;
+        let weather = Weather::new(
+            plant.ambient_degc,
+            plant.ambient_drift,
+            plant.draughts,
+            (n_samples, dt_s, seed),
+        );
+        Self { course, weather }
+    }
+
+    fn sample(&self, k: usize) -> Sample {
+        let Self { course, weather } = self;
+        Sample {
+            start_s: k as f64 * course.dt_s,
+            length_s: course.dt_s,
+            ambient_degc: [weather.ambient_degc[k], weather.ambient_degc[k + 1]],
+            draught: [weather.draught[k], weather.draught[k + 1]],
+        }
+    }
+}
+
+/// A run of the rod in volumes, whose drive is asked for at every sample, with what the sensor shows there, mm.
 pub(crate) fn run<H: Hysteresis>(
     plant: &TruthPlant,
     operator: &H,
     course: Course,
     controller: &mut dyn FnMut(usize, f64) -> f64,
 ) -> Result<Traces, TruthError> {
+    let world = World::new(plant, course);
+    let volumes = Volumes::at_rest(plant, operator, world.sample(0))?;
+    go(plant, volumes, &world, controller)
+}
+
+/// The same of the lumped rod.
+pub(crate) fn run_lumped(
+    plant: &TruthPlant,
+    loops: LumpedLoop,
+    course: Course,
+    controller: &mut dyn FnMut(usize, f64) -> f64,
+) -> Result<Traces, TruthError> {
+    let world = World::new(plant, course);
+    let lumped = Lumped::at_rest(plant, loops, world.sample(0));
+    go(plant, lumped, &world, controller)
+}
+
+fn go(
+    plant: &TruthPlant,
+    mut machine: impl Machine,
+    world: &World,
+    controller: &mut dyn FnMut(usize, f64) -> f64,
+) -> Result<Traces, TruthError> {
+    let World { course, weather } = world;
     let Course {
         n_samples,
         dt_s,
         seed,
-    } = course;
-    let weather = Weather::new(
-        plant.ambient_degc,
-        plant.ambient_drift,
-        plant.draughts,
-        (n_samples, dt_s, seed),
-    );
-    let sample_at = |k: usize| Sample {
-        start_s: k as f64 * dt_s,
-        length_s: dt_s,
-        ambient_degc: [weather.ambient_degc[k], weather.ambient_degc[k + 1]],
-        draught: [weather.draught[k], weather.draught[k + 1]],
-    };
-    let (mut rig, mut state) = Rig::at_rest(plant, operator, sample_at(0))?;
-    let steps = match (plant.output_filter, plant.friction) {
-        (Some(_), _) => STEPS_FOR_ELECTRONICS,
-        (None, Some(_)) => STEPS_FOR_FRICTION,
-        (None, None) => 1.0,
-    };
-    let longest_s = plant.longest_step_s.min(dt_s / steps);
-    let mut integrator = Integrator::new(rig.layout.n_states, plant.tolerance_k, longest_s);
+    } = *course;
     let dead_time_s = plant.supply.map_or(0.0, |supply| supply.dead_time_s);
     let noise_m = plant.displacement_noise.map_or_else(
         || vec![0.0; n_samples],
@@ -73,7 +126,7 @@ pub(crate) fn run<H: Hysteresis>(
     let range = plant.drive.range();
     let mut traces = Traces::with_capacity(n_samples);
     for k in 0..n_samples {
-        read(plant, &rig, &state, &weather, (k, dt_s), &mut traces);
+        read(plant, &machine, weather, (k, dt_s), &mut traces);
         let shown_mm = recorded_mm(plant, traces.quiet_displacement_mm[k], noise_m[k]);
         traces.displacement_mm.push(shown_mm);
         let value = controller(k, shown_mm);
@@ -86,17 +139,14 @@ pub(crate) fn run<H: Hysteresis>(
             });
         }
         traces.drive.push(value);
-        rig.begin(sample_at(k));
+        machine.begin(world.sample(k));
         let [old, new] = pieces(&traces.drive, dt_s, dead_time_s);
         for ((from_s, target), to_s) in [(old, new.0), (new, dt_s)] {
             if to_s > from_s {
-                rig.command(from_s, target);
-                integrator
-                    .advance(&mut rig, &mut state, (from_s, to_s))
-                    .map_err(|_| TruthError::Diverged { index: k })?;
+                machine.advance(target, (from_s, to_s), k)?;
             }
         }
-        rig.end_sample();
+        machine.end_sample();
     }
     traces.ambient_degc = weather.read(plant.ambient_sensor, seed);
     traces.thermocouple_degc = traces.quiet_thermocouple_degc.clone();
@@ -120,16 +170,15 @@ fn recorded_mm(plant: &TruthPlant, quiet_mm: f64, noise_m: f64) -> f64 {
 }
 
 /// Reads the channels at the start of a sample, still without noise.
-fn read<H: Hysteresis>(
+fn read(
     plant: &TruthPlant,
-    rig: &Rig<'_, H>,
-    state: &[f64],
+    machine: &impl Machine,
     weather: &Weather,
     (k, dt_s): (usize, f64),
     traces: &mut Traces,
 ) {
     let time_s = k as f64 * dt_s;
-    let mut displacement_m = rig.output_m();
+    let mut displacement_m = machine.output_m();
     if let Some(drift) = plant.sensor_drift {
         let ambient_rise_k = weather.ambient_degc[k] - weather.ambient_degc[0];
         displacement_m += drift.offset_m(time_s, ambient_rise_k);
@@ -137,12 +186,12 @@ fn read<H: Hysteresis>(
     if let Some(hum) = plant.mains_hum {
         displacement_m += hum.at_m(time_s);
     }
-    let middle_degc = rig.middle_degc();
+    let middle_degc = machine.middle_degc();
     traces.time_s.push(time_s);
     traces.quiet_displacement_mm.push(displacement_m * MM_PER_M);
     traces.temperature_degc.push(middle_degc);
     traces
         .quiet_thermocouple_degc
-        .push(rig.bead_degc(state).unwrap_or(middle_degc));
-    traces.fraction.push(rig.mean_fraction());
+        .push(machine.bead_degc().unwrap_or(middle_degc));
+    traces.fraction.push(machine.mean_fraction());
 }

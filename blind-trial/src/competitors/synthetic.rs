@@ -10,7 +10,7 @@ use crate::verdict::Opened;
 use crate::{Case, CaseId, Family};
 
 pub(super) fn opened(family: Family, number: u64) -> (Opened, Stage) {
-    let case = Case::drawn("a seed", CaseId { family, number });
+    let case = Case::drawn("a seed", CaseId::guided(family, number));
     let folder = tempfile::tempdir().unwrap();
     let written = Folder::write(folder.path(), &case, &case.record().unwrap()).unwrap();
     let files = Opened::read(&written).unwrap();

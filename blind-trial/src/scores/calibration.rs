@@ -1,6 +1,3 @@
-use missing_physics::EffectBlock;
-
-use super::view::block_of;
 use crate::CaseLine;
 
 /// Bins of stated probabilities.
@@ -27,14 +24,11 @@ pub struct Bin {
 impl Calibration {
     /// Counts the names of all cases. Where the loop is of another family, a name in the transformation is neither
     /// right nor wrong, and does not count.
-    pub(super) fn of(lines: &[CaseLine]) -> Self {
+    pub(super) fn of<'a>(lines: impl IntoIterator<Item = &'a CaseLine>) -> Self {
         let mut names = Vec::new();
         for line in lines {
-            let other_loop = line.case.family.has_other_loop();
             for finding in &line.verdict.findings {
-                let is_right = line.truths().any(|truth| truth == finding.effect);
-                let is_of_the_loop = block_of(&finding.effect) == Some(EffectBlock::Transformation);
-                if is_right || !(other_loop && is_of_the_loop) {
+                if let Some(is_right) = line.is_right(&finding.effect) {
                     names.push((finding.probability, is_right));
                 }
             }

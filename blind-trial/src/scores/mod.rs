@@ -3,6 +3,7 @@
 mod calibration;
 mod confusion;
 mod figure;
+mod groups;
 mod others;
 mod power;
 mod reach;

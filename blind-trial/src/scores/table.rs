@@ -1,10 +1,9 @@
 //! The table of a trial.
 
-use missing_physics::EffectBlock;
-
 use super::calibration::Calibration;
 use super::figure::{Figure, Score, Target, mean, median};
-use super::view::{DRIFTS, block_of};
+use super::groups::groups;
+use super::view::DRIFTS;
 use crate::{CaseLine, Family, Proportion};
 
 /// All quantities of a trial, those without a case included. Where a denominator needs an effect that is visible, its
@@ -47,11 +46,7 @@ pub fn table(lines: &[CaseLine], calibration: &Calibration, times_alone_s: &[f64
     scores.push(share(
         "other hysteresis alone: nothing named outside the transformation",
         &of(Family::OtherLoopClean),
-        |line| {
-            let block = |name: &str| block_of(name) == Some(EffectBlock::Transformation);
-            let findings = &line.verdict.findings;
-            findings.iter().all(|finding| block(&finding.effect))
-        },
+        |line| !line.is_wrong(),
         Some(Target::AtLeast(0.9)),
     ));
     scores.push(Score {
@@ -63,16 +58,42 @@ pub fn table(lines: &[CaseLine], calibration: &Calibration, times_alone_s: &[f64
         },
         target: Some(Target::AtMost(0.05)),
     });
+    let all: Vec<&CaseLine> = lines.iter().collect();
+    scores.extend(beyond_names(&all));
     scores.extend(next_runs(lines));
     scores.push(Score {
         quantity: "median time of a diagnosis".to_owned(),
         figure: median(times_alone_s.to_vec(), "s"),
         target: Some(Target::AtMost(2.0)),
     });
+    scores.extend(groups(lines));
     scores
 }
 
-fn share(
+/// What is said beside the names.
+pub(super) fn beyond_names(lines: &[&CaseLine]) -> Vec<Score> {
+    let misfits: Vec<&CaseLine> = lines
+        .iter()
+        .copied()
+        .filter(|line| line.misfits())
+        .collect();
+    let exclusions: Vec<bool> = lines.iter().flat_map(|line| line.exclusions()).collect();
+    vec![
+        share(
+            "misfit of 5 times the noise or more: called adequate",
+            &misfits,
+            |line| line.verdict.verdict == "adequate",
+            None,
+        ),
+        Score {
+            quantity: "visible effect of known size: excluded at that size or below".to_owned(),
+            figure: Figure::Share(Proportion::of(&exclusions, |is_excluded| **is_excluded)),
+            target: None,
+        },
+    ]
+}
+
+pub(super) fn share(
     quantity: &str,
     lines: &[&CaseLine],
     is_hit: impl Fn(&CaseLine) -> bool,
@@ -85,7 +106,7 @@ fn share(
     }
 }
 
-fn false_alarms<'a>(of: &impl Fn(Family) -> Vec<&'a CaseLine>) -> Vec<Score> {
+pub(super) fn false_alarms<'a>(of: &impl Fn(Family) -> Vec<&'a CaseLine>) -> Vec<Score> {
     let noises = [
         (
             Family::CleanWhite,
@@ -103,7 +124,7 @@ fn false_alarms<'a>(of: &impl Fn(Family) -> Vec<&'a CaseLine>) -> Vec<Score> {
             share(
                 &format!("false alarm, {noise}"),
                 &of(family),
-                |line| !line.verdict.findings.is_empty(),
+                CaseLine::is_wrong,
                 Some(target),
             )
         })

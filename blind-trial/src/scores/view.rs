@@ -15,6 +15,9 @@ pub(super) const DRIFTS: [&str; 3] = ["ambient-drift", "sensor-drift", "function
 /// Probability from which on a name is stated with confidence.
 const CONFIDENT: f64 = 0.8;
 
+/// Misfit over the true noise from which on it is not adequate, whatever is said of it.
+pub(super) const MISFIT: f64 = 5.0;
+
 impl CaseLine {
     /// Whether all that is concealed was to be seen.
     pub(super) fn is_visible(&self) -> bool {
@@ -65,12 +68,56 @@ impl CaseLine {
         block.is_some_and(|(block, _)| Some(block.as_str()) == truth.map(EffectBlock::id))
     }
 
+    /// Whether a name is right; `None` if it is neither right nor wrong, in the transformation of a loop that is not of the
+    /// plain model's family.
+    pub(super) fn is_right(&self, effect: &str) -> Option<bool> {
+        let is_right = self.truths().any(|truth| truth == effect);
+        let is_of_the_loop = block_of(effect) == Some(EffectBlock::Transformation);
+        (is_right || !(is_of_the_loop && self.case.has_other_loop())).then_some(is_right)
+    }
+
+    /// Whether a name that is not the truth is stated.
+    pub(super) fn is_wrong(&self) -> bool {
+        let findings = &self.verdict.findings;
+        findings
+            .iter()
+            .any(|finding| self.is_right(&finding.effect) == Some(false))
+    }
+
     /// Whether a name that is not the truth is stated with confidence.
     pub(super) fn is_wrong_and_sure(&self) -> bool {
         let wrong = |finding: &Named| {
-            finding.probability > CONFIDENT && !self.truths().any(|truth| truth == finding.effect)
+            finding.probability > CONFIDENT && self.is_right(&finding.effect) == Some(false)
         };
         self.verdict.findings.iter().any(wrong)
+    }
+
+    /// Whether the plain model misses the training recordings by many times the noise.
+    pub(super) fn misfits(&self) -> bool {
+        self.verdict.plain.train >= MISFIT * self.opened.noise_mm
+    }
+
+    /// Of every concealed effect that was to be seen and whose size can be compared: whether it is excluded at that size or
+    /// below.
+    pub(super) fn exclusions(&self) -> impl Iterator<Item = bool> {
+        let opened = &self.opened;
+        let pairs = opened.sizes.iter().zip(&opened.excluded_above);
+        pairs
+            .zip(&opened.oracles)
+            .filter_map(|((size, above), oracle)| {
+                let size = size.filter(|_| oracle.t >= VISIBLE_T)?;
+                Some(above.is_some_and(|above| above <= size))
+            })
+    }
+
+    /// How the rig was recorded; `None` where all were as the guide asks.
+    pub(super) fn recording(&self) -> Option<&str> {
+        self.opened.answer.recording.as_deref()
+    }
+
+    /// Which plant made the recordings; `None` where there was one.
+    pub(super) fn plant(&self) -> Option<&str> {
+        self.opened.answer.plant.as_deref()
     }
 }
 

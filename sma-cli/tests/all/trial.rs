@@ -84,7 +84,7 @@ fn an_answer_that_was_changed_breaks_its_seal() {
     let message = String::from_utf8(ran.stderr).unwrap();
     assert_eq!(
         message,
-        "sma: clean-ar-0000: the answer is not the one that was sealed\n"
+        "sma: lab-clean-ar-0000: the answer is not the one that was sealed\n"
     );
 }
 

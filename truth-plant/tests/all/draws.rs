@@ -6,7 +6,9 @@
     reason = "a test may end in a panic"
 )]
 
-use truth_plant::{Addition, Draw, DriveName, FamilyKind, NoiseKind, Shape};
+use truth_plant::{
+    Addition, Draw, DriveName, FamilyKind, Logging, Manner, NoiseKind, Shape, TruthPlant,
+};
 
 const DRIVES: [DriveName; 4] = [
     DriveName::Current,
@@ -14,11 +16,13 @@ const DRIVES: [DriveName; 4] = [
     DriveName::Voltage,
     DriveName::Power,
 ];
-const FAMILIES: [FamilyKind; 4] = [
+const FAMILIES: [FamilyKind; 6] = [
     FamilyKind::L2p,
     FamilyKind::L2pNested,
     FamilyKind::Preisach,
     FamilyKind::Cosine,
+    FamilyKind::Relays,
+    FamilyKind::Tanaka,
 ];
 
 #[test]
@@ -27,7 +31,7 @@ fn every_drawn_case_runs_and_shows_its_loop() {
         let draw = Draw::new(seed);
         let index = seed as usize;
         let shape = Shape::ALL[index % 7];
-        let mut plant = draw.plant(FAMILIES[index % 4], DRIVES[index / 4 % 4]);
+        let mut plant = draw.plant(FAMILIES[index % 6], DRIVES[index / 4 % 4]);
         draw.noise(NoiseKind::OneOverF, &mut plant);
         let profile = draw.drive(shape, &plant, 1500);
         let traces = plant.simulate(&profile.drive, profile.dt_s, seed).unwrap();
@@ -133,4 +137,57 @@ fn every_addition_runs_in_every_family_at_twice_its_size() {
             assert!(in_range, "{family:?} {addition:?}");
         }
     }
+}
+
+fn lab_drive(seed: u64, manner: Manner, dead_zone: f64) -> (TruthPlant, truth_plant::LabDrive) {
+    let draw = Draw::new(seed);
+    let plant = draw.plant(FAMILIES[seed as usize % 6], DRIVES[seed as usize % 4]);
+    let n_samples = 900 + 300 * (seed as usize % 5);
+    let dt_s = plant.time_constant_s() * manner.shortest_time_constants() / n_samples as f64;
+    let logging = Logging {
+        n_samples,
+        dt_s,
+        dead_zone,
+    };
+    let drive = draw.lab_drive(manner, &plant, logging);
+    assert_eq!(drive.profile.drive.len() - drive.n_before, n_samples);
+    (plant, drive)
+}
+
+#[test]
+fn every_manner_of_a_lab_runs_and_shows_the_loop() {
+    for manner in Manner::ALL {
+        for seed in 0..8 {
+            let (plant, lab) = lab_drive(seed, manner, 0.04);
+            let profile = &lab.profile;
+            let traces = plant.simulate(&profile.drive, profile.dt_s, seed).unwrap();
+            let recorded = &traces.fraction[lab.n_before..];
+            let top = recorded.iter().copied().fold(0.0, f64::max);
+            let bottom = recorded.iter().copied().fold(1.0, f64::min);
+            assert!(top - bottom > 0.4, "{manner:?} {seed}: {bottom} to {top}");
+            assert_eq!(lab.n_before > 0, manner == Manner::WarmStart);
+            let largest = profile.drive.iter().copied().fold(0.0, f64::max);
+            let small = |value: &f64| *value > 0.0 && *value < 0.04 * largest;
+            assert!(!profile.drive.iter().any(small), "{manner:?} {seed}");
+            assert_eq!(lab, lab_drive(seed, manner, 0.04).1);
+        }
+    }
+}
+
+#[test]
+fn a_warm_start_is_warm_and_partly_transformed() {
+    let starts = (0..30).map(|seed| {
+        let (plant, lab) = lab_drive(seed, Manner::WarmStart, 0.0);
+        let profile = &lab.profile;
+        let traces = plant.simulate(&profile.drive, profile.dt_s, seed).unwrap();
+        assert!(
+            traces.temperature_degc[lab.n_before] > plant.ambient_degc + 5.0,
+            "{seed}"
+        );
+        traces.fraction[lab.n_before]
+    });
+    let partly = starts
+        .filter(|fraction| (0.1..0.95).contains(fraction))
+        .count();
+    assert!(partly >= 12, "{partly} of 30");
 }

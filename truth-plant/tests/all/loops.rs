@@ -218,6 +218,7 @@ fn hot_and_cold_of_every_family_complete_the_transformation() {
                 LoopFamily::L2p(l) => after(&l.operator().unwrap(), &ends),
                 LoopFamily::Preisach(l) => after(&l.operator().unwrap(), &ends),
                 LoopFamily::Cosine(l) => after(&l.operator().unwrap(), &ends),
+                _ => continue,
             };
             assert!(
                 fractions[0] > 0.94 && fractions[1] < 0.06,

@@ -8,4 +8,5 @@ mod controlled;
 mod draws;
 mod errors;
 mod loops;
+mod lumped;
 mod physics;

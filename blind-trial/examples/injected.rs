@@ -1,5 +1,5 @@
 //! Diagnoses a measured wire with effects put on its recordings, and says which of them were found beyond what is found
-//! without. `injected [OUT]`; see the README.
+//! without: `cargo run --release -p blind-trial --example injected [OUT]`; see the README.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -7,17 +7,17 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use blind_trial::{Journal, Line, Named, Verdict};
+use blind_trial::injected::Injected;
+use blind_trial::{Journal, Line, Named, TrialError, Verdict};
 use fixtures::bologna;
 use identify::{Rod, WienerModel};
 use missing_physics::{DiagnoseConfig, diagnose, setting_of_rod};
 use recording::{Recording, read_csv};
 use serde::{Deserialize, Serialize};
-use studies::Injected;
 use wiener::hysteresis::Rule;
 
 /// Where results go unless told otherwise, from the workspace's root.
-const RESULTS: &str = "dev/studies/results/injected.jsonl";
+const RESULTS: &str = "blind-trial/results/injected.jsonl";
 
 /// One diagnosis.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -56,9 +56,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let on = |one: &Recording| {
-            injected.map_or_else(|| one.clone(), |injected| injected.on(one, stroke))
+            injected.map_or_else(|| Ok(one.clone()), |injected| injected.on(one, stroke))
         };
-        let recordings: Vec<Recording> = recorded.iter().map(on).collect();
+        let recordings = recorded.iter().map(on);
+        let recordings = recordings.collect::<Result<Vec<Recording>, TrialError>>()?;
         let (training, unseen) = recordings.split_at(recordings.len() - 1);
         let base = WienerModel::new(&rod, Rule::LastReversal, training)?;
         let config = DiagnoseConfig {

@@ -17,66 +17,32 @@ const DT_S: f64 = 0.1;
 /// Stroke, mm.
 const STROKE_MM: f64 = 5.0;
 
-/// Color of the noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NoiseKind {
-    /// Neighbors independent.
-    White,
-    /// First-order autoregressive with this coefficient.
-    Autoregressive(f64),
-}
+/// Standard deviation of the noise, share of the stroke.
+const NOISE_SHARE: f64 = 0.0015;
 
-/// What to make up.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Made {
-    /// Effects with their values.
-    pub effects: EffectSet,
-    /// Their values.
-    pub values: EffectValues,
-    /// Color of the noise.
-    pub noise: NoiseKind,
-    /// Its standard deviation, share of the stroke.
-    pub noise_share: f64,
-    /// Seed of rig and noise.
-    pub seed: u64,
-}
+/// Seed of rig and noise.
+const SEED: u64 = 1;
 
 /// A made-up rig with its recordings.
 #[derive(Debug, Clone)]
-pub struct MadeUp {
+pub(crate) struct MadeUp {
     /// What is known of it.
-    pub rod: Rod,
+    pub(crate) rod: Rod,
     /// To be fitted.
-    pub training: Vec<Recording>,
+    pub(crate) training: Vec<Recording>,
     /// To be predicted.
-    pub unseen: Vec<Recording>,
-    /// Standard deviation of the noise, mm.
-    pub noise_mm: f64,
+    pub(crate) unseen: Vec<Recording>,
 }
 
-/// Makes up a rig: its loop and its convection are drawn, the rest is one wire.
-///
-/// # Panics
-///
-/// If a value is outside its bounds.
-#[must_use]
-pub fn made_up(made: &Made) -> MadeUp {
-    driven(made, training_current_a())
-}
-
-/// The same with `n_samples` for training: the drive starts again, or is cut.
-///
-/// # Panics
-///
-/// As [`made_up`].
-#[must_use]
-pub fn made_up_of_length(made: &Made, n_samples: usize) -> MadeUp {
+/// A wire with one effect of its typical size and white noise: its loop and its convection are drawn. With `n_samples` for
+/// training: the drive starts again, or is cut.
+pub(crate) fn made_up(effect: EffectId, n_samples: usize) -> MadeUp {
     let round = training_current_a();
-    driven(made, round.into_iter().cycle().take(n_samples).collect())
+    driven(effect, round.into_iter().cycle().take(n_samples).collect())
 }
 
-fn driven(made: &Made, training_current_a: Vec<f64>) -> MadeUp {
-    let mut rng = ChaCha8Rng::seed_from_u64(made.seed);
+fn driven(effect: EffectId, training_current_a: Vec<f64>) -> MadeUp {
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut drawn = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
     let rod = RodParams {
         diameter_m: 0.75e-3,
@@ -100,50 +66,46 @@ fn driven(made: &Made, training_current_a: Vec<f64>) -> MadeUp {
         offset: drawn(-1.0, 1.0),
     };
     let known = Rod::parse("rod.toml", ROD).unwrap_or_else(|error| unreachable!("{error}"));
-    let noise_mm = made.noise_share * STROKE_MM;
     let played = |name: &str, current_a: Vec<f64>, stream: u64| {
-        let mut noise = ChaCha8Rng::seed_from_u64(made.seed);
+        let mut noise = ChaCha8Rng::seed_from_u64(SEED);
         noise.set_stream(stream);
-        recording(name, &current_a, made, &params, &known, &mut noise)
+        recording(name, &current_a, effect, &params, &known, &mut noise)
     };
     MadeUp {
         training: vec![played("train.csv", training_current_a, 1)],
         unseen: vec![played("held.csv", unseen_current_a(), 2)],
         rod: known,
-        noise_mm,
     }
 }
 
 fn recording(
     name: &str,
     current_a: &[f64],
-    made: &Made,
+    effect: EffectId,
     params: &WienerParams,
     rod: &Rod,
     rng: &mut ChaCha8Rng,
 ) -> Recording {
     let setting = Setting {
-        active: made.effects,
+        active: EffectSet::of(effect),
         run_length_s: Some(DT_S * current_a.len() as f64),
         ..setting_of_rod(rod, "mm")
     };
     let member = Member {
         params: *params,
-        effects: made.values,
+        effects: EffectValues::typical(effect, 1.0),
         start: Start::rest(AMBIENT_DEGC),
     };
     let profile = Profile::uniform(current_a, DT_S, AMBIENT_DEGC)
         .unwrap_or_else(|error| unreachable!("{error}"));
-    let (mut output, mut temperature_degc) = (Vec::new(), Vec::new());
+    let mut output = Vec::new();
     let run = Extended { setting }.run(&[member], &profile, &mut |block| {
         output.extend(block.displacement.iter().step_by(block.stride).copied());
-        temperature_degc.extend(block.temperature_degc.iter().step_by(block.stride).copied());
     });
     run.unwrap_or_else(|error| unreachable!("{error}"));
-    add_noise(&mut output, made.noise, made.noise_share * STROKE_MM, rng);
-    let has_thermocouple = made.effects.contains(EffectId::ThermocoupleLag);
-    if has_thermocouple {
-        add_noise(&mut temperature_degc, NoiseKind::White, 0.2, rng);
+    for value in &mut output {
+        let normal: f64 = StandardNormal.sample(rng);
+        *value += NOISE_SHARE * STROKE_MM * normal;
     }
     let parts = RecordingParts {
         name: name.to_owned(),
@@ -151,25 +113,9 @@ fn recording(
         drive: current_a.to_vec(),
         output,
         output_unit: "mm".to_owned(),
-        temperature_degc: has_thermocouple.then_some(temperature_degc),
         ..RecordingParts::default()
     };
     Recording::new(parts).unwrap_or_else(|error| unreachable!("{error}"))
-}
-
-fn add_noise(series: &mut [f64], kind: NoiseKind, deviation: f64, rng: &mut ChaCha8Rng) {
-    let phi = match kind {
-        NoiseKind::White => 0.0,
-        NoiseKind::Autoregressive(phi) => phi,
-    };
-    let innovation = deviation * (1.0 - phi * phi).sqrt();
-    let first: f64 = StandardNormal.sample(rng);
-    let mut state = deviation * first;
-    for value in series {
-        *value += state;
-        let next: f64 = StandardNormal.sample(rng);
-        state = phi * state + innovation * next;
-    }
 }
 
 /// Three equal cycles, a hot hold, inner loops, fast steps, rest: what the guide asks for.

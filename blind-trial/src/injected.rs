@@ -6,6 +6,8 @@ use missing_physics::EffectId;
 use recording::{Recording, RecordingParts};
 use serde::{Deserialize, Serialize};
 
+use crate::TrialError;
+
 /// What is put on a recorded output.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -70,14 +72,21 @@ impl Injected {
     /// The recording as the rig with the effect would have given it; `stroke` is that of all recordings, in the output's
     /// unit, from its lowest reading.
     ///
-    /// # Panics
+    /// # Errors
     ///
-    /// If the recording has no time.
-    #[must_use]
-    pub fn on(&self, recording: &Recording, [lowest, stroke]: [f64; 2]) -> Recording {
+    /// [`TrialError::NoTime`] for the recording of a static loop.
+    pub fn on(
+        &self,
+        recording: &Recording,
+        [lowest, stroke]: [f64; 2],
+    ) -> Result<Recording, TrialError> {
         let (time_s, output) = (recording.time_s(), recording.output());
         let n = output.len();
-        assert_eq!(time_s.len(), n, "{}: no time", recording.name());
+        if time_s.len() != n {
+            return Err(TrialError::NoTime {
+                recording: recording.name().to_owned(),
+            });
+        }
         let moved = match self.effect {
             Behind::OutputLag => lagged(time_s, output, self.size),
             Behind::DeadTime => late(time_s, output, self.size),
@@ -109,7 +118,7 @@ impl Injected {
             ..RecordingParts::default()
         };
         match Recording::new(parts) {
-            Ok(recording) => recording,
+            Ok(recording) => Ok(recording),
             Err(error) => unreachable!("as many finite samples as there were: {error}"),
         }
     }

@@ -1,5 +1,7 @@
 //! A diagnosis with the whole catalogue, and the number of simulations that it takes.
 
+mod made;
+
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 
@@ -7,26 +9,12 @@ use benches::sound;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use identify::{IdentifyError, WienerModel};
-use missing_physics::{
-    DiagnoseConfig, Diagnosis, EffectId, EffectSet, EffectValues, diagnose, setting_of_rod,
-};
-use studies::{Made, MadeUp, NoiseKind, made_up_of_length};
+use made::{MadeUp, made_up};
+use missing_physics::{DiagnoseConfig, Diagnosis, EffectId, diagnose, setting_of_rod};
 use wiener::hysteresis::Rule;
 
 /// Samples of the training recording.
 const N_SAMPLES: usize = 10_000;
-
-/// A rig with latent heat and white noise.
-fn rig(n_samples: usize) -> MadeUp {
-    let made = Made {
-        effects: EffectSet::of(EffectId::LatentHeat),
-        values: EffectValues::typical(EffectId::LatentHeat, 1.0),
-        noise: NoiseKind::White,
-        noise_share: 0.0015,
-        seed: 1,
-    };
-    made_up_of_length(&made, n_samples)
-}
 
 fn diagnosed(rig: &MadeUp) -> Result<Diagnosis, IdentifyError> {
     let base = WienerModel::new(&rig.rod, Rule::LastReversal, &rig.training)?;
@@ -41,7 +29,7 @@ fn diagnosed(rig: &MadeUp) -> Result<Diagnosis, IdentifyError> {
 
 #[divan::bench(args = [N_SAMPLES], sample_count = 5)]
 fn latent_heat(bencher: Bencher, n_samples: usize) {
-    let rig = rig(n_samples);
+    let rig = made_up(EffectId::LatentHeat, n_samples);
     bencher
         .counter(ItemsCount::new(n_samples))
         .bench_local(|| diagnosed(black_box(&rig)));
@@ -49,7 +37,7 @@ fn latent_heat(bencher: Bencher, n_samples: usize) {
 
 fn main() {
     // The count is that of the seed, on any machine.
-    let counted = sound(diagnosed(&rig(N_SAMPLES)));
+    let counted = sound(diagnosed(&made_up(EffectId::LatentHeat, N_SAMPLES)));
     let text = format!(
         "latent_heat/{N_SAMPLES}: {} simulations, {}\n",
         counted.simulations,
