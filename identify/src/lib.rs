@@ -30,6 +30,7 @@ mod saved_model;
 mod source;
 mod specific_heat;
 mod static_effects;
+mod surroundings;
 mod uncertainty;
 mod validate;
 mod wiener_model;
@@ -58,5 +59,6 @@ pub use saved_model::{
 pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
+pub use surroundings::in_warmer_surroundings;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
-pub use wiener_model::WienerModel;
+pub use wiener_model::{WienerModel, may_begin_warm};

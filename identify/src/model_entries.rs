@@ -8,6 +8,7 @@ use wiener::hysteresis::LoopFamily;
 use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
 use crate::saved_model::LOOP_SHAPE;
 use crate::source::Source;
+use crate::wiener_model::AMBIENT_LEVEL;
 use crate::{
     Bounds, Enters, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance,
     ParameterInfo, ParameterState, RigModel, SavedEffects, Scope,
@@ -227,7 +228,14 @@ impl Reading<'_> {
                 let table = entry.get_ref();
                 table.name == info.name && table.recording.as_deref() == recording
             });
-            let (Some(entry), None) = (found.next(), found.next()) else {
+            let entry = found.next();
+            // Files of earlier versions do not have it.
+            if let (None, AMBIENT_LEVEL) = (entry, info.name) {
+                fitted.values.push(0.0);
+                fitted.intervals.push(None);
+                continue;
+            }
+            let (Some(entry), None) = (entry, found.next()) else {
                 let of = recording.map_or(String::new(), |name| format!(" of {name}"));
                 let what = format!("parameter {}{of}", info.name);
                 return Err(self.fault(0..0, what, "must be there once"));

@@ -260,7 +260,8 @@ impl SavedModel {
         let mut model = match parsed.model {
             Kind::Wiener => {
                 let assumed = parsed.temperature_scale == TemperatureScale::Assumed;
-                RigModel::Wiener(WienerModel::template(&rod, rule, assumed)?)
+                let model = WienerModel::template(&rod, rule, assumed)?;
+                RigModel::Wiener(model.with_reference(trained.first().copied()))
             }
             Kind::Sadeghi => RigModel::Sadeghi(SadeghiModel::template(&rod, rule, &[])?),
             Kind::StaticLoop => RigModel::Loop(LoopModel::template(rule, &parsed.drive_unit)),

@@ -167,7 +167,7 @@ pub fn validate_at(
 
 /// Samples before the drive first rises from its lowest level by more than a hundredth of its range,
 /// the one at which it does included: its output is read before. All, if it never does.
-fn samples_at_rest(drive: &[f64]) -> usize {
+pub(crate) fn samples_at_rest(drive: &[f64]) -> usize {
     let size = drive.iter().map(|drive| drive.abs());
     let lowest = size.clone().fold(f64::INFINITY, f64::min);
     let highest = size.clone().fold(0.0, f64::max);

@@ -7,6 +7,8 @@ use wiener::{Block, Drive, Profile, Start, WienerParams};
 
 use crate::cascade::{Cascade, StartAbove, ambient_degc};
 use crate::specific_heat::SpecificHeat;
+use crate::surroundings::in_warmer_surroundings;
+use crate::validate::samples_at_rest;
 use crate::{
     Bounds, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale, Scope,
 };
@@ -30,6 +32,9 @@ const HIGHEST_CENTER_K: f64 = 150.0;
 /// Smallest ζ that is searched: below, branches from a limiting curve are thirty times its width long.
 const SMALLEST_ZETA: f64 = 0.05;
 
+/// Name of the parameter that says how much warmer than stated the surroundings of a recording were.
+pub(crate) const AMBIENT_LEVEL: &str = "ambient_level_k";
+
 /// The plain Wiener model of a rig, with the parameters that its rod file leaves open.
 #[derive(Debug, Clone)]
 pub struct WienerModel {
@@ -38,6 +43,8 @@ pub struct WienerModel {
     specific_heat: Option<SpecificHeat>,
     rise_is_assumed: bool,
     parameters: Vec<ParameterInfo>,
+    /// Name of the recording whose surroundings are those that the rod file states: the first of the training.
+    reference: Option<String>,
 }
 
 /// What is known of the heat balance apart from its time constant.
@@ -87,7 +94,8 @@ const GAIN: usize = 5;
 const OFFSET: usize = 6;
 const START_RISE: usize = 7;
 const START_SHARE: usize = 8;
-const RISE: usize = 9;
+const LEVEL: usize = 9;
+const RISE: usize = 10;
 
 impl WienerModel {
     /// The model of a rig, with bounds wide enough for the given training recordings.
@@ -124,6 +132,7 @@ impl WienerModel {
             heat,
             specific_heat: SpecificHeat::of(rod, ambient_degc),
             parameters,
+            reference: Some(first.name().to_owned()),
         })
     }
 
@@ -146,7 +155,16 @@ impl WienerModel {
             specific_heat: None,
             rise_is_assumed,
             parameters,
+            reference: None,
         })
+    }
+
+    /// The same, and the recording whose surroundings are those that the rod file states.
+    pub(crate) fn with_reference(self, reference: Option<&str>) -> Self {
+        Self {
+            reference: reference.map(str::to_owned),
+            ..self
+        }
     }
 
     pub(crate) fn parameters_mut(&mut self) -> &mut [ParameterInfo] {
@@ -240,6 +258,42 @@ impl WienerModel {
     }
 }
 
+impl WienerModel {
+    /// The same model with what belongs to a recording and may not be known of all of them left open: the level of the
+    /// surroundings where they were not recorded, and how the run began where it may have begun warm. What `[model]` says of
+    /// them stays. `recordings` are all that it will be asked of, those of the training first.
+    #[must_use]
+    pub fn with_unknowns<'a>(&self, recordings: impl IntoIterator<Item = &'a Recording>) -> Self {
+        let recordings: Vec<&Recording> = recordings.into_iter().collect();
+        let mut model = self.clone();
+        let mut free = |index: usize| {
+            let info = &mut model.parameters[index];
+            let unsaid = if index == START_SHARE { 1.0 } else { 0.0 };
+            if info.state == ParameterState::Fixed(unsaid) {
+                info.state = ParameterState::Free;
+            }
+        };
+        let is_unrecorded = |recording: &&Recording| recording.ambient_degc().is_none();
+        if recordings.len() > 1 && recordings.iter().any(is_unrecorded) {
+            free(LEVEL);
+        }
+        if recordings.iter().any(|recording| may_begin_warm(recording)) {
+            free(START_RISE);
+            free(START_SHARE);
+        }
+        model
+    }
+
+    /// Temperature of a recording's surroundings above what is stated, K. Of the first training recording it is none: a level
+    /// that all have in common is the loop's.
+    #[must_use]
+    pub fn level_k(&self, point: &[f64], recording: &Recording) -> f64 {
+        let is_stated = recording.ambient_degc().is_some()
+            || self.reference.as_deref() == Some(recording.name());
+        if is_stated { 0.0 } else { point[LEVEL] }
+    }
+}
+
 impl ForwardModel for WienerModel {
     fn parameters(&self) -> &[ParameterInfo] {
         &self.parameters
@@ -251,13 +305,18 @@ impl ForwardModel for WienerModel {
         recording: &Recording,
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
-        self.cascade.simulate(points, recording, visit, |point| {
-            let start = StartAbove {
-                rise_k: point[START_RISE],
-                share: point[START_SHARE],
-            };
-            (self.wiener_params(point), start)
-        })
+        let level_k = |point: &Vec<f64>| self.level_k(point, recording);
+        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
+        self.cascade
+            .simulate(points, recording, &mut visit, |point| {
+                let start = StartAbove {
+                    rise_k: point[START_RISE],
+                    share: point[START_SHARE],
+                };
+                let mut params = self.wiener_params(point);
+                params.limiting_loop.loop_center_degc -= self.level_k(point, recording);
+                (params, start)
+            })
     }
 }
 
@@ -276,6 +335,7 @@ fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<Parame
         ParameterInfo::offset(output_unit),
         start_rise(),
         start_share(),
+        level(),
     ]
 }
 
@@ -319,6 +379,43 @@ pub(crate) fn start_share() -> ParameterInfo {
         state: ParameterState::Fixed(1.0),
         ..ParameterInfo::searched("start_share", "1", Scale::Linear, bounds)
     }
+}
+
+/// Temperature of a recording's surroundings above what is stated: none, unless freed.
+fn level() -> ParameterInfo {
+    /// Rooms differ by a few kelvins from day to day.
+    const MOST_K: f64 = 10.0;
+    let bounds = Bounds {
+        lower: -MOST_K,
+        upper: MOST_K,
+    };
+    ParameterInfo {
+        scope: Scope::PerRecording,
+        state: ParameterState::Fixed(0.0),
+        ..ParameterInfo::searched(AMBIENT_LEVEL, "K", Scale::Linear, bounds)
+    }
+}
+
+/// Whether a recording may not begin at rest: it is driven from its first sample, or its output moves before it is.
+#[must_use]
+pub fn may_begin_warm(recording: &Recording) -> bool {
+    /// Samples from which a mean is taken.
+    const FEW: usize = 5;
+    /// Share of the output's range that is no noise.
+    const MOVED: f64 = 0.02;
+    let (drive, output) = (recording.drive(), recording.output());
+    let at_rest = samples_at_rest(drive);
+    if at_rest < 2 * FEW {
+        return at_rest < 2;
+    }
+    let mean = |range: &[f64]| range.iter().sum::<f64>() / range.len() as f64;
+    let moved = mean(&output[..FEW]) - mean(&output[at_rest - FEW..at_rest]);
+    let (low, high) = output
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+            (y.min(low), y.max(high))
+        });
+    moved.abs() > MOVED * (high - low)
 }
 
 /// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of

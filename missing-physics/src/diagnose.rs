@@ -1,43 +1,60 @@
 //! From a rig and its recordings to a diagnosis.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 use identify::{
-    Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, Limits, ParameterVector, Validated,
-    WienerModel, fit, validate,
+    Fit, FitConfig, ForwardModel, IdentifyError, Limits, ParameterVector, Validated, WienerModel,
+    fit,
 };
 use recording::Recording;
 
-use crate::attempt::{Attempt, Terms};
-use crate::case::{Case, Node};
-use crate::catalogue::{catalogue, finding};
-use crate::diagnosis::{
-    Diagnosis, Explained, ExtendedStage, Finding, Floor, Mismatch, NoiseClass, Remainder, Rung,
-    Stage, Verdict,
+use crate::decide::Verdict;
+use crate::decide::{Decided, Known, Named, RuleId, decide, leading};
+use crate::evidence::{Block, Population, blocks, disturbed};
+use crate::locate::everywhere::{locate, remainder_shape};
+use crate::locate::located::Located;
+use crate::locate::mismatch::Mismatch;
+use crate::model::case::Case;
+use crate::model::elsewhere::{spread, validated, validated_alone};
+use crate::model::series::Channel;
+use crate::model::unseen::{self, Unseen};
+use crate::next::rivals::next;
+use crate::noise::floor::{Measured, measured};
+use crate::noise::kind::{Floor, NoiseClass};
+use crate::noise::slip::slip;
+use crate::noise::tone::tone;
+use crate::noise::whiten::Whitener;
+use crate::report::catalogue::{catalogue, finding};
+use crate::report::diagnosis::{
+    Diagnosis, Explained, ExtendedStage, Finding, Remainder, Rung, Stage,
 };
-use crate::elsewhere::{is_rigid, spread, validated};
-use crate::explained::explained;
-use crate::families::{self, Tried};
-use crate::floor::{Measured, measured};
-use crate::judge::{GATE, Judged};
-use crate::ladder::ladder;
-use crate::locate::{Located, locate, remainder_shape};
-use crate::names::Named;
-use crate::rivals::next;
-use crate::search::Search;
-use crate::watch::{Caller, Watched};
-use crate::whiten::Whitener;
-use crate::{CandidateSet, EffectBlock, EffectId, EffectSet, LoopFamily, Setting};
-
-/// Share of the explainable error of the unseen recordings below which names that account for all do not hold there.
-const HELD: f64 = 0.4;
+use crate::report::explained::explained;
+use crate::report::ladder::ladder;
+use crate::search::complete::{self, Weighing};
+use crate::search::families;
+use crate::search::occurs::testable;
+use crate::search::roads::Search;
+use crate::watch::{Caller, DiagnoseProgress, Watched};
+use crate::{Candidate, CandidateSet, EffectBlock, EffectSet, LoopFamily, Setting};
 
 /// Standard deviations up to which an error may be the parameters' uncertainty.
 const TWICE: f64 = 2.0;
 
 /// Error on unseen recordings over that on the training's up to which a model does there as well.
 const AS_NEAR: f64 = 1.2;
+
+/// Standard error of the share of a change that comes true, from which it says nothing.
+const TOLD: f64 = 0.5;
+
+/// Error of the plain model with what belongs to the recordings left open, over that without, from which they do not ask for it.
+const ASKED_FOR: f64 = 0.95;
+
+/// Starts of that fit, beside the place where the plain model ended.
+const FEW_STARTS: u64 = 4;
+
+/// Gap between what is fitted and what is left out, time constants.
+const GAP: f64 = 5.0;
 
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,22 +88,6 @@ impl Default for DiagnoseConfig {
 
 /// Starts of a second fit of the baseline over those of the first, where no two of these agreed.
 const HARDER: u64 = 4;
-
-/// How far a diagnosis is.
-#[derive(Debug, Clone, PartialEq)]
-pub enum DiagnoseProgress {
-    /// The baseline is being fitted.
-    Baseline(FitProgress),
-    /// Effects are being tried; told several times a second.
-    Search {
-        /// Points that were simulated so far, the baseline's not counted.
-        simulations: u64,
-    },
-    /// The chosen model is being refitted from many starts.
-    Refit,
-    /// The mismatch is being located.
-    Locate,
-}
 
 /// Says which physics the plain model of a rig leaves out.
 ///
@@ -134,6 +135,39 @@ pub fn diagnose<'p>(
     from_baseline(base, plain, [training, unseen], config, &caller)
 }
 
+/// The plain model with what belongs to each recording left open, fitted from where it ended without and from elsewhere; as
+/// it was, where nothing is open or the recordings do not ask for it.
+fn with_unknowns(
+    base: &WienerModel,
+    plain: Fit,
+    training: &[Recording],
+    config: &DiagnoseConfig,
+    caller: &Caller<'_>,
+) -> Result<(WienerModel, Fit), IdentifyError> {
+    let open = base.with_unknowns(training);
+    if open.parameters() == base.parameters() {
+        return Ok((open, plain));
+    }
+    let vector = ParameterVector::new(open.parameters(), training.len());
+    let fit_config = FitConfig {
+        seed: config.seed,
+        from: vec![plain.coordinates(&vector)],
+        starts: FEW_STARTS,
+        ..config.baseline.clone()
+    };
+    let watched = Watched {
+        model: &open,
+        watch: caller,
+    };
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let fitted = fit(&watched, training, &fit_config, go_on)?;
+    if fitted.train_rmse < ASKED_FOR * plain.train_rmse {
+        Ok((open, fitted))
+    } else {
+        Ok((base.clone(), plain))
+    }
+}
+
 /// The same from a baseline that is fitted; `recordings` are the training and the unseen ones.
 ///
 /// # Errors
@@ -156,73 +190,74 @@ fn from_baseline(
     config: &DiagnoseConfig,
     caller: &Caller<'_>,
 ) -> Result<Diagnosis, IdentifyError> {
+    let has_converged = plain.converged();
+    let (base, plain) = &with_unknowns(base, plain, training, config, caller)?;
     let baseline = Stage {
         validated: unseen
             .iter()
-            .map(|recording| validate(base, &plain, recording))
+            .map(|recording| validated_alone(base, &plain.point(0), recording))
             .collect::<Result<_, _>>()?,
         fit: plain.clone(),
     };
     let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
     let noise = measured(training, tau_s);
-    if !plain.converged() {
+    if !has_converged && !plain.converged() {
         return Ok(not_converged(baseline, &noise, config.seed));
     }
-    let case = Case::new(base, &plain, training, config.setting).watched_by(caller);
+    let case = Case::new(base, plain, training, config.setting).watched_by(caller);
     caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
-    let terms = Terms {
-        noise: &noise,
-        tau_s,
-        catalogue: CandidateSet::all(config.catalogue, config.setting.hypotheses),
-        seed: config.seed,
-    };
-    let mut papers = terms.begun(&case)?;
+    let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
+    let catalogue_set = testable(&case, &case.baseline()?, all)?;
+    let begun = |case, catalogue| begun(case, catalogue, &noise, config.seed);
+    let mut papers = begun(&case, catalogue_set)?;
     papers.grow()?;
     let at = (noise.gate.sqrt(), config.seed);
     let mut mismatch = located(&mut papers, CandidateSet::EMPTY, at, locate)?;
-    let explainable = papers.baseline().mean_square() - noise.gate;
-    // Far from the noise a loop of another family may account for all at once: the long search waits.
-    let mut judged = if papers.is_misfit() {
-        None
-    } else {
-        Some(terms.judged(&mut papers)?)
-    };
-    let may_be = judged
-        .as_ref()
-        .is_none_or(|(judged, _)| judged.may_be_the_loop());
-    let fits = if may_be && config.catalogue.contains(EffectId::LoopShape) {
+    let blocks = blocks(&case.layout, training, GAP * tau_s);
+    let mut weighing = Weighing::new(&blocks, config.seed);
+    let mut searches = vec![papers];
+    let mut population = weighing.completed(&mut searches)?;
+    let fits = if may_be_the_loop(&population) && catalogue_set.contains(Candidate::other_loop()) {
         families::fits(&case, config.seed)?
     } else {
         Vec::new()
     };
     let cases = families::cases(&case, &fits);
-    let Tried {
-        mut attempts,
-        mut simulations,
-    } = families::tried(&cases, &papers, &terms)?;
-    if judged.is_none() && !families::outdo(&attempts, &mut papers)? {
-        judged = Some(terms.judged(&mut papers)?);
+    for case in &cases {
+        let mut search = begun(case, catalogue_set.without(Candidate::other_loop()))?;
+        families::grow(&mut search, &searches[0])?;
+        searches.push(search);
+    }
+    if !cases.is_empty() {
+        population = weighing.completed(&mut searches)?;
     }
     caller.tell(DiagnoseProgress::Refit)?;
-    simulations += plain.simulations + papers.simulations();
-    if let Some((judged, floor)) = judged {
-        families::keep_ahead(&mut attempts, &papers, &judged);
-        attempts.push(Attempt {
-            search: papers,
-            judged,
-            floor,
-        });
+    let (place, effects) = complete::at(&searches, leading(&population));
+    let known = known(
+        &searches[place],
+        effects,
+        &population,
+        &noise,
+        &blocks,
+        config,
+    )?;
+    let mut decided = decide(&population, &known);
+    let ceiling = population.ceiling()[0] / case.layout.n_outputs() as f64;
+    let mut simulations =
+        plain.simulations + fits.iter().map(|(_, fit)| fit.simulations).sum::<u64>();
+    simulations += searches.iter().map(Search::simulations).sum::<u64>();
+    let mut search = searches.swap_remove(place);
+    simulations -= search.simulations();
+    let extended = extended(&mut search, effects, unseen)?;
+    let mut shares = None;
+    if let Some(extended) = &extended {
+        let after = unseen::unseen(&extended.model, &extended.stage.fit.point(0), unseen)?;
+        let before = unseen::unseen(base, &plain.point(0), unseen)?;
+        let own = explained([&before, &after], decided.explained, ceiling, config.seed);
+        shares = Some(own);
+        decided = held_to(decided, &mut search, extended, (own, &after), unseen)?;
     }
-    let Some(Settled {
-        mut search,
-        judged,
-        floor,
-        extended,
-        explained,
-    }) = settled(attempts, &baseline, unseen, &noise, base, &mut simulations)?
-    else {
-        unreachable!("where none outdoes it, the paper's loop is among them");
-    };
+    let explained = shares;
     caller.tell(DiagnoseProgress::Locate)?;
     let setting = search.case.setting;
     let written = |named: &[Named]| {
@@ -233,28 +268,35 @@ fn from_baseline(
         findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
         findings
     };
-    let (findings, suspects) = (written(&judged.named), written(&judged.suspects));
-    let catalogue = catalogue(&mut search, &judged, config.seed)?;
-    if !judged.named.is_empty() {
-        mismatch.blocks = blocks_of(&judged.named);
+    let (findings, suspects) = (written(&decided.named), written(&decided.suspects));
+    let catalogue = catalogue(&mut search, &decided, effects, config.seed)?;
+    if !decided.named.is_empty() {
+        mismatch.blocks = blocks_of(&decided.named);
         mismatch.block = mismatch.blocks.first().copied();
     }
-    let has_remainder = matches!(
-        judged.verdict,
+    let explainable =
+        population.plain().evidence.squares()[0] / case.layout.n_outputs() as f64 - ceiling;
+    let of_leading = population.get(leading(&population).names);
+    let left = of_leading.map_or(0.0, |model| model.evidence.squares()[0])
+        / case.layout.n_outputs() as f64
+        - ceiling;
+    let remainder = if matches!(
+        decided.verdict,
         Verdict::ExplainedInPart | Verdict::Unexplained
-    );
-    let remainder = if has_remainder {
-        remainder(&mut search, &judged, &mismatch, explainable, at)?
+    ) {
+        remainder(&mut search, effects, &mismatch, [explainable, left], at)?
     } else {
         None
     };
-    let next_experiment = next(&search, &judged, &config.limits)?;
+    let next_experiment = next(&search, &decided, effects, &config.limits)?;
+    let best = search.get(effects).unwrap_or(search.baseline());
+    let noise_floor = noise.floor(search.case, best);
     // Last: it may visit models that are no rivals.
     let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
     simulations += search.simulations();
     Ok(Diagnosis {
-        verdict: judged.verdict,
-        noise_floor: floor,
+        verdict: decided.verdict,
+        noise_floor,
         baseline,
         extended,
         ladder,
@@ -265,80 +307,141 @@ fn from_baseline(
         remainder,
         catalogue,
         next_experiment,
+        audit: decided.audit,
+        traces: decided.traces.0,
         simulations,
         seed: config.seed,
     })
 }
 
-/// What is said in the end.
-struct Settled<'a> {
-    search: Search<'a>,
-    judged: Judged,
-    floor: Floor,
-    extended: Option<ExtendedStage>,
-    explained: Option<Explained>,
+/// The models of a case with one effect at most.
+fn begun<'c>(
+    case: &'c Case<'c>,
+    catalogue: CandidateSet,
+    noise: &Measured,
+    seed: u64,
+) -> Result<Search<'c>, IdentifyError> {
+    let mut search = Search::new(case, case.baseline()?, catalogue, noise.highest(), seed)?;
+    search.grow_by_one()?;
+    Ok(search)
 }
 
-/// The first of some attempts that holds on the unseen recordings; if none does, the last, without names. All are
-/// counted in `simulations`; what is returned goes on, and no longer is.
-fn settled<'a>(
-    attempts: Vec<Attempt<'a>>,
-    baseline: &Stage,
-    unseen: &[Recording],
+/// Whether a loop of another family may do instead: a curve finds more than the leading model has, or a name is of the loop.
+fn may_be_the_loop(population: &Population) -> bool {
+    let model = leading(population);
+    let is_of_loop = |name: Candidate| name.info().block == EffectBlock::Transformation;
+    !model.is_whole() || model.names.iter().any(is_of_loop)
+}
+
+/// What the judge is to know beside the population.
+fn known(
+    search: &Search<'_>,
+    effects: CandidateSet,
+    population: &Population,
     noise: &Measured,
-    base: &WienerModel,
-    simulations: &mut u64,
-) -> Result<Option<Settled<'a>>, IdentifyError> {
-    let mut last: Option<Settled<'_>> = None;
-    for mut attempt in attempts {
-        *simulations += last.take().map_or(0, |last| last.search.simulations());
-        *simulations -= attempt.search.simulations();
-        let judged = attempt.judged;
-        let extended = extended(&mut attempt.search, judged.effects, unseen)?;
-        let explained = extended
-            .as_ref()
-            .map(|extended| explained(baseline, extended, &judged, unseen, noise, base))
-            .transpose()?;
-        let holds = holds(&judged, extended.as_ref(), explained.as_ref(), unseen)?;
-        last = Some(Settled {
-            search: attempt.search,
-            judged: if holds {
-                judged
-            } else {
-                judged.demoted(Verdict::Unexplained)
-            },
-            floor: attempt.floor,
-            extended,
-            explained,
-        });
-        if holds {
-            break;
+    blocks: &[Block],
+    config: &DiagnoseConfig,
+) -> Result<Known, IdentifyError> {
+    let case = search.case;
+    let Some(node) = search.get(effects) else {
+        unreachable!("the leading model was visited");
+    };
+    let outputs = || case.layout.of_channel(Channel::Output);
+    let own_squares = |range: &Range<usize>| {
+        let own = &case.recorded()[range.clone()];
+        let mean = own.iter().sum::<f64>() / own.len() as f64;
+        own.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+    };
+    let rounding = noise.rounding.map_or(0.0, |rounding| rounding.powi(2));
+    let plain = search.baseline();
+    let disturbed = if plain.mean_square() > 2.0 * rounding {
+        let sensitivities = search.sensitivities(plain)?;
+        let evidence = &population.plain().evidence;
+        disturbed(case, plain, evidence, &sensitivities, blocks, config.seed)?
+    } else {
+        // All of it may be rounding, which is a function of the output.
+        1.0
+    };
+    let tones = outputs().map(|one| tone(&node.residual[one.range.clone()]));
+    let coarse = noise.is_coarse(node.mean_square());
+    let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
+    Ok(Known {
+        segments: case
+            .layout
+            .segments
+            .iter()
+            .map(|one| one.range.clone())
+            .collect(),
+        output_squares: outputs().map(|one| own_squares(&one.range)).sum(),
+        rounding,
+        catalogue: all,
+        untried: all
+            .iter()
+            .filter(|&one| case.missing(one).is_some())
+            .collect(),
+        disturbed,
+        tone: if coarse {
+            0.0
+        } else {
+            tones.fold(0.0, f64::max)
+        },
+        slip: slip(case, node)?,
+        seed: config.seed,
+    })
+}
+
+/// What was decided, held to the recordings that were not used: names that make them worse do not hold, and what is not
+/// explained there is not explained.
+fn held_to(
+    mut decided: Decided,
+    search: &mut Search<'_>,
+    extended: &ExtendedStage,
+    (shares, with): (Explained, &Unseen),
+    unseen: &[Recording],
+) -> Result<Decided, IdentifyError> {
+    if unseen.is_empty() || decided.named.is_empty() {
+        return Ok(decided);
+    }
+    let effects: CandidateSet = extended.effects.iter().copied().collect();
+    let mut fallen = CandidateSet::EMPTY;
+    for named in &decided.named {
+        let less = if effects.contains(named.effect) {
+            search.exchanged(effects, named.effect, None)
+        } else {
+            None
+        };
+        let Some(node) = less.and_then(|less| search.get(less)) else {
+            continue;
+        };
+        let without = unseen::unseen(&node.model, &node.points[0], unseen)?;
+        // What is not exercised there, or lost in the noise, says nothing.
+        let told = with.comes_true(&without).filter(|[_, error]| *error < TOLD);
+        let Some([share, _]) = told else {
+            continue;
+        };
+        let id = named.effect.id();
+        if !decided.traces.ask(RuleId::UnseenGain, id, share) {
+            fallen = fallen.with(named.effect);
         }
     }
-    Ok(last)
-}
-
-/// Whether names hold on the unseen recordings. Drifts and fatigue need not: they stay with their recording.
-fn holds(
-    judged: &Judged,
-    extended: Option<&ExtendedStage>,
-    explained: Option<&Explained>,
-    unseen: &[Recording],
-) -> Result<bool, IdentifyError> {
-    let stays = |named: &Named| !is_rigid(named.effect);
-    let fails = explained.is_some_and(|shares| {
-        // Where hardly anything was to be explained the share says nothing.
-        let interval = shares.validate_interval;
-        let tells = interval.is_none_or(|[_, upper]| upper < GATE);
-        shares.validate.is_some_and(|share| match judged.verdict {
-            Verdict::ExplainedInPart => share < GATE,
-            _ => share < HELD && tells,
-        })
-    });
-    if !fails || judged.named.iter().any(stays) {
-        return Ok(true);
+    let (fallen, named): (Vec<Named>, Vec<Named>) = decided
+        .named
+        .into_iter()
+        .partition(|named| fallen.contains(named.effect));
+    decided.named = named;
+    decided.suspects.extend(fallen);
+    let share = shares.validate.unwrap_or(1.0);
+    let is_explained =
+        decided.traces.ask(RuleId::UnseenShare, "", share) || is_as_near(extended, unseen)?;
+    if decided.named.is_empty() {
+        decided.verdict = Verdict::Unexplained;
+    } else if !is_explained && share > 0.5 {
+        decided.verdict = Verdict::ExplainedInPart;
+    } else if !is_explained {
+        decided.verdict = Verdict::Unexplained;
+        decided.suspects.append(&mut decided.named);
     }
-    extended.map_or(Ok(false), |extended| is_as_near(extended, unseen))
+    Ok(decided)
 }
 
 /// Whether a model is no further off the unseen recordings than where it was fitted, where the noise is larger than it was
@@ -397,31 +500,29 @@ fn blocks_of(named: &[Named]) -> Vec<(EffectBlock, f64)> {
     blocks
 }
 
-/// What is left after the chosen model.
+/// What is left after the chosen model: `left` of what is explainable, mean squares on blocks that were left out.
 fn remainder(
     search: &mut Search<'_>,
-    judged: &Judged,
+    effects: CandidateSet,
     plain: &Mismatch,
-    all: f64,
+    [explainable, left]: [f64; 2],
     at: (f64, u64),
 ) -> Result<Option<Remainder>, IdentifyError> {
     let family = search.case.setting.loop_family;
-    let mismatch = if judged.effects.is_empty() && family == LoopFamily::Proximity {
+    let mismatch = if effects.is_empty() && family == LoopFamily::Proximity {
         plain.clone()
     } else {
-        located(search, judged.effects, at, locate)?
+        located(search, effects, at, locate)?
     };
     let shape = match mismatch.block {
-        Some((block, _)) => located(search, judged.effects, at, |located| {
+        Some((block, _)) => located(search, effects, at, |located| {
             remainder_shape(located, block)
         })?,
         None => None,
     };
-    let noise = at.0.powi(2);
-    let left = search.get(judged.effects).map_or(0.0, Node::mean_square) - noise;
-    Ok((left > 0.0 && all > 0.0).then(|| Remainder {
+    Ok((left > 0.0 && explainable > 0.0).then(|| Remainder {
         rms: left.sqrt(),
-        share: left / all,
+        share: left / explainable,
         mismatch,
         shape,
     }))
@@ -446,6 +547,8 @@ fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Diagnosis {
         remainder: None,
         catalogue: Vec::new(),
         next_experiment: None,
+        audit: None,
+        traces: Vec::new(),
         seed,
     }
 }
@@ -459,7 +562,7 @@ fn extended(
     if effects.is_empty() && search.case.setting.loop_family == LoopFamily::Proximity {
         return Ok(None);
     }
-    let fit = Arc::unwrap_or_clone(search.settle(effects)?.fit);
+    let fit = Arc::unwrap_or_clone(search.settle(effects)?);
     let model = search.case.model(effects);
     let validated = validated(&model, &fit.point(0), unseen)?;
     Ok(Some(ExtendedStage {

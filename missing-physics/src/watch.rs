@@ -6,11 +6,25 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use identify::{ForwardModel, IdentifyError, ParameterInfo};
+use identify::{FitProgress, ForwardModel, IdentifyError, ParameterInfo};
 use recording::Recording;
 use wiener::Block;
 
-use crate::DiagnoseProgress;
+/// How far a diagnosis is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DiagnoseProgress {
+    /// The baseline is being fitted.
+    Baseline(FitProgress),
+    /// Effects are being tried; told several times a second.
+    Search {
+        /// Points that were simulated so far, the baseline's not counted.
+        simulations: u64,
+    },
+    /// The chosen model is being refitted from many starts.
+    Refit,
+    /// The mismatch is being located.
+    Locate,
+}
 
 /// What is told how far a diagnosis is, and says whether it goes on. It is called from the thread that comes by, by one at
 /// a time.

@@ -180,7 +180,8 @@ fn parameters_that_do_not_exist_are_named_with_those_that_do() {
     assert_eq!(
         error.to_string(),
         "rod.toml:11:1: [model] teta: no such parameter; this rig has tau_s, loop_center_degc, \
-         loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share"
+         loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share, \
+         ambient_level_k"
     );
 }
 

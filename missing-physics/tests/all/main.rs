@@ -8,6 +8,7 @@ mod boston;
 mod common;
 mod detectable;
 mod families;
+mod house;
 mod noise_classes;
 mod own_hypotheses;
 mod saved;

@@ -46,9 +46,6 @@ fn noise_without_a_level_gives_no_names() {
             .map(|(y, e)| y + 0.004 * e)
             .collect();
         let found = diagnosed(output, &[]);
-        if found.noise_floor.class == NoiseClass::OneOverF {
-            assert!(found.findings.is_empty(), "{seed} {:?}", found.findings);
-        }
         named += usize::from(!found.findings.is_empty());
     }
     assert!(named <= 1, "{named}");

@@ -49,6 +49,10 @@ pub(crate) struct TrialArgs {
     /// All cases of the published table.
     #[arg(long, conflicts_with = "cases")]
     published: bool,
+
+    /// All cases of the first published table: every recording made as the guide asks.
+    #[arg(long, conflicts_with = "published")]
+    guided: bool,
     /// Families of cases; all, unless given.
     #[arg(long, num_args = 1.., value_name = "FAMILY", value_parser = Family::parse)]
     family: Vec<Family>,
@@ -146,6 +150,7 @@ impl TrialArgs {
 
     fn run_cases(&self, trial: &mut Trial) -> anyhow::Result<usize> {
         let mut plan = match (self.published, self.cases, &self.like) {
+            _ if self.guided => Plan::guided(&self.family),
             (true, ..) => Plan::published(&self.family),
             (false, Some(0), _) => return Ok(0),
             (false, Some(n_cases), _) => Plan::of_about(n_cases, &self.family),

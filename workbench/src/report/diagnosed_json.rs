@@ -3,11 +3,22 @@
 use identify::Validated;
 use missing_physics::{
     Curve, Entry, Finding, LoopFamily, Mismatch, NextExperiment, Remainder, Run, Stage, Status,
+    Trace,
 };
 use serde_json::{Value, json};
 
 use super::diagnosed::{Diagnosed, literature};
 use super::identified::parameters_json;
+
+fn trace(trace: &Trace) -> Value {
+    json!({
+        "rule": trace.rule.name,
+        "of": trace.of,
+        "value": trace.value,
+        "threshold": trace.rule.threshold,
+        "passed": trace.passed,
+    })
+}
 
 impl Diagnosed<'_> {
     /// DESIGN's document.
@@ -44,6 +55,12 @@ impl Diagnosed<'_> {
             "remainder": diagnosis.remainder.as_ref().map(remainder),
             "catalogue": diagnosis.catalogue.iter().map(|entry| self.entry(entry)).collect::<Vec<_>>(),
             "next_experiment": diagnosis.next_experiment.as_ref().map(next_experiment),
+            "predictable": diagnosis.audit.map(|audit| json!({
+                "share": audit.share,
+                "share_at_most": audit.share_at_most,
+                "p_value": audit.p_value,
+            })),
+            "trace": diagnosis.traces.iter().map(trace).collect::<Vec<_>>(),
             "simulations": diagnosis.simulations,
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "resistivity_range_carried": self.resistivity.map(|range| [range.lower, range.upper]),

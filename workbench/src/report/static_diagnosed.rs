@@ -168,6 +168,8 @@ impl StaticDiagnosed<'_> {
             "remainder": null,
             "catalogue": EffectId::ALL.map(|effect| self.entry(effect)),
             "next_experiment": null,
+            "predictable": null,
+            "trace": [],
             "memory": self.memory,
             "notes": self.notes,
         })

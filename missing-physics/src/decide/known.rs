@@ -1,0 +1,27 @@
+//! What a judge is to know beside the population.
+
+use std::ops::Range;
+
+use crate::CandidateSet;
+
+/// What is known beside the population.
+#[derive(Debug, Clone)]
+pub(crate) struct Known {
+    /// Places of each channel of each recording in a series.
+    pub(crate) segments: Vec<Range<usize>>,
+    /// Sum of squares of the output about its mean in each recording.
+    pub(crate) output_squares: f64,
+    /// Variance of the converter's rounding, in the square of the output's unit; 0 where no step is seen.
+    pub(crate) rounding: f64,
+    /// What may be found.
+    pub(crate) catalogue: CandidateSet,
+    /// What could not be tried, for want of what it needs.
+    pub(crate) untried: CandidateSet,
+    /// Probability that noise which knows nothing of the rig grows and shrinks with it as the plain model's residual does.
+    pub(crate) disturbed: f64,
+    /// Tone of what the leading model leaves, standard deviations.
+    pub(crate) tone: f64,
+    /// Error of a drift of the zero over that of a slipping mount, where the leading model has such a drift.
+    pub(crate) slip: Option<f64>,
+    pub(crate) seed: u64,
+}

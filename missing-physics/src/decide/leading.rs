@@ -1,0 +1,27 @@
+//! The model that is judged: the most credible one, without what may be only the error of another effect's formula.
+
+use crate::decide::rules::{RuleId, rule};
+use crate::evidence::{Model, Population};
+
+/// The most credible model that may be chosen, without effects that are too small to be told from how inexact the others'
+/// formulas are.
+///
+/// Beside an effect with a form of its own even a small one is told if with it nothing predictable is left: what a formula
+/// leaves wrong a curve would find.
+pub(crate) fn leading(population: &Population) -> &Model {
+    let mut model = population.best();
+    let is_whole = model.is_whole();
+    loop {
+        let idle = model.names.iter().filter_map(|name| {
+            let less = population.get(model.names.without(name))?;
+            let share = population.share(model.evidence.squares(), less.evidence.squares());
+            let is_small = !rule(RuleId::Form).passes(share);
+            let is_told = is_whole && model.is_rigid();
+            (is_small && !is_told).then_some((share, less))
+        });
+        match idle.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, less)) => model = less,
+            None => return model,
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! What a finished population of models lets be said: nothing here simulates or fits.
+
+mod known;
+mod leading;
+mod names;
+mod rules;
+mod said;
+#[cfg(test)]
+mod tests;
+mod trace;
+mod verdict;
+
+pub(crate) use known::Known;
+pub(crate) use leading::leading;
+pub(crate) use names::Named;
+pub use rules::{Basis, Comparison, RULES, Rule, RuleId};
+pub use said::Verdict;
+pub use trace::Trace;
+pub(crate) use verdict::{Decided, decide};

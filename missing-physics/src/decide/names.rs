@@ -1,0 +1,182 @@
+//! What may be called by name, and what else it could be.
+
+use crate::decide::known::Known;
+use crate::decide::rules::RuleId;
+use crate::decide::trace::Traces;
+use crate::evidence::UNLISTED;
+use crate::evidence::{Model, Population, by_chance, masses};
+use crate::{Candidate, CandidateSet};
+
+/// An effect of the chosen model.
+#[derive(Debug, Clone)]
+pub(crate) struct Named {
+    pub(crate) effect: Candidate,
+    /// Others that would do as well in its place, with their share of the probability, the likeliest first.
+    pub(crate) others: Vec<(Candidate, f64)>,
+    pub(crate) probability: f64,
+    pub(crate) contribution: f64,
+}
+
+/// The belief in each of some models: in all that may be chosen, and in what is left of the leading one without some of its
+/// names with an anonymous curve in their place.
+pub(crate) struct Belief {
+    /// Names of each model, and what it is believed.
+    masses: Vec<(CandidateSet, f64)>,
+}
+
+impl Belief {
+    pub(crate) fn of(population: &Population, leading: &Model, seed: u64) -> Self {
+        let admissible = population
+            .models
+            .iter()
+            .filter(|model| model.is_admissible());
+        let named = admissible.map(|model| (model.names, model.ln_prior, &model.evidence.nats));
+        let is_part = |model: &&Model| {
+            let mut names = model.names.iter();
+            model.names != leading.names && names.all(|name| leading.names.contains(name))
+        };
+        let unlisted = population
+            .models
+            .iter()
+            .filter(is_part)
+            .filter_map(|model| {
+                let anonymous = model.anonymous.as_ref()?;
+                Some((
+                    model.names,
+                    model.ln_prior + UNLISTED,
+                    &anonymous.evidence.nats,
+                ))
+            });
+        let (names, asked): (Vec<CandidateSet>, Vec<(f64, &[f64])>) = named
+            .chain(unlisted)
+            .map(|(names, prior, nats)| (names, (prior, nats.as_slice())))
+            .unzip();
+        Self {
+            masses: names.into_iter().zip(masses(&asked, seed)).collect(),
+        }
+    }
+
+    /// Probability that one of some names is there.
+    pub(crate) fn any(&self, of: CandidateSet) -> f64 {
+        let has = |names: &CandidateSet| of.iter().any(|name| names.contains(name));
+        let with = self.masses.iter().filter(|(names, _)| has(names));
+        with.map(|(_, mass)| mass).sum()
+    }
+
+    /// Probability of one model alone, by its names: of the plain one without a curve, the first.
+    pub(crate) fn plain(&self) -> f64 {
+        self.masses.first().map_or(0.0, |(_, mass)| *mass)
+    }
+}
+
+/// The names of the leading model: those that hold, and those that do not.
+pub(crate) fn names(
+    population: &Population,
+    leading: &Model,
+    belief: &Belief,
+    known: &Known,
+    traces: &mut Traces,
+) -> [Vec<Named>; 2] {
+    let mut sorted = [Vec::new(), Vec::new()];
+    for effect in leading.names.iter() {
+        let id = effect.id();
+        let (mut named, covered) = alternatives(leading, belief, known, effect);
+        named.contribution = population.contribution(leading, effect).unwrap_or(0.0);
+        let is_covered = traces.ask(RuleId::Set, id, covered);
+        let less = population.get(leading.names.without(effect));
+        let p_value = less.map_or(1.0, |less| {
+            let added = known.segments.iter().map(|range| {
+                let without = centered(&less.evidence.residual[range.clone()]);
+                let with = centered(&leading.evidence.residual[range.clone()]);
+                let pairs = without.iter().zip(&with);
+                let added = pairs.map(|(without, with)| without - with).collect();
+                (without, added)
+            });
+            let alone = by_chance(&added.collect::<Vec<_>>(), SHIFTS, known.seed);
+            // It is the best of all that were tried in its place.
+            (alone * tried_beside(population, less) as f64).min(1.0)
+        });
+        let is_own = traces.ask(RuleId::Own, id, p_value);
+        let is_large = leading_loss(population, leading, effect).is_none_or(|lost| {
+            known.rounding == 0.0 || traces.ask(RuleId::Rounding, id, lost / known.rounding)
+        });
+        sorted[usize::from(!(is_covered && is_own && is_large))].push(named);
+    }
+    sorted
+}
+
+/// Number of models with one name more.
+fn tried_beside(population: &Population, less: &Model) -> usize {
+    let has_all = |model: &&Model| less.names.iter().all(|name| model.names.contains(name));
+    let one_more = |model: &&Model| model.names.len() == less.names.len() + 1;
+    let models = population.models.iter();
+    models.filter(one_more).filter(has_all).count()
+}
+
+/// Mean square of the output that comes back without a name.
+fn leading_loss(population: &Population, leading: &Model, name: Candidate) -> Option<f64> {
+    let less = population.get(leading.names.without(name))?;
+    let [with, without] = [leading, less].map(|model| model.evidence.squares()[0]);
+    Some((without - with) / leading.evidence.n_outputs as f64)
+}
+
+/// The smallest set of names with this one that is as probable as it must be, and that probability.
+fn alternatives(
+    leading: &Model,
+    belief: &Belief,
+    known: &Known,
+    effect: Candidate,
+) -> (Named, f64) {
+    let mut set = CandidateSet::of(effect);
+    let own = belief.any(set);
+    let mut covered = own;
+    let mut others = Vec::new();
+    let rivals: Vec<Candidate> = known
+        .catalogue
+        .iter()
+        .filter(|&other| !leading.names.contains(other))
+        .collect();
+    while covered < crate::decide::rules::rule(RuleId::Set).threshold {
+        let wider = rivals.iter().filter(|&&other| !set.contains(other));
+        let best = wider
+            .map(|&other| (belief.any(set.with(other)) - covered, other))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((added, other)) = best.filter(|(added, _)| *added > LEAST) else {
+            break;
+        };
+        set = set.with(other);
+        covered += added;
+        others.push((other, added));
+    }
+    // What acts like it in every rig and could not be tried, for want of what it needs, is as likely.
+    let untried: Vec<Candidate> = effect
+        .info()
+        .acts_like
+        .iter()
+        .map(|&other| Candidate::from(other))
+        .filter(|&other| known.untried.contains(other) && !leading.names.contains(other))
+        .collect();
+    let share = 1.0 / (1 + untried.len()) as f64;
+    others.iter_mut().for_each(|(_, mass)| *mass *= share);
+    let own = own * share;
+    others.extend(untried.into_iter().map(|other| (other, own)));
+    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let named = Named {
+        effect,
+        others,
+        probability: own,
+        contribution: 0.0,
+    };
+    (named, covered)
+}
+
+/// Shifts by which it is found whether a name goes with the recordings: so many that the best of a catalogue can pass.
+const SHIFTS: usize = 9_999;
+
+/// Probability below which another name is not worth a word.
+const LEAST: f64 = 0.005;
+
+fn centered(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter().map(|value| value - mean).collect()
+}

@@ -1,0 +1,214 @@
+//! The rules that decide, all of them.
+
+/// Number of a rule in [`RULES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum RuleId {
+    /// The model says something of the recordings at all.
+    Describes,
+    /// Something is left that a curve or a name predicts.
+    Missing,
+    /// What is predicted goes with the recordings beyond chance.
+    Predicted,
+    /// A name is no matter of how exact another effect's formula is.
+    Form,
+    /// A set of names holds all that would do.
+    Set,
+    /// What a name adds goes with what is left without it, beyond chance.
+    Own,
+    /// Something is left beside the names.
+    Remainder,
+    /// The error is larger than rounding.
+    Rounding,
+    /// The size of what is left follows the drive.
+    Disturbed,
+    /// What is left has a tone.
+    Tone,
+    /// What looks like a drift of the zero is a slip of the mount.
+    Slip,
+    /// A name helps on recordings that were not used.
+    UnseenGain,
+    /// What was explained is explained there, too.
+    UnseenShare,
+}
+
+/// How a statistic is compared with a threshold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Comparison {
+    /// Passed if the statistic is at least the threshold.
+    AtLeast,
+    /// Passed if it is at most the threshold.
+    AtMost,
+}
+
+/// Where a threshold comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Basis {
+    /// A probability of being wrong by chance.
+    Quantile,
+    /// Odds.
+    Odds,
+    /// It follows from something else, which the rule says.
+    Derivation,
+    /// Chosen; the trial tells what a quarter more or less would change.
+    Chosen,
+}
+
+/// A rule: what is compared with what, and why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rule {
+    /// Its number.
+    pub id: RuleId,
+    /// Its name in files and reports.
+    pub name: &'static str,
+    /// What is compared.
+    pub statistic: &'static str,
+    /// How.
+    pub comparison: Comparison,
+    /// With what.
+    pub threshold: f64,
+    /// Where the threshold comes from.
+    pub basis: Basis,
+    /// The reason, in a sentence.
+    pub reason: &'static str,
+}
+
+impl Rule {
+    /// Whether a value passes; NaN does not.
+    #[must_use]
+    pub fn passes(&self, value: f64) -> bool {
+        match self.comparison {
+            Comparison::AtLeast => value >= self.threshold,
+            Comparison::AtMost => value <= self.threshold,
+        }
+    }
+}
+
+/// All rules, in the order in which they are asked.
+pub const RULES: [Rule; 13] = [
+    Rule {
+        id: RuleId::Describes,
+        name: "describes",
+        statistic: "share of the output's variance that the best model predicts on blocks it has not seen",
+        comparison: Comparison::AtLeast,
+        threshold: 0.5,
+        basis: Basis::Chosen,
+        reason: "a model that does not predict half of what happens describes another rig",
+    },
+    Rule {
+        id: RuleId::Missing,
+        name: "missing",
+        statistic: "probability of the plain model against all names and the anonymous curve",
+        comparison: Comparison::AtMost,
+        threshold: 0.05,
+        basis: Basis::Odds,
+        reason: "19 to 1 that something is missing",
+    },
+    Rule {
+        id: RuleId::Predicted,
+        name: "predicted",
+        statistic: "probability that noise of the same spectrum is met as well by what the curve predicts",
+        comparison: Comparison::AtMost,
+        threshold: 0.01,
+        basis: Basis::Quantile,
+        reason: "noise cannot be predicted from what drove the rig",
+    },
+    Rule {
+        id: RuleId::Form,
+        name: "form",
+        statistic: "share of the explainable error that comes back without it",
+        comparison: Comparison::AtLeast,
+        threshold: 0.01,
+        basis: Basis::Derivation,
+        reason: "a formula is exact to about a tenth of what it does: a hundredth of its square may be its own error",
+    },
+    Rule {
+        id: RuleId::Set,
+        name: "set",
+        statistic: "probability that one of a set of names is there",
+        comparison: Comparison::AtLeast,
+        threshold: 0.95,
+        basis: Basis::Odds,
+        reason: "19 to 1 against everything else, the unlisted included",
+    },
+    Rule {
+        id: RuleId::Own,
+        name: "own",
+        statistic: "probability that noise of the same spectrum is met as well by what any of the names tried in its place adds",
+        comparison: Comparison::AtMost,
+        threshold: 0.01,
+        basis: Basis::Quantile,
+        reason: "what it adds must be in the recordings, whatever the noise is like",
+    },
+    Rule {
+        id: RuleId::Remainder,
+        name: "remainder",
+        statistic: "probability that the anonymous curve is needed beside the names",
+        comparison: Comparison::AtLeast,
+        threshold: 0.95,
+        basis: Basis::Odds,
+        reason: "19 to 1 that something else is left",
+    },
+    Rule {
+        id: RuleId::Rounding,
+        name: "rounding",
+        statistic: "mean square that is predicted, over that of the converter's rounding",
+        comparison: Comparison::AtLeast,
+        threshold: 1.0,
+        basis: Basis::Derivation,
+        reason: "rounding is a function of the output, and so of the drive, as physics is",
+    },
+    Rule {
+        id: RuleId::Disturbed,
+        name: "disturbed",
+        statistic: "probability that noise which knows nothing of the rig grows and shrinks with its state as much",
+        comparison: Comparison::AtMost,
+        threshold: 0.001,
+        basis: Basis::Quantile,
+        reason: "a sensor's noise does not know the drive; draughts do",
+    },
+    Rule {
+        id: RuleId::Tone,
+        name: "tone",
+        statistic: "correlation of what is left with itself at long lags, standard deviations",
+        comparison: Comparison::AtLeast,
+        threshold: 6.0,
+        basis: Basis::Quantile,
+        reason: "no noise repeats itself after hundreds of samples: by chance in 1 of ten million recordings",
+    },
+    Rule {
+        id: RuleId::Slip,
+        name: "slip",
+        statistic: "error of a drift of the zero over that of a mount that slips while the rod is out",
+        comparison: Comparison::AtLeast,
+        threshold: 1.0,
+        basis: Basis::Derivation,
+        reason: "a drift of the sensor knows nothing of the rod",
+    },
+    Rule {
+        id: RuleId::UnseenGain,
+        name: "unseen-gain",
+        statistic: "share of what a name changes in the unseen recordings that comes true",
+        comparison: Comparison::AtLeast,
+        threshold: 0.5,
+        basis: Basis::Derivation,
+        reason: "below a half it makes them worse",
+    },
+    Rule {
+        id: RuleId::UnseenShare,
+        name: "unseen-share",
+        statistic: "share of what could be explained of the unseen recordings that is",
+        comparison: Comparison::AtLeast,
+        threshold: 0.8,
+        basis: Basis::Chosen,
+        reason: "what is explained is explained on recordings that were not used",
+    },
+];
+
+/// The rule of a number.
+pub(crate) fn rule(id: RuleId) -> &'static Rule {
+    let found = RULES.iter().find(|rule| rule.id == id);
+    let Some(found) = found else {
+        unreachable!("each has a row");
+    };
+    found
+}

@@ -1,0 +1,245 @@
+//! Each rule decides something: populations made up so that one statistic is on either side of its threshold.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::known::Known;
+use super::rules::{RULES, RuleId, rule};
+use super::said::Verdict;
+use super::verdict::{Decided, decide};
+use crate::evidence::{Anonymous, Audit, Evidence, Model, Population};
+use crate::{CandidateSet, EffectId, LoopFamily};
+
+const N: usize = 1600;
+const BLOCKS: usize = 16;
+
+fn noise(deviation: f64, seed: u64) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    (0..N)
+        .map(|_| {
+            let normal: f64 = StandardNormal.sample(&mut rng);
+            deviation * normal
+        })
+        .collect()
+}
+
+/// A trace of mean square `size`², and of another shape for another seed.
+fn trace(size: f64, seed: u64) -> Vec<f64> {
+    let mut smooth = noise(1.0, 100 + seed);
+    for k in 1..N {
+        smooth[k] = 0.95 * smooth[k - 1] + (1.0_f64 - 0.95 * 0.95).sqrt() * smooth[k];
+    }
+    let square = smooth.iter().map(|s| s * s).sum::<f64>() / N as f64;
+    smooth.iter().map(|s| s * size / square.sqrt()).collect()
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+/// White noise of whatever size the residual has.
+fn evidence(residual: Vec<f64>) -> Evidence {
+    let variance = residual.iter().map(|e| e * e).sum::<f64>() / N as f64;
+    let blocks = || residual.chunks(N / BLOCKS);
+    let square = |block: &[f64]| block.iter().map(|e| e * e).sum::<f64>();
+    Evidence {
+        nats: blocks()
+            .map(|block| -0.5 * block.len() as f64 * variance.ln() - 0.5 * square(block) / variance)
+            .collect(),
+        squares: blocks().map(|block| [square(block), 0.0]).collect(),
+        n_outputs: N,
+        residual,
+    }
+}
+
+fn model(names: &[EffectId], residual: Vec<f64>, with_curve: Vec<f64>) -> Model {
+    let names: CandidateSet = names.iter().map(|&name| name.into()).collect();
+    let (evidence, curve) = (evidence(residual), evidence(with_curve));
+    let left = |evidence: &Evidence| evidence.squares()[0];
+    let share = 1.0 - left(&curve) / left(&evidence);
+    let odds = names.iter().map(|name| name.info().presence.ln_odds());
+    Model {
+        family: LoopFamily::Proximity,
+        effects: names,
+        names,
+        ln_prior: odds.sum(),
+        pressed: CandidateSet::EMPTY,
+        slight: CandidateSet::EMPTY,
+        anonymous: Some(Anonymous {
+            audit: Audit {
+                share,
+                share_at_most: share,
+                p_value: if share > 0.0 { 0.001 } else { 1.0 },
+            },
+            evidence: curve,
+        }),
+        evidence,
+    }
+}
+
+fn known() -> Known {
+    Known {
+        segments: std::iter::once(0..N).collect(),
+        output_squares: 1e4 * N as f64,
+        rounding: 0.0,
+        catalogue: EffectId::ALL.into_iter().map(Into::into).collect(),
+        untried: CandidateSet::EMPTY,
+        disturbed: 1.0,
+        tone: 0.0,
+        slip: None,
+        seed: 1,
+    }
+}
+
+/// Noise of 1, what a lag leaves of `size`, a curve that finds three quarters of that where there is no lag, and `beside` the lag
+/// another trace that only a curve finds.
+fn with_lag(size: f64, beside: f64) -> Population {
+    let quiet = noise(1.0, 1);
+    let (lag, other) = (trace(size, 1), trace(beside, 2));
+    let half: Vec<f64> = lag.iter().map(|s| 0.5 * s).collect();
+    let rest = sum(&quiet, &other);
+    // What a curve takes of noise.
+    let worse = |series: &[f64]| sum(series, &noise(0.1, 7));
+    let left_by_curve = if beside > 0.0 {
+        quiet.clone()
+    } else {
+        worse(&quiet)
+    };
+    Population {
+        models: vec![
+            model(&[], sum(&rest, &lag), sum(&left_by_curve, &half)),
+            model(&[EffectId::OutputLag], rest, left_by_curve),
+        ],
+    }
+}
+
+fn nothing() -> Population {
+    let quiet = noise(1.0, 1);
+    Population {
+        models: vec![model(&[], quiet.clone(), sum(&quiet, &noise(0.1, 7)))],
+    }
+}
+
+fn named(decided: &Decided) -> Vec<&str> {
+    decided.named.iter().map(|one| one.effect.id()).collect()
+}
+
+#[test]
+fn a_name_that_beats_the_curve_holds() {
+    let decided = decide(&with_lag(3.0, 0.0), &known());
+    assert_eq!(decided.verdict, Verdict::Explained);
+    assert_eq!(named(&decided), ["output-lag"]);
+    assert!(decided.named[0].probability > 0.99);
+}
+
+#[test]
+fn where_nothing_is_left_nothing_is_missing() {
+    assert_eq!(decide(&nothing(), &known()).verdict, Verdict::Adequate);
+}
+
+#[test]
+fn a_name_that_loses_to_the_curve_does_not_hold() {
+    let mut population = with_lag(3.0, 0.0);
+    // The lag takes a third of what is there, the curve all but a quarter.
+    let lag: Vec<f64> = trace(3.0, 1).iter().map(|s| 0.8 * s).collect();
+    let residual = sum(&noise(1.0, 1), &lag);
+    population.models[1] = model(&[EffectId::OutputLag], residual.clone(), residual);
+    let decided = decide(&population, &known());
+    assert_eq!(decided.verdict, Verdict::Unexplained);
+    assert!(named(&decided).is_empty());
+}
+
+#[test]
+fn two_names_that_do_as_well_are_one_set() {
+    let mut population = with_lag(3.0, 0.0);
+    let twin = population.models[1].evidence.residual.clone();
+    population
+        .models
+        .push(model(&[EffectId::DeadTime], twin.clone(), twin));
+    let decided = decide(&population, &known());
+    assert_eq!(decided.verdict, Verdict::Ambiguous);
+    let found = &decided.named[0];
+    assert_eq!(found.others.len(), 1);
+    assert!((0.3..0.7).contains(&found.probability), "{found:?}");
+}
+
+#[test]
+fn a_remainder_is_said_from_the_error_of_a_formula_on() {
+    // A hundredth of the explainable square, and less.
+    let in_part = decide(&with_lag(3.0, 0.5), &known());
+    assert_eq!(in_part.verdict, Verdict::ExplainedInPart);
+    let whole = decide(&with_lag(30.0, 0.5), &known());
+    assert_eq!(whole.verdict, Verdict::Explained);
+}
+
+#[test]
+fn what_does_not_go_with_the_recordings_has_no_name() {
+    let mut population = with_lag(3.0, 0.0);
+    // Likelier, but what it adds is not in what is left without it.
+    let unrelated = sum(&population.models[0].evidence.residual, &trace(3.0, 9));
+    population.models[1].evidence.residual = unrelated;
+    let decided = decide(&population, &known());
+    assert_eq!(decided.verdict, Verdict::Adequate);
+    let traces = &decided.traces.0;
+    let own = traces.iter().find(|trace| trace.rule.id == RuleId::Own);
+    assert!(own.is_some_and(|trace| !trace.passed));
+}
+
+/// Verdicts of a population where one thing is known, below and above a threshold.
+fn around(population: &Population, id: RuleId, set: impl Fn(&mut Known, f64)) -> [Verdict; 2] {
+    [0.98, 1.02].map(|factor| {
+        let mut known = known();
+        set(&mut known, factor * rule(id).threshold);
+        decide(population, &known).verdict
+    })
+}
+
+#[test]
+fn a_model_that_predicts_less_than_half_describes_nothing() {
+    let population = nothing();
+    let left = population.plain().evidence.squares()[0];
+    let found = around(&population, RuleId::Describes, |known, share| {
+        known.output_squares = left / (1.0 - share);
+    });
+    assert_eq!(found, [Verdict::Unexplained, Verdict::Adequate]);
+}
+
+#[test]
+fn what_is_smaller_than_rounding_has_no_name() {
+    let population = with_lag(1.0, 0.0);
+    let lost = |names: usize| population.models[names].evidence.squares()[0] / N as f64;
+    let found = around(&population, RuleId::Rounding, |known, over| {
+        known.rounding = (lost(0) - lost(1)) / over;
+    });
+    assert_ne!(found[0], Verdict::Explained);
+    assert_eq!(found[1], Verdict::Explained);
+}
+
+#[test]
+fn what_follows_the_state_or_has_a_tone_is_no_noise() {
+    let disturbed = around(&nothing(), RuleId::Disturbed, |known, p| {
+        known.disturbed = p
+    });
+    assert_eq!(disturbed, [Verdict::Unexplained, Verdict::Adequate]);
+    let tone = around(&nothing(), RuleId::Tone, |known, tone| known.tone = tone);
+    assert_eq!(tone, [Verdict::Adequate, Verdict::Unexplained]);
+}
+
+#[test]
+fn a_drift_that_slips_is_no_drift() {
+    let found = around(&with_lag(3.0, 0.0), RuleId::Slip, |known, slip| {
+        known.slip = Some(slip);
+    });
+    assert_eq!(found, [Verdict::Explained, Verdict::Unexplained]);
+}
+
+#[test]
+fn each_rule_has_one_row_and_there_are_fewer_than_fifteen() {
+    assert!(RULES.len() < 15);
+    for row in RULES {
+        assert_eq!(RULES.iter().filter(|other| other.id == row.id).count(), 1);
+        assert_eq!(rule(row.id).name, row.name);
+        assert!(!row.passes(f64::NAN));
+    }
+}

@@ -1,0 +1,35 @@
+//! Which rules were asked, of what, and what they said.
+
+use crate::decide::rules::{Rule, RuleId, rule};
+
+/// A rule that was asked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// The rule.
+    pub rule: &'static Rule,
+    /// What it was asked of: a name, or nothing where it is the whole.
+    pub of: String,
+    /// The statistic.
+    pub value: f64,
+    /// Whether it passed.
+    pub passed: bool,
+}
+
+/// All that were asked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Traces(pub(crate) Vec<Trace>);
+
+impl Traces {
+    /// Asks a rule, and remembers what it said.
+    pub(crate) fn ask(&mut self, id: RuleId, of: &str, value: f64) -> bool {
+        let rule = rule(id);
+        let passed = rule.passes(value);
+        self.0.push(Trace {
+            rule,
+            of: of.to_owned(),
+            value,
+            passed,
+        });
+        passed
+    }
+}

@@ -1,0 +1,136 @@
+//! The verdict.
+
+use crate::decide::known::Known;
+use crate::decide::leading::leading;
+use crate::decide::names::{Belief, Named, names};
+use crate::decide::rules::RuleId;
+use crate::decide::said::Verdict;
+use crate::decide::trace::Traces;
+use crate::evidence::{Audit, Model, Population, UNLISTED, masses};
+
+/// What is said.
+#[derive(Debug, Clone)]
+pub(crate) struct Decided {
+    pub(crate) verdict: Verdict,
+    pub(crate) named: Vec<Named>,
+    /// Names that help and do not hold.
+    pub(crate) suspects: Vec<Named>,
+    /// Share of what could be explained that the leading model explains on blocks it has not seen.
+    pub(crate) explained: Option<f64>,
+    /// What a curve of any shape predicts of what the leading model leaves.
+    pub(crate) audit: Option<Audit>,
+    pub(crate) traces: Traces,
+}
+
+/// What a population says.
+pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
+    let mut traces = Traces::default();
+    let model = leading(population);
+    let belief = Belief::of(population, model, known.seed);
+    let describes = traces.ask(RuleId::Describes, "", described(population, model, known));
+    let is_missing = traces.ask(
+        RuleId::Missing,
+        "",
+        plain(population, model, &belief, known.seed),
+    );
+    let [mut named, mut suspects] = names(population, model, &belief, known, &mut traces);
+    let is_left = is_left(population, model, known, &mut traces);
+    let is_odd = is_odd(known, named.is_empty(), &mut traces);
+    let verdict = if !describes {
+        Verdict::Unexplained
+    } else if named.is_empty() {
+        let is_found = is_missing && suspects.iter().any(|one| is_predicted(&traces, one));
+        if is_left || is_odd || is_found {
+            Verdict::Unexplained
+        } else {
+            Verdict::Adequate
+        }
+    } else if is_odd && known.slip.is_some() {
+        Verdict::Unexplained
+    } else if is_left || is_odd {
+        Verdict::ExplainedInPart
+    } else if named.iter().any(|named| !named.others.is_empty()) {
+        Verdict::Ambiguous
+    } else {
+        Verdict::Explained
+    };
+    if verdict == Verdict::Unexplained {
+        suspects.append(&mut named);
+    }
+    let with = model.evidence.squares();
+    let without = population.plain().evidence.squares();
+    Decided {
+        verdict,
+        named,
+        suspects,
+        explained: (!model.names.is_empty()).then(|| population.share(with, without)),
+        audit: model.anonymous.as_ref().map(|one| one.audit),
+        traces,
+    }
+}
+
+/// Whether what a suspect adds goes with the recordings.
+fn is_predicted(traces: &Traces, suspect: &Named) -> bool {
+    let mut own = traces.0.iter();
+    own.any(|trace| trace.rule.id == RuleId::Own && trace.of == suspect.effect.id() && trace.passed)
+}
+
+/// Share of the output's variance that is predicted on blocks which were left out, by the model or with the curve.
+fn described(population: &Population, model: &Model, known: &Known) -> f64 {
+    let least = model.evidence.squares()[0].min(population.ceiling()[0]);
+    if known.output_squares > 0.0 {
+        1.0 - least / known.output_squares
+    } else {
+        0.0
+    }
+}
+
+/// Probability of the plain model.
+fn plain(population: &Population, model: &Model, belief: &Belief, seed: u64) -> f64 {
+    if !model.names.is_empty() {
+        return belief.plain();
+    }
+    1.0 - with_curve(population.plain(), seed)
+}
+
+/// Probability that a model needs the anonymous curve.
+fn with_curve(model: &Model, seed: u64) -> f64 {
+    let Some(anonymous) = &model.anonymous else {
+        return 0.0;
+    };
+    let asked: [(f64, &[f64]); 2] = [
+        (0.0, &model.evidence.nats),
+        (UNLISTED, &anonymous.evidence.nats),
+    ];
+    masses(&asked, seed)[1]
+}
+
+/// Whether a curve finds more than the model has, and more than its formulas' own error.
+fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut Traces) -> bool {
+    let Some(anonymous) = &model.anonymous else {
+        return false;
+    };
+    let [left, with] = [&model.evidence, &anonymous.evidence].map(|one| one.squares());
+    let is_needed = traces.ask(RuleId::Remainder, "", with_curve(model, known.seed));
+    let is_predicted = traces.ask(RuleId::Predicted, "", anonymous.audit.p_value);
+    let share = if model.names.is_empty() {
+        anonymous.audit.share
+    } else {
+        population.share(with, left)
+    };
+    let is_large = traces.ask(RuleId::Form, "", share);
+    let gained = (left[0] - with[0]) / model.evidence.n_outputs as f64;
+    let is_no_rounding =
+        known.rounding == 0.0 || traces.ask(RuleId::Rounding, "", gained / known.rounding);
+    is_needed && is_predicted && is_large && is_no_rounding
+}
+
+/// Whether what is left is no noise of a sensor, though nothing predicts it.
+fn is_odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> bool {
+    let is_disturbed = is_nameless && traces.ask(RuleId::Disturbed, "", known.disturbed);
+    let has_tone = traces.ask(RuleId::Tone, "", known.tone);
+    let slips = known
+        .slip
+        .is_some_and(|slip| traces.ask(RuleId::Slip, "", slip));
+    is_disturbed || has_tone || slips
+}

@@ -1,0 +1,128 @@
+//! All models that were looked at, with what each is worth.
+
+use crate::evidence::audit::Anonymous;
+use crate::evidence::worth::Evidence;
+use crate::{Candidate, CandidateSet, LoopFamily};
+
+/// Logarithm of the odds against something that nobody has listed: as against any one that is listed.
+pub(crate) const UNLISTED: f64 = -3.0;
+
+/// Nats within which another model does as well: odds of 20 to 1.
+const AS_WELL: f64 = 3.0;
+
+/// A model of the population.
+#[derive(Debug, Clone)]
+pub(crate) struct Model {
+    /// Curves of its loop's branches.
+    pub(crate) family: LoopFamily,
+    /// Its effects.
+    pub(crate) effects: CandidateSet,
+    /// What it has beyond the plain model: a loop of another family is another shape of the loop.
+    pub(crate) names: CandidateSet,
+    /// Logarithm of its prior: whether such effects are there, and of that size.
+    pub(crate) ln_prior: f64,
+    /// Effects that stand against a bound which is no end of what can be.
+    pub(crate) pressed: CandidateSet,
+    /// Effects too small for their names.
+    pub(crate) slight: CandidateSet,
+    pub(crate) evidence: Evidence,
+    /// With a curve of any shape on top, where that was asked for.
+    pub(crate) anonymous: Option<Anonymous>,
+}
+
+impl Model {
+    /// Logarithm of its prior and density.
+    pub(crate) fn worth(&self) -> f64 {
+        self.ln_prior + self.evidence.total()
+    }
+
+    /// The same with the curve.
+    pub(crate) fn worth_with_curve(&self) -> Option<f64> {
+        let anonymous = self.anonymous.as_ref()?;
+        Some(self.ln_prior + UNLISTED + anonymous.evidence.total())
+    }
+
+    /// Whether it may be chosen: what it has is within what can be, and as large as its name says.
+    pub(crate) fn is_admissible(&self) -> bool {
+        self.pressed.is_empty() && self.slight.is_empty()
+    }
+
+    /// Whether all that it has has a form of its own, and none could take any shape.
+    pub(crate) fn is_rigid(&self) -> bool {
+        self.names.iter().all(|name| !name.info().flexible)
+    }
+
+    /// Whether a curve finds nothing more.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.worth_with_curve()
+            .is_some_and(|with_curve| with_curve < self.worth())
+    }
+}
+
+/// Models of one set of recordings on the same blocks.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Population {
+    /// The plain one first.
+    pub(crate) models: Vec<Model>,
+}
+
+impl Population {
+    /// The plain model.
+    pub(crate) fn plain(&self) -> &Model {
+        &self.models[0]
+    }
+
+    /// The model with just these names.
+    pub(crate) fn get(&self, names: CandidateSet) -> Option<&Model> {
+        let own = self.models.iter().filter(|model| model.names == names);
+        own.max_by(|a, b| a.worth().total_cmp(&b.worth()))
+    }
+
+    /// The most credible model that may be chosen; one in which all has a form of its own, if that does as well.
+    pub(crate) fn best(&self) -> &Model {
+        let admissible = || self.models.iter().filter(|model| model.is_admissible());
+        let worth = |a: &&Model, b: &&Model| a.worth().total_cmp(&b.worth());
+        let best = admissible().max_by(worth).unwrap_or_else(|| self.plain());
+        let rigid = admissible().filter(|model| model.is_rigid()).max_by(worth);
+        rigid
+            .filter(|rigid| rigid.worth() > best.worth() - AS_WELL)
+            .unwrap_or(best)
+    }
+
+    /// Sums of squares that there is no way below: the least of any model, or of any with a curve on top, channel by channel.
+    pub(crate) fn ceiling(&self) -> [f64; 2] {
+        let named = self.models.iter().map(|model| model.evidence.squares());
+        let with_curve = self
+            .models
+            .iter()
+            .filter_map(|model| model.anonymous.as_ref());
+        let all = named.chain(with_curve.map(|one| one.evidence.squares()));
+        all.fold([f64::INFINITY; 2], |least, squares| {
+            [0, 1].map(|channel| squares[channel].min(least[channel]))
+        })
+    }
+
+    /// Share of what could be explained that is lost from one sum of squares to another; of both channels the larger.
+    pub(crate) fn share(&self, with: [f64; 2], without: [f64; 2]) -> f64 {
+        let (plain, ceiling) = (self.plain().evidence.squares(), self.ceiling());
+        let of = |channel: usize| {
+            let all = plain[channel] - ceiling[channel];
+            // Of what is hardly anything a share says nothing.
+            if all > LEAST * plain[channel] {
+                (without[channel] - with[channel]) / all
+            } else {
+                0.0
+            }
+        };
+        of(0).max(of(1))
+    }
+
+    /// What a model loses without one of its names, as a share of what could be explained; `None` if it was not tried.
+    pub(crate) fn contribution(&self, model: &Model, name: Candidate) -> Option<f64> {
+        let less = self.get(model.names.without(name))?;
+        Some(self.share(model.evidence.squares(), less.evidence.squares()))
+    }
+}
+
+/// Share of a sum of squares below which there is nothing to explain.
+const LEAST: f64 = 1e-3;

@@ -1,0 +1,114 @@
+//! The density that a model gives to recordings: noise with a memory and heavy tails.
+
+use crate::evidence::blocks::Block;
+use crate::model::series::{Channel, Layout};
+use identify::ResidualNoise;
+
+/// Degrees of freedom of Student's t that are tried for the innovations: the last is all but normal.
+const DEGREES: [f64; 4] = [2.0, 4.0, 8.0, 200.0];
+
+/// Steps of the scale's iteration.
+const STEPS: usize = 30;
+
+/// Logarithm of the density of a residual in each block, nats: an autoregressive model of it, with innovations of
+/// Student's t.
+pub(crate) fn by_block(layout: &Layout, residual: &[f64], blocks: &[Block]) -> Vec<f64> {
+    let mut nats = vec![0.0; residual.len()];
+    for channel in [Channel::Output, Channel::Temperature] {
+        let segments: Vec<&crate::model::series::Segment> = layout.of_channel(channel).collect();
+        let parts: Vec<&[f64]> = segments
+            .iter()
+            .map(|one| &residual[one.range.clone()])
+            .collect();
+        let noise = ResidualNoise::of(&parts);
+        if noise.n_samples == 0 || noise.innovation_variance <= 0.0 {
+            continue;
+        }
+        let innovations: Vec<Vec<f64>> =
+            parts.iter().map(|part| innovations(part, &noise)).collect();
+        let all: Vec<f64> = innovations.concat();
+        let tails = Tails::of(&all, noise.innovation_variance.sqrt());
+        for (segment, own) in segments.iter().zip(&innovations) {
+            let shown = nats[segment.range.clone()].iter_mut().zip(own);
+            shown.for_each(|(nats, innovation)| *nats = tails.nats(*innovation));
+        }
+    }
+    let of = |block: &Block| {
+        block
+            .scored()
+            .map(|rows| nats[rows.clone()].iter().sum::<f64>())
+            .sum()
+    };
+    blocks.iter().map(of).collect()
+}
+
+/// What of each sample its past does not tell; the first ones, which have no past, as far as the same spread.
+fn innovations(part: &[f64], noise: &ResidualNoise) -> Vec<f64> {
+    let a = &noise.coefficients;
+    let share = (noise.innovation_variance / noise.variance).sqrt();
+    (0..part.len())
+        .map(|k| {
+            if k < a.len() {
+                return share * part[k];
+            }
+            let past = part[..k].iter().rev();
+            part[k] - a.iter().zip(past).map(|(a, past)| a * past).sum::<f64>()
+        })
+        .collect()
+}
+
+/// Student's t of some scale.
+#[derive(Debug, Clone, Copy)]
+struct Tails {
+    degrees: f64,
+    scale: f64,
+    constant: f64,
+}
+
+impl Tails {
+    /// The likeliest.
+    fn of(innovations: &[f64], deviation: f64) -> Self {
+        let fitted = DEGREES.map(|degrees| {
+            let tails = Self::with(degrees, innovations, deviation);
+            let sum: f64 = innovations.iter().map(|one| tails.nats(*one)).sum();
+            (sum, tails)
+        });
+        let best = fitted.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        best.map_or_else(|| Self::new(DEGREES[3], deviation), |(_, tails)| tails)
+    }
+
+    /// The scale by expectation and maximization.
+    fn with(degrees: f64, innovations: &[f64], deviation: f64) -> Self {
+        let mut square = deviation * deviation;
+        for _ in 0..STEPS {
+            let weighted: f64 = innovations
+                .iter()
+                .map(|one| one * one * (degrees + 1.0) / (degrees + one * one / square))
+                .sum();
+            let next = weighted / innovations.len() as f64;
+            let is_settled = (next / square - 1.0).abs() < 1e-6;
+            square = next.max(f64::MIN_POSITIVE);
+            if is_settled {
+                break;
+            }
+        }
+        Self::new(degrees, square.sqrt())
+    }
+
+    fn new(degrees: f64, scale: f64) -> Self {
+        let constant = libm::lgamma(0.5 * (degrees + 1.0))
+            - libm::lgamma(0.5 * degrees)
+            - 0.5 * (degrees * std::f64::consts::PI).ln()
+            - scale.ln();
+        Self {
+            degrees,
+            scale,
+            constant,
+        }
+    }
+
+    fn nats(&self, innovation: f64) -> f64 {
+        let square = (innovation / self.scale).powi(2);
+        self.constant - 0.5 * (self.degrees + 1.0) * libm::log1p(square / self.degrees)
+    }
+}

@@ -1,0 +1,49 @@
+//! How often noise of the same spectrum meets a prediction as well: by circular shifts.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::model::projection::dot;
+
+/// Share of a recording by which it is shifted at least.
+const LEAST: f64 = 0.05;
+
+/// Probability that noise goes along with a prediction as well as a series does.
+///
+/// `pairs` has a series and what was predicted of it, recording by recording, both without their means. What the
+/// prediction does not account for is shifted around in time against it: noise stays what it is, of whatever spectrum,
+/// and no longer meets the prediction but by chance. What the prediction accounts for is taken out before, since under a
+/// drive that repeats itself it would meet it again (residuals under the full model: ter Braak 1992). No probability is below
+/// 1/(1 + `shifts`).
+pub(crate) fn by_chance(pairs: &[(Vec<f64>, Vec<f64>)], shifts: usize, seed: u64) -> f64 {
+    let product = |of: fn(&(Vec<f64>, Vec<f64>)) -> f64| pairs.iter().map(of).sum::<f64>();
+    let found = product(|(series, predicted)| dot(series, predicted));
+    let square = product(|(_, predicted)| dot(predicted, predicted));
+    if found <= 0.0 || square <= 0.0 {
+        return 1.0;
+    }
+    let slope = found / square;
+    let left: Vec<Vec<f64>> = pairs
+        .iter()
+        .map(|(series, predicted)| {
+            let pairs = series.iter().zip(predicted);
+            pairs
+                .map(|(series, predicted)| series - slope * predicted)
+                .collect()
+        })
+        .collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut as_well = 0;
+    for _ in 0..shifts {
+        let mut along = 0.0;
+        for (left, (_, predicted)) in left.iter().zip(pairs) {
+            let n = left.len();
+            let least = (LEAST * n as f64) as usize;
+            let shift = rng.random_range(least..(n - least).max(least + 1));
+            let (begin, end) = left.split_at(shift);
+            along += dot(end, &predicted[..n - shift]) + dot(begin, &predicted[n - shift..]);
+        }
+        as_well += usize::from(along >= found);
+    }
+    (1 + as_well) as f64 / (1 + shifts) as f64
+}

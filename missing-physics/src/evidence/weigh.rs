@@ -1,0 +1,103 @@
+//! Models on blocks that were left out of their fits, without and with a curve of any shape on top.
+
+use identify::IdentifyError;
+
+use crate::evidence::audit::{Anonymous, SHIFTS, audit};
+use crate::evidence::blocks::Block;
+use crate::evidence::curve;
+use crate::evidence::left_out::{Columns, LeftOut};
+use crate::evidence::shifts::by_chance;
+use crate::evidence::worth::Evidence;
+use crate::model::case::{Case, Node};
+use crate::model::series::Channel;
+use crate::model::tangent::Sensitivity;
+
+/// A model on blocks that were left out of its fit.
+pub(crate) fn weighed(
+    case: &Case<'_>,
+    node: &Node,
+    sensitivities: &[Sensitivity],
+    blocks: &[Block],
+) -> Evidence {
+    let free: Vec<&[f64]> = free(sensitivities);
+    let columns = Columns {
+        free: &free,
+        curve: &[],
+    };
+    let predicted = LeftOut::new(&columns, &node.residual, blocks).predicted(0.0);
+    Evidence::of(case, less(&node.residual, &predicted), blocks)
+}
+
+/// What a curve of any shape predicts of what a model leaves of blocks that it has not seen.
+pub(crate) fn audited(
+    case: &Case<'_>,
+    node: &Node,
+    named: &Evidence,
+    sensitivities: &[Sensitivity],
+    blocks: &[Block],
+    seed: u64,
+) -> Result<Anonymous, IdentifyError> {
+    let curve = curve::of(case, node, sensitivities)?;
+    let curve: Vec<&[f64]> = curve.iter().map(Vec::as_slice).collect();
+    let free = free(sensitivities);
+    let columns = Columns {
+        free: &free,
+        curve: &curve,
+    };
+    let predicted = LeftOut::new(&columns, &node.residual, blocks).best_predicted();
+    let evidence = Evidence::of(case, less(&node.residual, &predicted), blocks);
+    Ok(Anonymous {
+        audit: audit(case, [named, &evidence], blocks, seed),
+        evidence,
+    })
+}
+
+fn free(sensitivities: &[Sensitivity]) -> Vec<&[f64]> {
+    let free = sensitivities.iter().filter(|one| !one.held);
+    free.map(|one| one.column.as_slice()).collect()
+}
+
+fn less(residual: &[f64], predicted: &[f64]) -> Vec<f64> {
+    let pairs = residual.iter().zip(predicted);
+    pairs
+        .map(|(residual, predicted)| residual - predicted)
+        .collect()
+}
+
+/// Probability that noise which knows nothing of the rig grows and shrinks with its state as a residual does.
+pub(crate) fn disturbed(
+    case: &Case<'_>,
+    node: &Node,
+    evidence: &Evidence,
+    sensitivities: &[Sensitivity],
+    blocks: &[Block],
+    seed: u64,
+) -> Result<f64, IdentifyError> {
+    let curve = curve::of(case, node, sensitivities)?;
+    let curve: Vec<&[f64]> = curve.iter().map(Vec::as_slice).collect();
+    let mut pairs = Vec::new();
+    let mut sizes = vec![0.0; evidence.residual.len()];
+    let mut levels: Vec<Vec<f64>> = Vec::new();
+    let outputs: Vec<_> = case.layout.of_channel(Channel::Output).collect();
+    for segment in &outputs {
+        let own = &evidence.residual[segment.range.clone()];
+        let mean = own.iter().map(|e| e.abs()).sum::<f64>() / own.len() as f64;
+        for (size, e) in sizes[segment.range.clone()].iter_mut().zip(own) {
+            *size = e.abs() - mean;
+        }
+        let mut level = vec![0.0; sizes.len()];
+        level[segment.range.clone()].fill(1.0);
+        levels.push(level);
+    }
+    let free: Vec<&[f64]> = levels.iter().map(Vec::as_slice).collect();
+    let columns = Columns {
+        free: &free,
+        curve: &curve,
+    };
+    let predicted = LeftOut::new(&columns, &sizes, blocks).best_predicted();
+    for segment in &outputs {
+        let own = |series: &[f64]| series[segment.range.clone()].to_vec();
+        pairs.push((own(&sizes), own(&predicted)));
+    }
+    Ok(by_chance(&pairs, SHIFTS, seed))
+}

@@ -1,0 +1,421 @@
+//! One rig with its recordings, and models of it with ever other effects.
+
+use identify::{
+    Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
+    ParameterVector, RefineConfig, Refined, WienerModel, refine,
+};
+use recording::Recording;
+
+use crate::model::elsewhere::is_drift;
+use crate::model::series::{Channel, Layout, Noise};
+use crate::watch::{Unwatched, Watch, Watched};
+use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Need, Role, Setting};
+
+/// Iterations of a refinement that is only to be compared with others.
+const ITERATIONS: usize = 8;
+
+/// The same of models with one effect, from which all the rest grows, and of those with a drift.
+const FIRST_ITERATIONS: usize = 24;
+
+/// Other minima of the baseline that effects are tried at: what a large effect bends may fit best far from the truth.
+const OTHER_BASELINES: usize = 2;
+
+/// Iterations until a refinement has its end.
+const TO_THE_END: usize = 60;
+
+/// A fitted baseline and what it was fitted to.
+#[derive(Debug)]
+pub(crate) struct Case<'a> {
+    pub(crate) base: &'a WienerModel,
+    pub(crate) fit: &'a Fit,
+    pub(crate) training: &'a [Recording],
+    pub(crate) setting: Setting,
+    pub(crate) layout: Layout,
+    recorded: Vec<f64>,
+    watch: &'a dyn Watch,
+}
+
+/// A model of the case, refined.
+#[derive(Debug, Clone)]
+pub(crate) struct Node {
+    pub(crate) effects: CandidateSet,
+    pub(crate) model: ExtendedModel,
+    /// Coordinates of the model's parameters.
+    pub(crate) coordinates: Vec<f64>,
+    /// Values of all parameters in each recording.
+    pub(crate) points: Vec<Vec<f64>>,
+    /// Recorded - model.
+    pub(crate) residual: Vec<f64>,
+    /// What the residual is like.
+    pub(crate) noise: Noise,
+    /// Simulations that it took.
+    pub(crate) simulations: u64,
+}
+
+impl<'a> Case<'a> {
+    pub(crate) fn new(
+        base: &'a WienerModel,
+        fit: &'a Fit,
+        training: &'a [Recording],
+        setting: Setting,
+    ) -> Self {
+        // Both channels count alike where the baseline stands.
+        let per_k = match fit.temperature_rmse_k {
+            Some(rmse_k) if rmse_k > 0.0 => fit.train_rmse / rmse_k,
+            _ => 0.0,
+        };
+        let layout = Layout::of(training, per_k);
+        Self {
+            recorded: layout.recorded(training),
+            base,
+            fit,
+            training,
+            setting,
+            layout,
+            watch: &Unwatched,
+        }
+    }
+
+    /// The same case, its searches watched.
+    pub(crate) fn watched_by(self, watch: &'a dyn Watch) -> Self {
+        Self { watch, ..self }
+    }
+
+    /// A model of the case, its simulations watched.
+    pub(crate) fn watched<'m>(&'m self, model: &'m ExtendedModel) -> Watched<'m> {
+        Watched {
+            model,
+            watch: self.watch,
+        }
+    }
+
+    /// What was recorded, in the order of the layout.
+    pub(crate) fn recorded(&self) -> &[f64] {
+        &self.recorded
+    }
+
+    /// The same rig with a loop of another family, and the plain fit of that.
+    pub(crate) fn of_family(&self, loop_family: LoopFamily, fit: &'a Fit) -> Self {
+        let setting = Setting {
+            loop_family,
+            ..self.setting
+        };
+        Self {
+            fit,
+            setting,
+            // Temperatures on one scale: models of all families are compared.
+            layout: self.layout.clone(),
+            recorded: self.recorded.clone(),
+            ..*self
+        }
+    }
+
+    /// The model with these effects.
+    pub(crate) fn model(&self, effects: CandidateSet) -> ExtendedModel {
+        ExtendedModel::new(self.base, self.fit, self.setting, effects)
+    }
+
+    /// The fitted baseline as a node.
+    pub(crate) fn baseline(&self) -> Result<Node, IdentifyError> {
+        let points = (0..self.training.len())
+            .map(|r| self.fit.point(r))
+            .collect();
+        self.plain_at(points)
+    }
+
+    /// The baseline at its other minima.
+    pub(crate) fn other_baselines(&self) -> Result<Vec<Node>, IdentifyError> {
+        let minima = self.fit.other_minima.iter().take(OTHER_BASELINES);
+        minima.map(|points| self.plain_at(points.clone())).collect()
+    }
+
+    /// The baseline with these values of all parameters in each recording.
+    fn plain_at(&self, points: Vec<Vec<f64>>) -> Result<Node, IdentifyError> {
+        let model = self.model(CandidateSet::EMPTY);
+        let vector = ParameterVector::new(model.parameters(), self.training.len());
+        let coordinates = vector.coordinates(|parameter, r| Some(points[r][parameter]));
+        self.node(model, coordinates, points, 0)
+    }
+
+    /// Refines the model with these effects from each of the starts, near a node.
+    pub(crate) fn refined(
+        &self,
+        near: &Node,
+        effects: CandidateSet,
+        starts: &[Vec<f64>],
+    ) -> Result<Node, IdentifyError> {
+        let model = self.model(effects);
+        // A drift's knots follow another effect slowly.
+        let iterations = if near.effects.is_empty() || effects.iter().any(is_drift) {
+            FIRST_ITERATIONS
+        } else {
+            ITERATIONS
+        };
+        let refined = self.searched(near, &model, starts, iterations)?;
+        self.node(
+            model,
+            refined.coordinates,
+            refined.points,
+            refined.simulations,
+        )
+    }
+
+    /// A node at the end of its search, which so far was short.
+    pub(crate) fn finished(&self, node: &Node) -> Result<Node, IdentifyError> {
+        let starts = std::slice::from_ref(&node.coordinates);
+        let refined = self.searched(node, &node.model, starts, TO_THE_END)?;
+        self.node(
+            node.model.clone(),
+            refined.coordinates,
+            refined.points,
+            node.simulations + refined.simulations,
+        )
+    }
+
+    /// A node where a fit of its model ended.
+    pub(crate) fn fitted(&self, node: &Node, fit: &Fit) -> Result<Node, IdentifyError> {
+        let vector = ParameterVector::new(node.model.parameters(), self.training.len());
+        let points = (0..self.training.len()).map(|r| fit.point(r)).collect();
+        let simulations = node.simulations + fit.simulations;
+        self.node(
+            node.model.clone(),
+            fit.coordinates(&vector),
+            points,
+            simulations,
+        )
+    }
+
+    /// The end of a short search of a node's model.
+    pub(crate) fn approached(
+        &self,
+        node: &Node,
+        start: &[f64],
+        iterations: usize,
+    ) -> Result<Refined, IdentifyError> {
+        self.searched(node, &node.model, &[start.to_vec()], iterations)
+    }
+
+    /// Deviance of a node, as [`Refined::deviance`] has it.
+    pub(crate) fn deviance(&self, node: &Node) -> f64 {
+        let scale = match node.noise.temperature.n_samples {
+            0 => 0.0,
+            n => 2.0 * n as f64 * self.layout.per_k.ln(),
+        };
+        node.noise.deviance() - scale
+    }
+
+    fn searched(
+        &self,
+        near: &Node,
+        model: &ExtendedModel,
+        starts: &[Vec<f64>],
+        iterations: usize,
+    ) -> Result<Refined, IdentifyError> {
+        refine(
+            &self.watched(model),
+            self.training,
+            starts,
+            &self.config(near, iterations),
+        )
+    }
+
+    /// Both channels count as well as they are met by a node from which the search goes out.
+    fn config(&self, near: &Node, iterations: usize) -> RefineConfig {
+        let Noise {
+            output,
+            temperature,
+        } = &near.noise;
+        let per_k = self.layout.per_k;
+        RefineConfig {
+            least_squares: LeastSquaresConfig {
+                iterations,
+                relative_offset: 1e-3,
+            },
+            weights: None,
+            temperature_weight: if temperature.variance > 0.0 {
+                per_k.powi(2) * output.variance / temperature.variance
+            } else {
+                0.0
+            },
+        }
+    }
+
+    pub(crate) fn node(
+        &self,
+        model: ExtendedModel,
+        coordinates: Vec<f64>,
+        points: Vec<Vec<f64>>,
+        simulations: u64,
+    ) -> Result<Node, IdentifyError> {
+        let shown = self
+            .layout
+            .shown(&model, self.training, |r| vec![points[r].clone()])?;
+        let residual: Vec<f64> = self
+            .recorded
+            .iter()
+            .zip(&shown[0])
+            .map(|(recorded, shown)| recorded - shown)
+            .collect();
+        Ok(Node {
+            effects: model.active(),
+            noise: self.layout.noise(&residual),
+            model,
+            coordinates,
+            points,
+            residual,
+            simulations: simulations + 1,
+        })
+    }
+
+    /// Sum of squared residuals of a model at points of each recording, each about its own mean in each recording.
+    pub(crate) fn residuals(
+        &self,
+        model: &ExtendedModel,
+        points: impl Fn(usize) -> Vec<Vec<f64>>,
+    ) -> Result<Vec<f64>, IdentifyError> {
+        let shown = self.layout.shown(model, self.training, points)?;
+        Ok(shown
+            .iter()
+            .map(|shown| {
+                let sums = self.layout.segments.iter().map(|segment| {
+                    let pairs = self.recorded[segment.range.clone()]
+                        .iter()
+                        .zip(&shown[segment.range.clone()]);
+                    let (mut sum, mut squares) = (0.0, 0.0);
+                    for (recorded, shown) in pairs {
+                        sum += recorded - shown;
+                        squares += (recorded - shown).powi(2);
+                    }
+                    let mean = sum / segment.range.len() as f64;
+                    match segment.channel {
+                        Channel::Output => squares - sum * mean,
+                        Channel::Temperature => squares,
+                    }
+                });
+                sums.sum()
+            })
+            .collect())
+    }
+
+    /// Coordinates in the model with other effects, from where a node stands: what it has stays, what is new is
+    /// at `value(effect, number of the parameter)`, or where the baseline has it.
+    pub(crate) fn moved(
+        &self,
+        node: &Node,
+        to: &ExtendedModel,
+        value: impl Fn(Candidate, usize) -> Option<f64>,
+    ) -> Vec<f64> {
+        let n_base = self.base.parameters().len();
+        let vector = ParameterVector::new(to.parameters(), self.training.len());
+        vector.coordinates(|parameter, r| {
+            if parameter < n_base {
+                return Some(node.points[r][parameter]);
+            }
+            let (effect, index) = to.slot(parameter)?;
+            value(effect, index).or_else(|| match node.model.first_parameter(effect) {
+                Some(first) => Some(node.points[r][first + index]),
+                None => Some(effect.info().parameters[index].neutral()),
+            })
+        })
+    }
+
+    fn has_thermometer(&self) -> bool {
+        let mut thermometers = self.layout.of_channel(Channel::Temperature);
+        thermometers.next().is_some()
+    }
+
+    /// The partner of an effect that screening varies, and the values to try.
+    pub(crate) fn screened_partner(&self, effect: Candidate) -> Option<(usize, &'static [f64])> {
+        let info = effect.info();
+        let told =
+            |&(k, _): &(usize, _)| self.has_thermometer() || !info.parameters[k].needs_thermometer;
+        info.screened_partner().filter(told)
+    }
+
+    /// What an effect needs and is not known.
+    pub(crate) fn missing(&self, effect: Candidate) -> Option<Need> {
+        let setting = &self.setting;
+        let electrical = !matches!(self.base.drive(), wiener::Drive::Power { .. });
+        effect.info().needs.iter().copied().find(|need| match need {
+            Need::MassPerMeter => setting.mass_kg_per_m.is_none(),
+            Need::SurfacePerMeter => setting.surface_m2_per_m.is_none(),
+            Need::ElectricalDrive => !electrical,
+            Need::TemperatureChannel => !self.has_thermometer(),
+            // Each recording has its length, and without a load the loop shifts all the same.
+            Need::RunLength | Need::Load => false,
+            Need::AbsoluteTemperature => !self.base.knows_temperature(),
+        })
+    }
+}
+
+impl Node {
+    /// Mean square of the output's residual.
+    pub(crate) fn mean_square(&self) -> f64 {
+        self.noise.output.variance
+    }
+
+    /// Free parameters: coordinates and an offset a recording, but for partners on a bound, which adjust nothing.
+    pub(crate) fn n_free(&self) -> usize {
+        let is_idle = |&(parameter, info): &(usize, &ParameterInfo)| {
+            let is_partner = self.model.slot(parameter).is_some_and(|(effect, k)| {
+                matches!(effect.info().parameters[k].role, Role::Partner { .. })
+            });
+            let ends = [info.bounds.lower, info.bounds.upper];
+            is_partner
+                && info.state == ParameterState::Free
+                && ends.contains(&self.points[0][parameter])
+        };
+        let idle = self
+            .model
+            .parameters()
+            .iter()
+            .enumerate()
+            .filter(is_idle)
+            .count();
+        self.coordinates.len() + self.points.len() - idle
+    }
+
+    /// Values of an effect's parameters, if it is active.
+    pub(crate) fn values(&self, effect: Candidate) -> Option<&[f64]> {
+        let first = self.model.first_parameter(effect)?;
+        Some(&self.points[0][first..first + effect.info().parameters.len()])
+    }
+
+    /// Whether a parameter of an effect stands on a bound that is no end of what can be: the recordings pull it
+    /// beyond what is physical.
+    pub(crate) fn is_pressed(&self, effect: Candidate) -> bool {
+        /// Distance from a bound, as a share of the range.
+        const NEAR: f64 = 1e-3;
+        let values = self.values(effect).unwrap_or(&[]);
+        let parameters = effect.info().parameters.iter().zip(values);
+        parameters.into_iter().any(|(parameter, &value)| {
+            let [lower, upper] = parameter.bounds;
+            let margin = NEAR * (upper - lower);
+            // Nothing is nowhere less: without a size there is no effect, and a play has no softness.
+            let at_lower = value <= lower + margin && lower != 0.0;
+            let at_upper = value >= upper - margin && !parameter.upper_is_physical;
+            at_lower || at_upper
+        })
+    }
+
+    /// Whether a size of an effect is too small for its name.
+    pub(crate) fn is_slight(&self, effect: Candidate) -> bool {
+        let values = self.values(effect).unwrap_or(&[]);
+        let mut parameters = effect.info().parameters.iter().zip(values);
+        parameters.any(|(parameter, value)| value.abs() < parameter.least)
+    }
+
+    /// Whether one of its effects is pressed against a bound.
+    pub(crate) fn is_held(&self) -> bool {
+        self.effects.iter().any(|effect| self.is_pressed(effect))
+    }
+
+    /// Whether a size of an effect is all but zero: it is there by name only.
+    pub(crate) fn has_vanished(&self, effect: Candidate) -> bool {
+        let values = self.values(effect).unwrap_or(&[]);
+        let sizes = effect.info().parameters.iter().zip(values);
+        sizes
+            .filter(|(parameter, _)| parameter.role == Role::Size)
+            .all(|(parameter, value)| value.abs() < 1e-4 * parameter.typical)
+    }
+}

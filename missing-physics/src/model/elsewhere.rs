@@ -1,0 +1,153 @@
+//! A model where it was not fitted: in another recording.
+
+use identify::{
+    Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope, Validated,
+    predict, validate_at,
+};
+use recording::Recording;
+
+use crate::model::unseen::validated_by_stretches;
+use crate::{Belongs, Candidate, EffectId, ExtendedModel};
+
+/// Whether an effect moves slowly and on its own: its parameters are those of a recording.
+pub(crate) fn is_drift(effect: Candidate) -> bool {
+    effect.info().belongs_to == Belongs::Recording
+}
+
+/// The point for another recording: of a drift whose mean acts as another parameter, as that of the surroundings does as a loop
+/// that lies lower, it has the mean, and of any other nothing.
+pub(crate) fn without_drifts(model: &ExtendedModel, point: &[f64]) -> Vec<f64> {
+    drifts_dropped(ForwardModel::parameters(model), point, |effect| {
+        model.first_parameter(effect)
+    })
+}
+
+/// The same for any model; `first` is the place of the first parameter of an effect.
+pub(crate) fn drifts_dropped(
+    infos: &[ParameterInfo],
+    point: &[f64],
+    first: impl Fn(EffectId) -> Option<usize>,
+) -> Vec<f64> {
+    let mut point = point.to_vec();
+    let all = EffectId::ALL.into_iter();
+    for effect in all.filter(|&effect| is_drift(effect.into())) {
+        let Some(first) = first(effect) else {
+            continue;
+        };
+        let knots = &mut point[first..first + effect.info().parameters.len()];
+        // Straight between knots, from 0 at the start.
+        let last = knots.last().copied().unwrap_or(0.0);
+        let mean = (knots.iter().sum::<f64>() - 0.5 * last) / knots.len() as f64;
+        knots.fill(0.0);
+        let acts_as = effect.info().mean_acts_as;
+        let place =
+            acts_as.and_then(|one| infos.iter().position(|info| info.name == one.parameter));
+        if let (Some(acts_as), Some(place)) = (acts_as, place) {
+            point[place] += acts_as.per_unit * mean;
+        }
+    }
+    point
+}
+
+/// A model at a point on recordings that it has not seen. What belongs to a recording is fitted to every other stretch of each,
+/// and what is between counts.
+pub(crate) fn validated(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    unseen: &[Recording],
+) -> Result<Vec<Validated>, IdentifyError> {
+    let validated = unseen.iter();
+    validated
+        .map(|recording| validated_alone(model, point, recording))
+        .collect()
+}
+
+/// The same of one recording. Where nothing but the offset belongs to it, that is read at rest.
+pub(crate) fn validated_alone(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    recording: &Recording,
+) -> Result<Validated, IdentifyError> {
+    let is_own = |info: &ParameterInfo| {
+        info.scope == Scope::PerRecording
+            && info.enters == Enters::Nonlinear
+            && info.state == ParameterState::Free
+    };
+    if model.parameters().iter().any(is_own) {
+        validated_by_stretches(model, point, recording)
+    } else {
+        validate_at(model, point, recording)
+    }
+}
+
+/// Models as likely as a fit by which its spread is told.
+const DRAWS: usize = 16;
+
+/// Mean square of what the uncertainty of a fit's parameters makes of unseen recordings, in the output unit: a run that goes
+/// where the training did not shows it, however right the model.
+pub(crate) fn spread(
+    model: &ExtendedModel,
+    fit: &Fit,
+    validated: &[Validated],
+    unseen: &[Recording],
+) -> Result<f64, IdentifyError> {
+    let drawn = fit.draws(DRAWS, fit.seed).points;
+    let infos = ForwardModel::parameters(model);
+    let (mut n, mut sum) = (0, 0.0);
+    for (validated, recording) in validated.iter().zip(unseen) {
+        let with_its_own = |point: &Vec<f64>| {
+            let mut point = point.clone();
+            for (k, info) in infos.iter().enumerate() {
+                if info.scope == Scope::PerRecording {
+                    point[k] = validated.point[k];
+                }
+            }
+            point
+        };
+        let points: Vec<Vec<f64>> = drawn.iter().map(with_its_own).collect();
+        let shown = predict(model, &validated.point, recording)?.output;
+        model.simulate(&points, recording, &mut |block| {
+            let rows = block.displacement.chunks_exact(block.stride);
+            for (row, shown) in rows.zip(&shown[block.first_sample..]) {
+                let members = row[..block.members].iter();
+                sum += members.map(|other| (other - shown).powi(2)).sum::<f64>();
+            }
+        })?;
+        n += points.len() * recording.len();
+    }
+    Ok(if n > 0 { sum / n as f64 } else { 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use identify::{FitConfig, fit};
+
+    use super::*;
+    use crate::model::synthetic::{NOISE_MM, Synthetic};
+    use crate::{EffectSet, EffectValues};
+
+    #[test]
+    fn the_spread_over_the_training_is_the_noise_that_the_parameters_took_in() {
+        let synthetic = Synthetic::of(EffectSet::EMPTY, EffectValues::default(), 1);
+        let case = synthetic.case();
+        let node = case.baseline().unwrap();
+        let config = FitConfig {
+            starts: 0,
+            from: vec![node.coordinates.clone()],
+            ..FitConfig::default()
+        };
+        let training = &synthetic.training;
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let fitted = fit(&node.model, training, &config, go_on).unwrap();
+        let validated = validated(&node.model, &fitted.point(0), training).unwrap();
+        let found = spread(&node.model, &fitted, &validated, training).unwrap();
+        let n: usize = training.iter().map(Recording::len).sum();
+        let expected = NOISE_MM * NOISE_MM * node.coordinates.len() as f64 / n as f64;
+        assert!(
+            (0.3..3.0).contains(&(found / expected)),
+            "{found} {expected}"
+        );
+    }
+}

@@ -1,0 +1,194 @@
+//! The Wiener model with some of the catalogue's effects, as a model to be fitted.
+
+use identify::{
+    Bounds, Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scale, Scope,
+    WienerModel, in_warmer_surroundings,
+};
+use recording::Recording;
+use wiener::Block;
+
+use crate::{
+    Belongs, Candidate, CandidateSet, EffectValues, Extended, LoopFamily, Member, Setting,
+};
+
+/// Factor by which a gain may leave that of the baseline, either way.
+const GAIN_FACTOR: f64 = 4.0;
+
+/// A rig's baseline and the effects that may have a size.
+///
+/// Parameters: those of the baseline, in their order, then those of each effect in the order of the
+/// catalogue. The gain is searched: effects behind it are in the unit of the output, so that it cannot be
+/// solved for. Offsets still are.
+#[derive(Debug, Clone)]
+pub struct ExtendedModel {
+    base: WienerModel,
+    setting: Setting,
+    active: CandidateSet,
+    /// Effect and number of the parameter, for each parameter after the baseline's.
+    slots: Vec<(Candidate, usize)>,
+    parameters: Vec<ParameterInfo>,
+}
+
+impl ExtendedModel {
+    /// The model around a fitted baseline with some candidates; `setting` says what is common to all its plants,
+    /// but for these, drive, rule and run length, which the baseline and each recording have.
+    #[must_use]
+    pub fn new(
+        base: &WienerModel,
+        fit: &Fit,
+        setting: Setting,
+        active: impl Into<CandidateSet>,
+    ) -> Self {
+        let active = active.into();
+        let mut parameters = base.parameters().to_vec();
+        let gain = parameters
+            .iter()
+            .position(|info| info.enters == Enters::Gain)
+            .unwrap_or(0);
+        let fitted = fit.parameters[gain].values[0];
+        let ends = [fitted / GAIN_FACTOR, fitted * GAIN_FACTOR];
+        parameters[gain] = ParameterInfo {
+            enters: Enters::Nonlinear,
+            bounds: Bounds {
+                lower: ends[0].min(ends[1]),
+                upper: ends[0].max(ends[1]),
+            },
+            ..parameters[gain].clone()
+        };
+        let mut slots = Vec::new();
+        for effect in active.iter() {
+            for (k, parameter) in effect.info().parameters.iter().enumerate() {
+                let [lower, upper] = parameter.bounds;
+                let bounds = Bounds { lower, upper };
+                let is_told = !parameter.needs_thermometer || fit.temperature_rmse_k.is_some();
+                let scope = scope_of(effect);
+                parameters.push(ParameterInfo {
+                    admissible: bounds,
+                    scope,
+                    state: if is_told {
+                        ParameterState::Free
+                    } else {
+                        ParameterState::Fixed(parameter.neutral())
+                    },
+                    ..ParameterInfo::searched(
+                        parameter.name,
+                        setting.unit_of(parameter),
+                        Scale::Linear,
+                        bounds,
+                    )
+                });
+                slots.push((effect, k));
+            }
+        }
+        Self {
+            setting: Setting {
+                drive: base.drive(),
+                rule: base.rule(),
+                active: active.effects(),
+                hypotheses: active.hypotheses(),
+                ..setting
+            },
+            active,
+            base: base.clone(),
+            slots,
+            parameters,
+        }
+    }
+
+    /// Curves of its loop's branches.
+    #[must_use]
+    pub fn loop_family(&self) -> LoopFamily {
+        self.setting.loop_family
+    }
+
+    /// The effects that may have a size.
+    #[must_use]
+    pub fn active(&self) -> CandidateSet {
+        self.active
+    }
+
+    /// Index of the first parameter of an effect; `None` if it is not active.
+    #[must_use]
+    pub fn first_parameter(&self, effect: impl Into<Candidate>) -> Option<usize> {
+        let effect = effect.into();
+        let slot = self
+            .slots
+            .iter()
+            .position(|&(active, _)| active == effect)?;
+        Some(self.parameters.len() - self.slots.len() + slot)
+    }
+
+    /// The effect and the number of its parameter that a parameter of this model is; `None` for the baseline's.
+    pub(crate) fn slot(&self, parameter: usize) -> Option<(Candidate, usize)> {
+        let n_base = self.parameters.len() - self.slots.len();
+        self.slots.get(parameter.checked_sub(n_base)?).copied()
+    }
+
+    fn member(&self, point: &[f64], first_ambient_degc: f64, level_k: f64) -> Member {
+        let (base, extra) = point.split_at(point.len() - self.slots.len());
+        let mut effects = EffectValues::default();
+        for (own, hypothesis) in effects.own.iter_mut().zip(self.setting.hypotheses) {
+            *own = hypothesis.values(0.0);
+        }
+        for (&(candidate, index), &value) in self.slots.iter().zip(extra) {
+            match candidate {
+                Candidate::Effect(effect) => {
+                    if let Some(slot) = effects.slot(effect, index) {
+                        *slot = value;
+                    }
+                }
+                Candidate::Own(number, _) => effects.own[number][index] = value,
+            }
+        }
+        let mut params = self.base.wiener_params(base);
+        params.limiting_loop.loop_center_degc -= level_k;
+        Member {
+            params,
+            start: self.base.start(base, first_ambient_degc),
+            effects,
+        }
+    }
+}
+
+/// Whether each recording has its own values of an effect.
+pub(crate) fn scope_of(effect: Candidate) -> Scope {
+    match effect.info().belongs_to {
+        Belongs::Recording => Scope::PerRecording,
+        Belongs::Rig | Belongs::History => Scope::Shared,
+    }
+}
+
+impl ForwardModel for ExtendedModel {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let profile = self.base.profile(recording)?;
+        let members: Vec<Member> = points
+            .iter()
+            .map(|point| {
+                let level_k = self.base.level_k(point, recording);
+                self.member(point, profile.first_ambient_degc(), level_k)
+            })
+            .collect();
+        let level_k = |point: &Vec<f64>| self.base.level_k(point, recording);
+        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
+        let time_s = recording.time_s();
+        let fleet = Extended {
+            setting: Setting {
+                run_length_s: Some(time_s[time_s.len() - 1] - time_s[0]),
+                ..self.setting
+            },
+        };
+        // Compiled once, in the crate of the effects.
+        fleet
+            .run(&members, &profile, &mut visit)
+            .map_err(|error| IdentifyError::Model(Box::new(error)))
+    }
+}

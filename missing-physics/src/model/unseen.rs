@@ -1,0 +1,199 @@
+//! A model on recordings that were not used.
+//!
+//! What belongs to a recording (where its zero was, a drift) is not known of another one: it is fitted to every other
+//! stretch of it, and the stretches between are what counts; then the other way round. One law for every model.
+
+use identify::{
+    Enters, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
+    ParameterVector, RefineConfig, Scope, Validated, may_begin_warm, predict, refine, validate_at,
+};
+use recording::Recording;
+use wiener::Block;
+
+/// Stretches of a recording.
+const STRETCHES: usize = 12;
+
+/// Iterations of a fit of what belongs to a recording.
+const ITERATIONS: usize = 12;
+
+/// A model whose shared parameters are known.
+#[derive(Debug)]
+struct OfRig<'a> {
+    model: &'a dyn ForwardModel,
+    parameters: Vec<ParameterInfo>,
+}
+
+impl ForwardModel for OfRig<'_> {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        self.model.simulate(points, recording, visit)
+    }
+}
+
+/// Squared errors of a model on each stretch of a recording, where what belongs to the recording comes from the others.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Unseen {
+    /// Number of samples and sum of squares of each stretch.
+    pub(crate) stretches: Vec<(f64, f64)>,
+    /// Recorded - model, recording after recording.
+    residual: Vec<f64>,
+}
+
+/// The error of a model at a point, of which the shared values count, on recordings that were not used.
+pub(crate) fn unseen(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    recordings: &[Recording],
+) -> Result<Unseen, IdentifyError> {
+    let (mut stretches, mut residual) = (Vec::new(), Vec::new());
+    for recording in recordings {
+        let (own, _) = of_recording(model, point, recording)?;
+        stretches.extend(own.stretches);
+        residual.extend(own.residual);
+    }
+    Ok(Unseen {
+        stretches,
+        residual,
+    })
+}
+
+/// The same of one recording, with the values of all parameters that belong to it, as a validation.
+pub(crate) fn validated_by_stretches(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    recording: &Recording,
+) -> Result<Validated, IdentifyError> {
+    let (own, whole) = of_recording(model, point, recording)?;
+    let by_rest = validate_at(model, &whole, recording)?;
+    let rmse = (own.squares() / recording.len() as f64).sqrt();
+    let offset = model
+        .parameters()
+        .iter()
+        .position(|info| info.enters == Enters::Offset);
+    Ok(Validated {
+        fit_fraction: by_rest
+            .fit_fraction
+            .map(|fraction| 1.0 - (1.0 - fraction) * rmse / by_rest.rmse),
+        offset: offset.map_or(by_rest.offset, |offset| whole[offset]),
+        point: whole,
+        rmse,
+        ..by_rest
+    })
+}
+
+fn of_recording(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    recording: &Recording,
+) -> Result<(Unseen, Vec<f64>), IdentifyError> {
+    let mut parameters = model.parameters().to_vec();
+    for (info, &value) in parameters.iter_mut().zip(point) {
+        if info.scope == Scope::Shared {
+            info.state = ParameterState::Fixed(value);
+        }
+        // Nobody wrote it down of this recording, whatever the training was like.
+        let (is_open, unsaid) = match info.name {
+            "ambient_level_k" => (recording.ambient_degc().is_none(), 0.0),
+            "start_rise_k" => (may_begin_warm(recording), 0.0),
+            "start_share" => (may_begin_warm(recording), 1.0),
+            _ => continue,
+        };
+        if is_open && info.state == ParameterState::Fixed(unsaid) {
+            info.state = ParameterState::Free;
+        }
+    }
+    let of_rig = OfRig { model, parameters };
+    let vector = ParameterVector::new(of_rig.parameters(), 1);
+    // As the training began; and at rest.
+    let neutral = |parameter: usize| {
+        let name = of_rig.parameters()[parameter].name;
+        if name == "start_share" { 1.0 } else { 0.0 }
+    };
+    let starts = [
+        vector.coordinates(|parameter, _| Some(point[parameter])),
+        vector.coordinates(|parameter, _| Some(neutral(parameter))),
+    ];
+    let n = recording.len();
+    let length = n.div_ceil(STRETCHES).max(1);
+    let mut stretches = vec![(0.0, 0.0); n.div_ceil(length)];
+    let mut residual = vec![0.0; n];
+    let own = std::slice::from_ref(recording);
+    let fitted = |weigh: &dyn Fn(usize) -> bool| {
+        let weights = (0..n).map(|k| f64::from(u8::from(weigh(k))));
+        let config = RefineConfig {
+            least_squares: LeastSquaresConfig {
+                iterations: ITERATIONS,
+                relative_offset: 1e-3,
+            },
+            weights: Some(vec![weights.collect()]),
+            temperature_weight: 0.0,
+        };
+        let mut refined = refine(&of_rig, own, &starts, &config)?;
+        Ok::<Vec<f64>, IdentifyError>(refined.points.swap_remove(0))
+    };
+    for scored in 0..2 {
+        let point = fitted(&|k| k / length % 2 != scored)?;
+        let shown = predict(model, &point, recording)?.output;
+        for (k, (recorded, shown)) in recording.output().iter().zip(&shown).enumerate() {
+            let stretch = k / length;
+            if stretch % 2 == scored {
+                residual[k] = recorded - shown;
+                stretches[stretch].0 += 1.0;
+                stretches[stretch].1 += residual[k].powi(2);
+            }
+        }
+    }
+    let whole = fitted(&|_| true)?;
+    let own = Unseen {
+        stretches,
+        residual,
+    };
+    Ok((own, whole))
+}
+
+impl Unseen {
+    /// Sum of squares.
+    pub(crate) fn squares(&self) -> f64 {
+        self.stretches.iter().map(|(_, squares)| squares).sum()
+    }
+
+    /// Share of what it changes against another model that comes true, and the standard error of that by stretches; `None` where
+    /// it changes nothing.
+    ///
+    /// ```text
+    /// b = Σ e Δ / Σ Δ²,   e what the other leaves, Δ the change;   below a half the change makes the recording worse
+    /// ```
+    pub(crate) fn comes_true(&self, other: &Self) -> Option<[f64; 2]> {
+        let mut place = 0;
+        let sums: Vec<[f64; 2]> = self
+            .stretches
+            .iter()
+            .map(|&(n, _)| {
+                let own = place..place + n as usize;
+                place = own.end;
+                let pairs = self.residual[own.clone()].iter().zip(&other.residual[own]);
+                pairs.fold([0.0; 2], |[along, square], (with, without)| {
+                    let change = without - with;
+                    [along + without * change, square + change * change]
+                })
+            })
+            .collect();
+        let square: f64 = sums.iter().map(|[_, square]| square).sum();
+        let share = sums.iter().map(|[along, _]| along).sum::<f64>() / square;
+        let spread: f64 = sums
+            .iter()
+            .map(|[along, square]| (along - share * square).powi(2))
+            .sum();
+        let n = sums.len() as f64;
+        let error = (spread * n / (n - 1.0).max(1.0)).sqrt() / square;
+        (square > 0.0).then_some([share, error])
+    }
+}

@@ -1,0 +1,142 @@
+//! Noise of the output before any model, and what it is like.
+
+use recording::{NoiseConfig, NoiseFloor, Recording, noise_floor};
+
+use crate::model::case::{Case, Node};
+use crate::noise::kind::{Floor, NoiseClass};
+
+/// A converter's step over the noise from which it is the step that counts.
+const COARSE: f64 = 2.0;
+
+/// Exponent of the spectrum at low frequencies from which noise has no level.
+const STEEP: f64 = -0.7;
+
+/// Residual over the measured noise up to which the residual tells what the noise is like.
+const ALL_NOISE: f64 = 1.5;
+
+/// Noise of all training recordings together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Measured {
+    /// Variance that gates count with: of holds and repeated cycles the smaller one, which is harder on us, or
+    /// the white part where there are neither; with the rounding of coarse steps.
+    pub(crate) gate: f64,
+    /// Standard deviation that there is at least.
+    pub(crate) lower: f64,
+    /// About the largest; `None` where nothing tells.
+    pub(crate) upper: Option<f64>,
+    /// Standard deviation of rounding, where a converter's step is seen.
+    pub(crate) rounding: Option<f64>,
+}
+
+/// Measures the noise; holds count from five time constants after their start.
+pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
+    let settle_s = 5.0 * tau_s;
+    let config = NoiseConfig {
+        hold_s: settle_s,
+        settle_s,
+    };
+    let floors: Vec<(f64, NoiseFloor)> = training
+        .iter()
+        .filter_map(|recording| Some((recording.len() as f64, noise_floor(recording, config)?)))
+        .collect();
+    // Variances, weighed by the samples of the recordings that have them.
+    let pooled = |of: &dyn Fn(&NoiseFloor) -> Option<f64>| {
+        let (mut total, mut sum) = (0.0, 0.0);
+        for (n, floor) in &floors {
+            if let Some(deviation) = of(floor) {
+                total += n;
+                sum += n * deviation * deviation;
+            }
+        }
+        (total > 0.0).then(|| sum / total)
+    };
+    let rounding = pooled(&|floor| floor.rounding);
+    let lower = pooled(&|floor| Some(floor.lower())).unwrap_or(0.0);
+    let holds = pooled(&|floor| floor.holds.map(|holds| holds.standard_deviation));
+    let repeats = pooled(&|floor| floor.repeats.map(|repeats| repeats.standard_deviation));
+    let least = holds.into_iter().chain(repeats).reduce(f64::min);
+    let least = least.unwrap_or(lower).max(0.0);
+    Measured {
+        gate: match rounding {
+            // What stands still or repeats is rounded to the same step: that hides part of the rounding.
+            Some(rounding) if 12.0 * rounding > COARSE * COARSE * least => least + rounding,
+            Some(rounding) => least.max(rounding),
+            None => least,
+        },
+        lower: lower.sqrt(),
+        upper: pooled(&NoiseFloor::upper).map(f64::sqrt),
+        rounding: rounding.map(f64::sqrt),
+    }
+}
+
+impl Measured {
+    /// Variance that there is at most.
+    pub(crate) fn highest(&self) -> f64 {
+        self.upper.unwrap_or(self.lower).powi(2).max(self.gate)
+    }
+
+    /// The floor as it is reported, with the residual of the best model to tell what it is like.
+    pub(crate) fn floor(&self, case: &Case<'_>, best: &Node) -> Floor {
+        Floor {
+            lower: self.lower,
+            upper: self.upper,
+            class: self.class(case, best),
+        }
+    }
+
+    /// Whether the converter's steps are coarse beside an error of this mean square.
+    pub(crate) fn is_coarse(&self, mean_square: f64) -> bool {
+        let step = 12_f64.sqrt() * self.rounding.unwrap_or(0.0);
+        step > COARSE * mean_square.sqrt()
+    }
+
+    fn class(&self, case: &Case<'_>, best: &Node) -> NoiseClass {
+        let residual = best.mean_square().sqrt();
+        if self.is_coarse(best.mean_square()) {
+            return NoiseClass::Quantized;
+        }
+        let noise = self.upper.unwrap_or(self.lower).max(self.lower);
+        // The lowest frequencies alone say too little: noise that grows towards them has a memory at once.
+        if best.noise.output.coefficients.is_empty() {
+            NoiseClass::White
+        } else if residual < ALL_NOISE * noise && low_exponent(case, best) < STEEP {
+            NoiseClass::OneOverF
+        } else {
+            NoiseClass::Colored
+        }
+    }
+}
+
+/// Exponent of the residual's spectrum at its lowest frequencies, by the slope of the logarithm of the
+/// periodogram, over all recordings together.
+fn low_exponent(case: &Case<'_>, node: &Node) -> f64 {
+    /// Harmonics of the recording: more than a decade, and few enough to be low.
+    const HARMONICS: usize = 32;
+    let mut sums = [0.0; 4];
+    let mut n = 0.0;
+    for r in 0..case.training.len() {
+        let residual = &node.residual[case.layout.segments[r].range.clone()];
+        for k in 2..=HARMONICS {
+            let step = 2.0 * std::f64::consts::PI * k as f64 / residual.len() as f64;
+            let (mut real, mut imaginary) = (0.0, 0.0);
+            for (t, value) in residual.iter().enumerate() {
+                let (sin, cos) = (step * t as f64).sin_cos();
+                real += value * cos;
+                imaginary += value * sin;
+            }
+            let power = (real * real + imaginary * imaginary).max(f64::MIN_POSITIVE);
+            let (x, y) = ((k as f64).ln(), power.ln());
+            n += 1.0;
+            for (sum, value) in sums.iter_mut().zip([x, y, x * x, x * y]) {
+                *sum += value;
+            }
+        }
+    }
+    let [x, y, xx, xy] = sums;
+    let spread = xx - x * x / n;
+    if spread > 0.0 {
+        (xy - x * y / n) / spread
+    } else {
+        0.0
+    }
+}

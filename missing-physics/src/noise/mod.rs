@@ -1,0 +1,7 @@
+//! What the noise is like, and what is no noise.
+
+pub(crate) mod floor;
+pub(crate) mod kind;
+pub(crate) mod slip;
+pub(crate) mod tone;
+pub(crate) mod whiten;

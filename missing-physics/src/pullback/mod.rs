@@ -1,0 +1,6 @@
+//! What each block of the cascade could lack, as it would show in the output.
+
+pub(crate) mod elementary_terms;
+pub(crate) mod local_terms;
+pub(crate) mod ridge;
+pub(crate) mod scene;

@@ -1,0 +1,163 @@
+//! What the recordings say of each effect, and of those that were found.
+
+use identify::{FittedParameter, IdentifyError, ParameterState};
+
+use crate::decide::{Decided, Named, Verdict};
+use crate::report::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
+use crate::report::sentence;
+use crate::screen::scores::Score;
+use crate::screen::screening::{POWER, at_their_sizes};
+use crate::search::roads::Search;
+use crate::{Candidate, CandidateSet, LoopFamily, Role, Setting};
+
+/// Standard errors of half a 95 % interval.
+const HALF_95: f64 = 1.96;
+
+/// An effect of the chosen model with its numbers.
+pub(crate) fn finding(
+    named: &Named,
+    setting: &Setting,
+    extended: Option<&ExtendedStage>,
+) -> Finding {
+    let info = named.effect.info();
+    let family = setting.loop_family;
+    if named.effect == Candidate::other_loop() && family != LoopFamily::Proximity {
+        return Finding {
+            effect: named.effect,
+            could_also_be: Vec::new(),
+            probability: named.probability,
+            plausible: true,
+            contribution: named.contribution,
+            sentence: sentence::of_family(info, family),
+            parameters: Vec::new(),
+        };
+    }
+    let fitted = |name: &str| extended.and_then(|one| one.stage.fit.parameter(name));
+    let is_held = |name: &str| {
+        let held = |one: &FittedParameter| one.info.state != ParameterState::Free;
+        fitted(name).is_some_and(held)
+    };
+    let parameters: Vec<Estimate> = info
+        .parameters
+        .iter()
+        .filter(|parameter| !is_held(parameter.name))
+        .map(|parameter| {
+            let fitted = fitted(parameter.name);
+            let unit = setting.unit_of(parameter);
+            // What is compared is in one unit.
+            let literature = parameter.literature.filter(|_| unit == parameter.unit);
+            let literature = literature.filter(|literature| literature.checked);
+            Estimate {
+                name: parameter.name,
+                unit,
+                value: fitted.map_or(parameter.neutral(), |fitted| fitted.values[0]),
+                ci95: fitted
+                    .and_then(|fitted| fitted.intervals[0])
+                    .map(|interval| [interval.lower, interval.upper]),
+                literature: literature.map(|literature| literature.range),
+            }
+        })
+        .collect();
+    Finding {
+        effect: named.effect,
+        could_also_be: named.others.iter().map(|(effect, _)| *effect).collect(),
+        probability: named.probability,
+        plausible: parameters.iter().all(is_plausible),
+        contribution: named.contribution,
+        sentence: sentence::finding(info, &parameters),
+        parameters,
+    }
+}
+
+/// Whether the interval of an estimate meets the literature's; magnitudes count.
+fn is_plausible(estimate: &Estimate) -> bool {
+    let Some([lower, upper]) = estimate.literature else {
+        return true;
+    };
+    let ends = estimate.ci95.unwrap_or([estimate.value; 2]);
+    let sign = estimate.value.signum();
+    let mut ends = ends.map(|end| sign * end);
+    ends.sort_by(f64::total_cmp);
+    ends[0] <= upper && ends[1] >= lower
+}
+
+/// An entry for each effect.
+pub(crate) fn catalogue(
+    search: &mut Search<'_>,
+    decided: &Decided,
+    effects: CandidateSet,
+    seed: u64,
+) -> Result<Vec<Entry>, IdentifyError> {
+    let plain = search.sifted(CandidateSet::EMPTY)?;
+    let last = search.sifted(effects)?;
+    let Some(node) = search.get(effects) else {
+        unreachable!("its scores were just taken");
+    };
+    let critical = last.found.critical;
+    let left = at_their_sizes(search.case, node, &last, seed)?;
+    let is_open = matches!(
+        decided.verdict,
+        Verdict::Unexplained | Verdict::ExplainedInPart
+    );
+    let entry = |effect: Candidate| {
+        let unit = search.case.setting.unit_of(&effect.info().parameters[0]);
+        let score = plain
+            .found
+            .scores
+            .iter()
+            .find(|score| score.effect == effect);
+        let left = left.iter().find(|score| score.effect == effect);
+        let detectable = left
+            .or(score)
+            .map(|score| (critical + POWER) * score.errors[0]);
+        let is_other = |named: &Named| named.others.iter().any(|(other, _)| *other == effect);
+        let status = if let Some(need) = search.case.missing(effect) {
+            Status::Unknown { need }
+        } else if decided.named.iter().any(|named| named.effect == effect) {
+            Status::Detected
+        } else if effects.contains(effect) || decided.named.iter().any(is_other) {
+            Status::Ambiguous
+        } else {
+            let (largest, signed) = largest(effect);
+            let upper = |left: &Score| {
+                let size = left.sizes[0];
+                let size = if signed { size.abs() } else { size.max(0.0) };
+                size + HALF_95 * left.errors[0]
+            };
+            match left {
+                // While something unknown is left, no limit is tighter than that allows.
+                _ if is_open => Status::NotTestable,
+                Some(left)
+                    if (critical + POWER) * left.errors[0] <= largest && upper(left) < largest =>
+                {
+                    Status::Excluded { upper: upper(left) }
+                }
+                _ => Status::NotTestable,
+            }
+        };
+        Entry {
+            effect,
+            status,
+            t: score.map(|score| score.whitened),
+            absorption: score.map(|score| score.absorbed),
+            minimum_detectable: detectable.filter(|size| size.is_finite()),
+            unit,
+        }
+    };
+    Ok(Candidate::all(search.case.setting.hypotheses)
+        .map(entry)
+        .collect())
+}
+
+/// Largest plausible size of an effect's first parameter, in magnitude, and whether it may be negative.
+fn largest(effect: Candidate) -> (f64, bool) {
+    let first = effect
+        .info()
+        .parameters
+        .iter()
+        .find(|parameter| parameter.role == Role::Size);
+    first.map_or((0.0, false), |parameter| {
+        let [lower, upper] = parameter.bounds;
+        (lower.abs().max(upper.abs()), lower < 0.0)
+    })
+}

@@ -1,0 +1,206 @@
+//! What a diagnosis ends with.
+
+use identify::{Fit, Validated};
+
+use crate::decide::Trace;
+use crate::decide::Verdict;
+use crate::evidence::Audit;
+use crate::locate::mismatch::{Mismatch, Shape};
+use crate::next::run::NextExperiment;
+use crate::noise::kind::Floor;
+use crate::{Candidate, ExtendedModel, LoopFamily, Need};
+
+/// The result of `diagnose`.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Noise of the output, in its unit.
+    pub noise_floor: Floor,
+    /// The plain model.
+    pub baseline: Stage,
+    /// The model with what was found; that with the suspects, where there is no finding but some; `None` if
+    /// there is neither.
+    pub extended: Option<ExtendedStage>,
+    /// From the plain model to the extended one, an effect at a time.
+    pub ladder: Vec<Rung>,
+    /// How much of what could be explained is; `None` without an extended model.
+    pub explained: Option<Explained>,
+    /// Where the plain model and the recordings part.
+    pub mismatch: Mismatch,
+    /// What is missing, the strongest first.
+    pub findings: Vec<Finding>,
+    /// Effects that help, and whose name is not licensed, the strongest first.
+    pub suspects: Vec<Finding>,
+    /// What is left after the findings, where it is more than noise.
+    pub remainder: Option<Remainder>,
+    /// What the recordings say of each effect, in the order of the catalogue.
+    pub catalogue: Vec<Entry>,
+    /// The run that would tell apart what these could not.
+    pub next_experiment: Option<NextExperiment>,
+    /// What a curve of any shape predicts of what the leading model leaves; `None` where nothing was judged.
+    pub audit: Option<Audit>,
+    /// The rules that were asked, in order, and what they said.
+    pub traces: Vec<Trace>,
+    /// Simulations of the whole training set.
+    pub simulations: u64,
+    /// Seed of the searches.
+    pub seed: u64,
+}
+
+/// A fitted model and how it does on what it has not seen.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// The fit.
+    pub fit: Fit,
+    /// The unseen recordings, in their order.
+    pub validated: Vec<Validated>,
+}
+
+/// The model with effects.
+#[derive(Debug, Clone)]
+pub struct ExtendedStage {
+    /// Its effects, beside the loop of its model.
+    pub effects: Vec<Candidate>,
+    /// The model.
+    pub model: ExtendedModel,
+    /// Its fit and validation.
+    pub stage: Stage,
+}
+
+impl ExtendedStage {
+    /// Ids of what it has beyond the plain model: a loop of another family is another shape of the loop.
+    #[must_use]
+    pub fn names(&self) -> Vec<&'static str> {
+        let is_other = self.model.loop_family() != LoopFamily::Proximity;
+        let shape = is_other.then(|| Candidate::other_loop().id());
+        let effects = self.effects.iter().map(|effect| effect.id());
+        shape.into_iter().chain(effects).collect()
+    }
+}
+
+/// A model on the way from the plain to the extended one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// What it has more than the one before: an effect, none in the plain model, several where none of them can be
+    /// fitted without the others.
+    pub added: Vec<Candidate>,
+    /// Error on the training recordings, in the unit of the output.
+    pub train_rmse: f64,
+    /// Error on all recordings that it has not seen; `None` without one. A drift is not carried there.
+    pub unseen_rmse: Option<f64>,
+}
+
+/// Share of the explainable error that the extended model explains.
+///
+/// ```text
+/// (MSE_baseline - MSE_extended)/(MSE_baseline - noise²)
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Explained {
+    /// On the training recordings, each part of them held out in turn; `None` where the baseline's error is the noise's.
+    pub train: Option<f64>,
+    /// On the unseen recordings; `None` without any.
+    pub validate: Option<f64>,
+    /// 95 % interval of the latter, by blocks.
+    pub validate_interval: Option<[f64; 2]>,
+}
+
+/// An effect that is missing from the plain model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// The effect.
+    pub effect: Candidate,
+    /// Effects that would explain these recordings as well, the likeliest first.
+    pub could_also_be: Vec<Candidate>,
+    /// Probability of `effect` against those and against all that is not in the catalogue; of a suspect, against the rest
+    /// of the catalogue alone, and not to be quoted.
+    pub probability: f64,
+    /// Its parameters.
+    pub parameters: Vec<Estimate>,
+    /// Whether all of them are where the literature has them, or within physical bounds where it says nothing.
+    pub plausible: bool,
+    /// Share of the explainable error that comes back if it alone is left out.
+    pub contribution: f64,
+    /// For people.
+    pub sentence: String,
+}
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval; `None` where it stands on a bound or the data do not fix it.
+    pub ci95: Option<[f64; 2]>,
+    /// Range in the literature, where somebody looked it up.
+    pub literature: Option<[f64; 2]>,
+}
+
+/// What is left after the findings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remainder {
+    /// Root mean square of it beyond the noise, in the unit of the output.
+    pub rms: f64,
+    /// Share of the explainable error of the plain model.
+    pub share: f64,
+    /// Where it is.
+    pub mismatch: Mismatch,
+    /// The missing term as a curve in the likeliest block; `None` if no curve describes it.
+    pub shape: Option<Shape>,
+}
+
+/// What the recordings say of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// The effect.
+    pub effect: Candidate,
+    /// What they say.
+    pub status: Status,
+    /// Its score at the plain model, standard deviations; `None` if it cannot be computed.
+    pub t: Option<f64>,
+    /// Share of its trace's square that refitting the plain model hides.
+    pub absorption: Option<f64>,
+    /// Smallest size that these recordings would have shown in 95 % of cases, in the unit of the size.
+    pub minimum_detectable: Option<f64>,
+    /// Unit of the size.
+    pub unit: &'static str,
+}
+
+/// What recordings say of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Status {
+    /// It is there.
+    Detected,
+    /// It may be there, under this name or another: see `could_also_be` and the suspects.
+    Ambiguous,
+    /// It is at most this large, in the unit of its size.
+    Excluded {
+        /// Upper end of the size's 95 % interval; of a two-sided size, in magnitude.
+        upper: f64,
+    },
+    /// Even the largest plausible size would not show.
+    NotTestable,
+    /// It cannot be computed, because this is not known of the rig.
+    Unknown {
+        /// What is missing.
+        need: Need,
+    },
+}
+
+impl Status {
+    /// Name in files and reports.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Status::Detected => "detected",
+            Status::Ambiguous => "ambiguous",
+            Status::Excluded { .. } => "excluded",
+            Status::NotTestable | Status::Unknown { .. } => "not_testable",
+        }
+    }
+}

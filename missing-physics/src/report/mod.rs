@@ -1,0 +1,8 @@
+//! What a diagnosis ends with.
+
+pub(crate) mod catalogue;
+pub(crate) mod diagnosis;
+pub(crate) mod explained;
+pub(crate) mod ladder;
+pub(crate) mod saved;
+pub(crate) mod sentence;

@@ -1,0 +1,244 @@
+//! Models with effects as files, and what is made of them again.
+
+use std::path::Path;
+
+use identify::{
+    Bounds, ForwardModel, IdentifyError, NamedEffect, ParameterInfo, RigModel, SavedEffects,
+    SavedModel, Scale, WienerModel, in_warmer_surroundings,
+};
+use recording::{Quantity, Recording};
+use wiener::{Block, Start};
+
+use crate::model::elsewhere::{drifts_dropped, is_drift};
+use crate::model::extended_model::scope_of;
+use crate::{
+    EffectId, EffectSet, EffectValues, Extended, ExtendedPlant, ExtendedStage, Member, Need,
+    PhysicsError, Setting, setting_of_rod,
+};
+
+/// The effects of a chosen model as its file has them; `setting` is that of the diagnosis.
+///
+/// # Errors
+///
+/// [`PhysicsError::UnknownEffect`] for a hypothesis of one's own: its equation has no place in the file.
+pub fn saved_effects(
+    stage: &ExtendedStage,
+    setting: &Setting,
+) -> Result<SavedEffects, PhysicsError> {
+    let known = stage
+        .effects
+        .iter()
+        .map(|effect| Ok(EffectId::parse(effect.id())?.id().to_owned()));
+    Ok(SavedEffects {
+        ids: known.collect::<Result<_, PhysicsError>>()?,
+        loop_family: stage.model.loop_family(),
+        sub_steps: setting.sub_steps,
+        newton_iterations: setting.newton_iterations,
+    })
+}
+
+/// Reads a model file, which may have effects of the catalogue.
+///
+/// # Errors
+///
+/// As [`SavedModel::read_with`]; an effect that is not in the catalogue, or needs what the file does not say of
+/// the rig, is named with its place.
+pub fn read_model(path: &Path) -> Result<SavedModel, IdentifyError> {
+    SavedModel::read_with(path, &parameters_of)
+}
+
+/// The same for the text of a model file; `file` is its name for errors.
+///
+/// # Errors
+///
+/// As [`SavedModel::parse_with`], and as [`read_model`].
+pub fn parse_model(file: &str, text: &str) -> Result<SavedModel, IdentifyError> {
+    SavedModel::parse_with(file, text, &parameters_of)
+}
+
+/// The parameters of an effect, or what would be accepted in its place.
+fn parameters_of(named: &NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String> {
+    let Ok(effect) = EffectId::parse(named.id) else {
+        let known = EffectId::ALL.map(EffectId::id).join(" ");
+        return Err(format!("no such effect; known are {known}"));
+    };
+    let setting = setting_of_rod(named.rod, named.output_unit);
+    for need in effect.info().needs {
+        let (is_given, needed) = match need {
+            Need::MassPerMeter => (
+                setting.mass_kg_per_m.is_some(),
+                "diameter_mm and density_kg_per_m3 in [rod]",
+            ),
+            Need::SurfacePerMeter => (setting.surface_m2_per_m.is_some(), "diameter_mm in [rod]"),
+            // The others matter to those who look for effects.
+            _ => continue,
+        };
+        if !is_given {
+            return Err(format!("needs {needed}"));
+        }
+    }
+    let info = |one: &crate::EffectParameter| {
+        let [lower, upper] = one.bounds;
+        let bounds = Bounds { lower, upper };
+        ParameterInfo {
+            admissible: bounds,
+            scope: scope_of(effect.into()),
+            ..ParameterInfo::searched(one.name, setting.unit_of(one), Scale::Linear, bounds)
+        }
+    };
+    Ok(effect.info().parameters.iter().map(info).collect())
+}
+
+/// A saved model that runs again, with its effects where it has any.
+///
+/// Drifts are those of the recordings that they were fitted to, and are left out: see [`RestoredModel::point`].
+#[derive(Debug, Clone)]
+pub struct RestoredModel<'a> {
+    saved: &'a SavedModel,
+    parameters: Vec<ParameterInfo>,
+    /// The cascade that has effects.
+    base: Option<&'a WienerModel>,
+    /// Effect and number of the parameter, for each parameter after those of the plain part.
+    slots: Vec<(EffectId, usize)>,
+    fleet: Extended,
+}
+
+impl<'a> RestoredModel<'a> {
+    /// Takes a model that was read by [`read_model`].
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Model`] for sub-steps, iterations or values of effects that the plant refuses.
+    pub fn new(saved: &'a SavedModel) -> Result<Self, IdentifyError> {
+        let rod = saved.rod();
+        let mut restored = Self {
+            parameters: saved
+                .parameters()
+                .iter()
+                .map(|one| one.info.clone())
+                .collect(),
+            base: None,
+            slots: Vec::new(),
+            fleet: Extended {
+                setting: setting_of_rod(rod, saved.output_unit()),
+            },
+            saved,
+        };
+        let setting = &mut restored.fleet.setting;
+        setting.rule = saved.rule();
+        if rod.drive_kind != Quantity::Temperature {
+            setting.drive = rod.drive()?;
+        }
+        let (RigModel::Wiener(base), Some(effects)) = (saved.model(), saved.effects()) else {
+            return Ok(restored);
+        };
+        let ids = effects.ids.iter().map(|id| EffectId::parse(id));
+        let ids = ids.collect::<Result<Vec<_>, _>>().map_err(refused)?;
+        setting.loop_family = effects.loop_family;
+        setting.sub_steps = effects.sub_steps;
+        setting.newton_iterations = effects.newton_iterations;
+        let carried = ids
+            .iter()
+            .copied()
+            .filter(|&effect| !is_drift(effect.into()));
+        setting.active = carried.collect::<EffectSet>();
+        restored.base = Some(base);
+        restored.slots = ids
+            .iter()
+            .flat_map(|&effect| (0..effect.info().parameters.len()).map(move |k| (effect, k)))
+            .collect();
+        let at_rest = Start::rest(rod.ambient_degc.unwrap_or_default());
+        if let Some(Member {
+            params, effects, ..
+        }) = restored.member(&saved.point(0), at_rest)
+        {
+            ExtendedPlant::new(&restored.fleet.setting, &params, &effects).map_err(refused)?;
+        }
+        Ok(restored)
+    }
+
+    /// Values of all parameters for another recording, with the offset of the first training recording: of a
+    /// drift of the surroundings it has the mean, as a loop that lies lower, and of that of the sensor nothing.
+    #[must_use]
+    pub fn point(&self) -> Vec<f64> {
+        self.without_drifts(&self.saved.point(0))
+    }
+
+    /// Drifts in the model, which are left out.
+    pub fn drifts(&self) -> impl Iterator<Item = EffectId> {
+        let first = self.slots.iter().filter(|(_, index)| *index == 0);
+        first
+            .map(|&(effect, _)| effect)
+            .filter(|&effect| is_drift(effect.into()))
+    }
+
+    /// The plants of points: what the members have in common.
+    #[must_use]
+    pub fn fleet(&self) -> Extended {
+        self.fleet
+    }
+
+    /// The plant of a point, as [`SavedModel::parameters`] orders it, from a start; `None` for a static loop.
+    #[must_use]
+    pub fn member(&self, point: &[f64], start: Start) -> Option<Member> {
+        let point = self.without_drifts(point);
+        let mut effects = EffectValues::default();
+        for (&(effect, index), &value) in self.slots.iter().zip(&point[self.n_plain()..]) {
+            if let Some(slot) = effects.slot(effect, index) {
+                *slot = value;
+            }
+        }
+        Some(Member {
+            params: self.saved.model().wiener_params(&point)?,
+            effects,
+            start,
+        })
+    }
+
+    fn n_plain(&self) -> usize {
+        self.parameters.len() - self.slots.len()
+    }
+
+    fn without_drifts(&self, point: &[f64]) -> Vec<f64> {
+        drifts_dropped(&self.parameters, point, |drift| {
+            let slot = self.slots.iter().position(|&(effect, _)| effect == drift)?;
+            Some(self.n_plain() + slot)
+        })
+    }
+}
+
+impl ForwardModel for RestoredModel<'_> {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let Some(base) = self.base else {
+            return self.saved.model().simulate(points, recording, visit);
+        };
+        let profile = base.profile(recording)?;
+        let members: Vec<Member> = points
+            .iter()
+            .filter_map(|point| {
+                let start = base.start(point, profile.first_ambient_degc());
+                let mut member = self.member(point, start)?;
+                member.params.limiting_loop.loop_center_degc -= base.level_k(point, recording);
+                Some(member)
+            })
+            .collect();
+        let level_k = |point: &Vec<f64>| base.level_k(point, recording);
+        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
+        self.fleet
+            .run(&members, &profile, &mut visit)
+            .map_err(refused)
+    }
+}
+
+fn refused(error: PhysicsError) -> IdentifyError {
+    IdentifyError::Model(Box::new(error))
+}

@@ -1,0 +1,62 @@
+//! Loops of other families beside the paper's.
+
+use std::ops::ControlFlow;
+
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit};
+
+use crate::model::case::Case;
+use crate::search::roads::Search;
+use crate::{CandidateSet, LoopFamily};
+
+/// Families beside the paper's.
+const OTHERS: [LoopFamily; 2] = [LoopFamily::Relays, LoopFamily::Kinetics];
+
+/// Starts of the fit of a plain model of another family, beside the place where the paper's ended.
+const STARTS: u64 = 4;
+
+/// Error of a plain model over that of the nearest family's up to which a family is tried, too.
+const NEARLY: f64 = 2.0;
+
+/// Mean square of what is left over that of another loop from which a search with the first is in vain.
+const IN_VAIN: f64 = 2.0;
+
+/// Plain models of the families that come nearer than the paper's, the nearest first.
+pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
+    let fitted = OTHERS.into_iter().map(|family| {
+        let model = case.of_family(family, case.fit).model(CandidateSet::EMPTY);
+        let vector = ParameterVector::new(model.parameters(), case.training.len());
+        let config = FitConfig {
+            from: vec![case.fit.coordinates(&vector)],
+            starts: STARTS,
+            seed,
+            ..FitConfig::default()
+        };
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        Ok((
+            family,
+            fit(&case.watched(&model), case.training, &config, go_on)?,
+        ))
+    });
+    let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;
+    fits.sort_by(|(_, a), (_, b)| a.train_rmse.total_cmp(&b.train_rmse));
+    let nearest = fits[0].1.train_rmse;
+    let most = (NEARLY * nearest).min(case.fit.train_rmse);
+    fits.retain(|(_, fit)| fit.train_rmse < most);
+    Ok(fits)
+}
+
+/// The rig with each of these loops.
+pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [(LoopFamily, Fit)]) -> Vec<Case<'a>> {
+    fits.iter()
+        .map(|(family, fit)| case.of_family(*family, fit))
+        .collect()
+}
+
+/// Goes the whole way with another loop, unless it stays further from the recordings than the paper's.
+pub(crate) fn grow(search: &mut Search<'_>, papers: &Search<'_>) -> Result<(), IdentifyError> {
+    let least = |search: &Search<'_>| search.nearest().mean_square();
+    if search.is_misfit() && least(search) > IN_VAIN * least(papers) {
+        return Ok(());
+    }
+    search.grow()
+}

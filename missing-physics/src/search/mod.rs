@@ -1,0 +1,11 @@
+//! The roads from the plain model to models with effects.
+
+pub(crate) mod complete;
+pub(crate) mod credit;
+pub(crate) mod exchange;
+pub(crate) mod families;
+pub(crate) mod occurs;
+pub(crate) mod odds;
+pub(crate) mod refit;
+pub(crate) mod roads;
+pub(crate) mod settle;

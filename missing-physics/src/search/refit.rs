@@ -1,0 +1,68 @@
+//! From where a model with one effect more is fitted.
+
+use crate::model::case::{Case, Node};
+use crate::model::elsewhere::is_drift;
+use crate::model::tangent::of_partner;
+use crate::screen::scores::{Score, sizes_of};
+use crate::{Role, Sign};
+
+/// Sizes, as shares of the typical one, between which a refit starts.
+const START: [f64; 2] = [0.05, 2.0];
+
+/// How far toward a bound a refit of one effect may start.
+const FAR: f64 = 0.9;
+
+/// The model of a node with one effect more; `None` where no start leads anywhere.
+pub(crate) fn refit(case: &Case<'_>, node: &Node, score: &Score) -> Option<Node> {
+    let effect = score.effect;
+    let parameters = effect.info().parameters;
+    let model = case.model(node.effects.with(effect));
+    // Where the linear view points, and from a typical size: it is blind to what bends.
+    let within = |most: [f64; 2]| -> Vec<f64> {
+        sizes_of(effect)
+            .zip(&score.sizes)
+            .map(|(k, &size)| {
+                let typical = parameters[k].typical;
+                let [lower, upper] = parameters[k].bounds;
+                // What cannot be negative starts small: from a bound there is no way.
+                let size = match parameters[k].sign() {
+                    Sign::NonNegative => size.max(0.0),
+                    Sign::Either => size,
+                };
+                let magnitude = size.abs().clamp(most[0] * typical, most[1] * typical);
+                magnitude.copysign(size).clamp(FAR * lower, FAR * upper)
+            })
+            .collect()
+    };
+    let first = within(START);
+    let start = |sizes: &[f64], scale: f64| {
+        case.moved(node, &model, |other, k| {
+            let own = (other == effect).then_some(k)?;
+            match parameters[own].role {
+                Role::Size => sizes.get(own).map(|size| scale * size),
+                Role::Partner { .. } => of_partner(effect, own, score.partner),
+            }
+        })
+    };
+    let mut starts = vec![start(&first, 1.0)];
+    if score.partner.is_some() {
+        starts.push(start(&first, 0.3));
+    }
+    let far = within([START[0], f64::INFINITY]);
+    // A drift bends to whatever is there as the baseline does.
+    let is_bare = node.effects.iter().all(is_drift);
+    if is_bare && far != first {
+        starts.push(start(&far, 1.0));
+    }
+    // A large size may have bent the baseline to where the linear view has the wrong sign.
+    let sizes: Vec<usize> = sizes_of(effect).collect();
+    if let (true, [k]) = (is_bare, &sizes[..])
+        && parameters[*k].sign() == Sign::Either
+    {
+        let typical = parameters[*k].typical;
+        let sizes = [typical, START[1] * typical].into_iter();
+        starts.extend(sizes.flat_map(|size| [size, -size].map(|size| start(&[size], 1.0))));
+    }
+    let effects = node.effects.with(effect);
+    case.refined(node, effects, &starts).ok()
+}

@@ -1,0 +1,479 @@
+//! The road from the baseline to models with effects: screen, refit, and again.
+
+use std::sync::Arc;
+
+use identify::{Fit, IdentifyError};
+use rayon::prelude::*;
+
+use crate::model::case::{Case, Node};
+use crate::model::elsewhere::is_drift;
+use crate::model::tangent::{Sensitivity, sensitivities};
+use crate::screen::scores::{Score, as_one, sizes_of};
+use crate::screen::screening::{Sifted, sift};
+use crate::search::odds::{BEYOND_DOUBT_NATS, MISFIT};
+use crate::search::refit::refit;
+use crate::search::settle::settled;
+use crate::{Candidate, CandidateSet};
+
+/// Most effects of a model.
+pub(crate) const MOST_EFFECTS: usize = 4;
+
+/// Models of each number of effects that are followed further: so many by likelihood, and by error.
+const BRANCHES: usize = 2;
+
+/// Candidates that are refitted beside other effects: so many by the plain score, and so many by the whitened one.
+/// Alone, all that could matter are.
+const BY_PLAIN: usize = 9;
+const BY_WHITENED: usize = 5;
+
+/// The same where a simulation is costly.
+const COSTLY: [usize; 2] = [4, 3];
+
+/// Mean square over that with an effect less from which, far from the noise, further effects lead nowhere either.
+const STALLED: f64 = 0.9;
+
+/// Swarms from which a chosen model is fitted, if it is still such a misfit: what is bent far leads nowhere from nearby.
+const SWARMS: u64 = 1;
+
+/// Share of the critical score from which a candidate could matter.
+const COULD_MATTER: f64 = 0.7;
+
+/// A model and what could be added to it.
+#[derive(Debug, Clone)]
+pub(crate) struct Visited {
+    pub(crate) node: Node,
+    pub(crate) sifted: Option<Arc<Sifted>>,
+    /// Whether its search went to its end.
+    is_finished: bool,
+    /// Its fit from many places, if it was made: the node stands where that ended.
+    fit: Option<Arc<Fit>>,
+}
+
+impl From<Node> for Visited {
+    fn from(node: Node) -> Self {
+        Self {
+            node,
+            sifted: None,
+            is_finished: false,
+            fit: None,
+        }
+    }
+}
+
+/// All models that were looked at.
+#[derive(Debug)]
+pub(crate) struct Search<'a> {
+    pub(crate) case: &'a Case<'a>,
+    /// What may be found.
+    catalogue: CandidateSet,
+    /// Variance of the noise, at most.
+    noise: f64,
+    seed: u64,
+    visited: Vec<Visited>,
+    /// Models that more effects are yet to be tried beside.
+    frontier: Vec<CandidateSet>,
+    /// The baseline at its other minima, until effects have been tried there.
+    other_baselines: Vec<Node>,
+    /// Whether a drift may stand beside other effects.
+    pub(crate) beside_drifts: bool,
+    /// Sets of effects that lead nowhere.
+    dead: Vec<CandidateSet>,
+    /// Models that were searched from where one with an effect more was fitted, after that one.
+    lightened: Vec<(CandidateSet, CandidateSet)>,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(
+        case: &'a Case<'a>,
+        baseline: Node,
+        catalogue: CandidateSet,
+        noise: f64,
+        seed: u64,
+    ) -> Result<Self, IdentifyError> {
+        Ok(Self {
+            case,
+            catalogue,
+            noise,
+            seed,
+            other_baselines: case.other_baselines()?,
+            visited: vec![baseline.into()],
+            frontier: vec![CandidateSet::EMPTY],
+            beside_drifts: false,
+            dead: Vec::new(),
+            lightened: Vec::new(),
+        })
+    }
+
+    /// Models in the order in which they were found, the baseline first.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = &Node> {
+        self.visited.iter().map(|visited| &visited.node)
+    }
+
+    pub(crate) fn baseline(&self) -> &Node {
+        &self.visited[0].node
+    }
+
+    fn index(&self, effects: CandidateSet) -> Option<usize> {
+        self.visited
+            .iter()
+            .position(|one| one.node.effects == effects)
+    }
+
+    /// Scores at a model that was visited.
+    pub(crate) fn sifted(&mut self, effects: CandidateSet) -> Result<Arc<Sifted>, IdentifyError> {
+        let Some(index) = self.index(effects) else {
+            unreachable!("only models that were visited are sifted");
+        };
+        if let Some(sifted) = &self.visited[index].sifted {
+            return Ok(Arc::clone(sifted));
+        }
+        let node = &self.visited[index].node;
+        let sifted = Arc::new(sift(self.case, node, self.catalogue, self.seed)?);
+        self.visited[index].sifted = Some(Arc::clone(&sifted));
+        Ok(sifted)
+    }
+
+    /// Derivatives of a model that was visited by its free parameters: those of its scores, if it has them.
+    pub(crate) fn sensitivities(&self, node: &Node) -> Result<Arc<[Sensitivity]>, IdentifyError> {
+        let visited = self.index(node.effects).map(|index| &self.visited[index]);
+        match visited.and_then(|visited| visited.sifted.as_ref()) {
+            Some(sifted) => Ok(Arc::clone(&sifted.sensitivities)),
+            None => Ok(sensitivities(self.case, node)?.into()),
+        }
+    }
+
+    /// Goes on to models that leave nothing significant, by several roads.
+    pub(crate) fn grow(&mut self) -> Result<(), IdentifyError> {
+        while !self.frontier.is_empty() {
+            self.grow_by_one()?;
+        }
+        Ok(())
+    }
+
+    /// Goes to models with one effect more.
+    pub(crate) fn grow_by_one(&mut self) -> Result<(), IdentifyError> {
+        let frontier = std::mem::take(&mut self.frontier);
+        let mut grown: Vec<CandidateSet> = Vec::new();
+        for (rank, &effects) in frontier.iter().enumerate() {
+            // Where the best model leaves nothing, others are followed only if they are near.
+            let is_closed = rank > 0 && grown.is_empty();
+            if is_closed && self.behind(effects, frontier[0]) > BEYOND_DOUBT_NATS {
+                continue;
+            }
+            for child in self.children(effects)? {
+                if !grown.contains(&child) {
+                    grown.push(child);
+                }
+            }
+        }
+        let before = self.least_error(&frontier);
+        let best = self.best_of(grown);
+        self.finish(&best)?;
+        let is_stalled = self.is_misfit() && self.least_error(&best) > STALLED * before;
+        let is_full = best.iter().all(|set| set.len() == MOST_EFFECTS);
+        if !is_stalled && !is_full {
+            self.frontier = best;
+        }
+        Ok(())
+    }
+
+    /// Whether a model may be chosen: none of its effects is pressed against a bound, and no flexible one helps others to
+    /// their names; drifts may stand beside them once these have failed without.
+    pub(crate) fn admits(&self, node: &Node) -> bool {
+        let may_stand = node.effects.len() == 1
+            || node
+                .effects
+                .iter()
+                .all(|one| !one.info().flexible || self.beside_drifts && is_drift(one));
+        may_stand && !node.is_held()
+    }
+
+    /// Tries effects beside a drift, from now on admitted; whether there were any.
+    pub(crate) fn grow_beside_drifts(&mut self) -> Result<bool, IdentifyError> {
+        self.beside_drifts = true;
+        let mut grown = Vec::new();
+        for drift in self.catalogue.iter().filter(|&one| is_drift(one)) {
+            let alone = CandidateSet::EMPTY.with(drift);
+            // What presses it against a bound may be the other.
+            if self.get(alone).is_some() {
+                grown.extend(self.children(alone)?);
+            }
+        }
+        let best = self.best_of(grown);
+        self.finish(&best)?;
+        Ok(!best.is_empty())
+    }
+
+    /// Takes searches that were cut short to their ends.
+    pub(crate) fn finish(&mut self, sets: &[CandidateSet]) -> Result<(), IdentifyError> {
+        let finished = sets
+            .par_iter()
+            .filter_map(|&set| self.index(set))
+            .filter(|&index| !self.visited[index].is_finished)
+            .map(|index| Ok((index, self.case.finished(&self.visited[index].node)?)))
+            .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
+        for (index, node) in finished {
+            self.visited[index] = Visited {
+                is_finished: true,
+                ..node.into()
+            };
+        }
+        Ok(())
+    }
+
+    /// Fits a model that was visited from many places, once.
+    pub(crate) fn settle(&mut self, effects: CandidateSet) -> Result<Arc<Fit>, IdentifyError> {
+        let Some(index) = self.index(effects) else {
+            unreachable!("only models that were visited are settled");
+        };
+        let before = &self.visited[index];
+        if let Some(fit) = &before.fit {
+            return Ok(Arc::clone(fit));
+        }
+        let is_costly = is_costly(effects);
+        let swarms = if self.error(effects) > MISFIT * self.noise && !is_costly {
+            SWARMS
+        } else {
+            0
+        };
+        let fit = Arc::new(settled(
+            self.case,
+            &before.node,
+            swarms,
+            self.seed,
+            is_costly,
+        )?);
+        let node = self.case.fitted(&before.node, &fit)?;
+        let is_elsewhere = node.noise.nats() - before.node.noise.nats() > BEYOND_DOUBT_NATS;
+        self.visited[index] = Visited {
+            // Around the same end the scores are the same.
+            sifted: before.sifted.clone().filter(|_| !is_elsewhere),
+            is_finished: true,
+            fit: Some(Arc::clone(&fit)),
+            ..node.into()
+        };
+        Ok(fit)
+    }
+
+    /// The most credible of some models, the best first, then those of the lowest error.
+    fn best_of(&self, mut sets: Vec<CandidateSet>) -> Vec<CandidateSet> {
+        let admitted = |set: &CandidateSet| self.get(*set).is_some_and(|node| self.admits(node));
+        if sets.iter().any(admitted) {
+            sets.retain(admitted);
+        }
+        let mut by_error = sets.clone();
+        by_error.sort_by(|&a, &b| self.error(a).total_cmp(&self.error(b)));
+        sets.sort_by(|&a, &b| self.credit(b).total_cmp(&self.credit(a)));
+        let mut best: Vec<CandidateSet> = sets.into_iter().take(BRANCHES).collect();
+        for set in by_error.into_iter().take(BRANCHES) {
+            if !best.contains(&set) {
+                best.push(set);
+            }
+        }
+        best
+    }
+
+    /// Variance of the noise, at most.
+    pub(crate) fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    /// Mean square of what a model leaves of the output.
+    fn error(&self, effects: CandidateSet) -> f64 {
+        self.get(effects).map_or(f64::INFINITY, Node::mean_square)
+    }
+
+    fn least_error(&self, sets: &[CandidateSet]) -> f64 {
+        let errors = sets.iter().map(|&set| self.error(set));
+        errors.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The model with these effects, if it was visited.
+    pub(crate) fn get(&self, effects: CandidateSet) -> Option<&Node> {
+        self.index(effects).map(|index| &self.visited[index].node)
+    }
+
+    /// Models with one effect more that are significantly better.
+    pub(crate) fn children(
+        &mut self,
+        effects: CandidateSet,
+    ) -> Result<Vec<CandidateSet>, IdentifyError> {
+        let sifted = self.sifted(effects)?;
+        let critical = sifted.found.critical;
+        let most = if effects.is_empty() {
+            [usize::MAX; 2]
+        } else {
+            [BY_PLAIN, BY_WHITENED]
+        };
+        let least = if effects.is_empty() && self.error(effects) > MISFIT * self.noise {
+            // Large effects hide in the memory that the residual seems to have: all are tried.
+            f64::NEG_INFINITY
+        } else {
+            COULD_MATTER * critical
+        };
+        let mut list = shortlist(&sifted.found.scores, least, most);
+        if !effects.is_empty() {
+            let first = shortlist(&sifted.found.scores, least, COSTLY);
+            let is_first = |score: &Score| first.iter().any(|one| one.effect == score.effect);
+            list.retain(|score| is_first(score) || !is_costly(effects.with(score.effect)));
+        }
+        let mut added: Vec<Candidate> = list.iter().map(|score| score.effect).collect();
+        let is_new = |score: &&Score| {
+            let set = effects.with(score.effect);
+            self.index(set).is_none() && !self.dead.contains(&set)
+        };
+        let list: Vec<&Score> = list.into_iter().filter(is_new).collect();
+        let Some(parent) = self.get(effects) else {
+            unreachable!("its scores were just taken");
+        };
+        let refitted = self.refitted(parent, &list);
+        self.keep_all(refitted);
+        if effects.is_empty() {
+            for other in std::mem::take(&mut self.other_baselines) {
+                let sifted = sift(self.case, &other, self.catalogue, self.seed)?;
+                let list = shortlist(&sifted.found.scores, least, most);
+                let refitted = self.refitted(&other, &list);
+                self.keep_all(refitted);
+                added.extend(list.iter().map(|score| score.effect));
+            }
+        }
+        let Some(parent) = self.get(effects) else {
+            unreachable!("nothing is ever taken away");
+        };
+        let mut children: Vec<CandidateSet> = Vec::new();
+        for effect in added {
+            let set = effects.with(effect);
+            let child = self.get(set);
+            let is_significant = |child: &Node| gained(parent, child, effect) > critical;
+            if child.is_some_and(is_significant) && !children.contains(&set) {
+                children.push(set);
+            }
+        }
+        Ok(children)
+    }
+
+    /// A model with one effect more, each.
+    fn refitted(&self, parent: &Node, list: &[&Score]) -> Vec<(CandidateSet, Option<Node>)> {
+        list.par_iter()
+            .map(|score| {
+                let set = parent.effects.with(score.effect);
+                (set, refit(self.case, parent, score))
+            })
+            .collect()
+    }
+
+    fn keep_all(&mut self, refitted: Vec<(CandidateSet, Option<Node>)>) {
+        for (set, node) in refitted {
+            self.keep(set, node);
+        }
+    }
+
+    /// Takes in a refitted model, unless a lower end is known; one whose effect has vanished leads nowhere.
+    pub(crate) fn keep(&mut self, set: CandidateSet, node: Option<Node>) {
+        let found = node.filter(|node| set.iter().all(|effect| !node.has_vanished(effect)));
+        match (self.index(set), found) {
+            (None, None) if self.dead.contains(&set) => {}
+            (None, None) => self.dead.push(set),
+            (None, Some(found)) => {
+                self.dead.retain(|dead| *dead != set);
+                self.visited.push(found.into());
+            }
+            (Some(known), Some(found)) => {
+                let known = &mut self.visited[known];
+                if found.noise.deviance() < known.node.noise.deviance() {
+                    *known = found.into();
+                }
+            }
+            (Some(_), None) => {}
+        }
+    }
+
+    /// The model of a node without one of its effects, or with another in its place.
+    pub(crate) fn exchanged(
+        &mut self,
+        effects: CandidateSet,
+        without: Candidate,
+        with: Option<&Score>,
+    ) -> Option<CandidateSet> {
+        let less = effects.without(without);
+        let set = with.map_or(less, |score| less.with(score.effect));
+        if self.dead.contains(&set) {
+            return None;
+        }
+        match with {
+            None => self.lighten(effects, less),
+            Some(score) if self.index(set).is_none() => {
+                let node = refit(self.case, self.get(less)?, score);
+                self.keep(set, node);
+            }
+            Some(_) => {}
+        }
+        self.index(set).map(|_| set)
+    }
+
+    /// Searches a model from where one with an effect more stands, if it was not searched yet, and once more when that
+    /// one has been fitted from many places; the lower end counts.
+    fn lighten(&mut self, effects: CandidateSet, less: CandidateSet) {
+        let Some(from) = self.index(effects).map(|index| &self.visited[index]) else {
+            return;
+        };
+        let is_fitted = from.fit.is_some();
+        let is_needed = match self.index(less).map(|index| &self.visited[index]) {
+            None => true,
+            // What was fitted from many places may still have missed where the larger model stands.
+            Some(_) => is_fitted && !less.is_empty() && !self.lightened.contains(&(effects, less)),
+        };
+        if !is_needed {
+            return;
+        }
+        let model = self.case.model(less);
+        let start = self.case.moved(&from.node, &model, |_, _| None);
+        let found = self.case.refined(&from.node, less, &[start]).ok();
+        if is_fitted {
+            self.lightened.push((effects, less));
+        }
+        self.keep(less, found);
+    }
+
+    /// Takes in the model of a node of another search, with this loop, from where that one stands.
+    pub(crate) fn moved_here(&mut self, other: &Node) -> Result<(), IdentifyError> {
+        let model = self.case.model(other.effects);
+        let start = self.case.moved(other, &model, |_, _| None);
+        let found = self.case.refined(other, other.effects, &[start])?;
+        self.keep(other.effects, Some(found));
+        Ok(())
+    }
+
+    /// Simulations of the whole training set so far.
+    pub(crate) fn simulations(&self) -> u64 {
+        self.nodes().map(|node| node.simulations).sum()
+    }
+}
+
+/// Whether the rod has several zones: a simulation takes as long as ten.
+fn is_costly(effects: CandidateSet) -> bool {
+    effects.iter().any(|effect| effect.info().costly)
+}
+
+/// By how much a refit is better, as the score that a size of one degree would have.
+pub(crate) fn gained(parent: &Node, child: &Node, effect: Candidate) -> f64 {
+    let ratio = 2.0 * (child.noise.nats() - parent.noise.nats());
+    as_one(ratio.max(0.0), sizes_of(effect).count())
+}
+
+/// Candidates of at least some score: the first by the plain one, and the first by the whitened one.
+fn shortlist(scores: &[Score], least: f64, most: [usize; 2]) -> Vec<&Score> {
+    let first = |of: fn(&Score) -> f64, n: usize| {
+        let mut sorted: Vec<&Score> = scores.iter().filter(|score| of(score) > least).collect();
+        sorted.sort_by(|a, b| of(b).total_cmp(&of(a)));
+        sorted.truncate(n);
+        sorted
+    };
+    let mut list = first(|score| score.plain, most[0]);
+    for score in first(|score| score.whitened, most[1]) {
+        if !list.iter().any(|other| other.effect == score.effect) {
+            list.push(score);
+        }
+    }
+    list
+}
