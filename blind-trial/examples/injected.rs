@@ -1,5 +1,5 @@
 //! Diagnoses a measured wire with effects put on its recordings, and says which of them were found beyond what is found
-//! without: `cargo run --release -p blind-trial --example injected [OUT]`; see the README.
+//! without: `cargo run --release -p blind-trial --example injected OUT`; see the README.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -16,7 +16,7 @@ use recording::{Recording, read_csv};
 use serde::{Deserialize, Serialize};
 use wiener::hysteresis::Rule;
 
-/// Where results go unless told otherwise, from the workspace's root.
+/// Where results stand, from the workspace's root.
 const RESULTS: &str = "blind-trial/results/injected.jsonl";
 
 /// One diagnosis.
@@ -38,9 +38,12 @@ impl Line for Diagnosed {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let out = std::env::args()
-        .nth(1)
-        .unwrap_or_else(|| RESULTS.to_owned());
+    let Some(out) = std::env::args().nth(1) else {
+        let usage =
+            format!("injected OUT: where to write, {RESULTS} for one; it takes half an hour");
+        writeln!(io::stdout(), "{usage}")?;
+        return Ok(());
+    };
     let Some(folder) = fixtures::shared::path(bologna::FOLDER) else {
         return Ok(());
     };

@@ -3,9 +3,11 @@
 use std::fmt::Write;
 
 use identify::Validated;
-use missing_physics::{Candidate, Diagnosis, EffectBlock, Finding, NoiseClass, Remainder, Verdict};
+use missing_physics::{
+    Candidate, Diagnosis, EffectBlock, Finding, NoiseClass, Remainder, RuleId, Verdict,
+};
 
-use super::number::{significant, spoken, spoken_percent};
+use super::number::{percent, significant, spoken, spoken_percent};
 
 /// Distance to a bound, as a share of the range, at which a value stands on it.
 const NEAR_BOUND: f64 = 1e-6;
@@ -57,8 +59,14 @@ fn said(diagnosis: &Diagnosis) -> String {
                 "; not yet tested on unseen data (--validate)".to_owned(),
                 |rmse| format!(", and what it has not seen to {}{unit}", spoken(rmse)),
             );
+            let at_most = diagnosis.audit.map_or(String::new(), |audit| {
+                format!(
+                    " At most {} of what is left, by variance, could still be physics.",
+                    percent(audit.share_at_most.max(0.01))
+                )
+            });
             format!(
-                "Nothing is missing that these recordings could show: the plain model meets them to {}{unit}{unseen}.",
+                "Nothing is missing that these recordings could show: the plain model meets them to {}{unit}{unseen}.{at_most}",
                 spoken(diagnosis.baseline.fit.train_rmse),
             )
         }
@@ -66,6 +74,20 @@ fn said(diagnosis: &Diagnosis) -> String {
         // What it is follows.
         Verdict::ExplainedInPart if diagnosis.remainder.is_some() => findings,
         Verdict::ExplainedInPart => format!("{findings}\nSomething else is left."),
+        Verdict::Unexplained if fails(diagnosis, RuleId::Describes) => {
+            let predicted = statistic(diagnosis, RuleId::Describes).unwrap_or(0.0);
+            format!(
+                "The model does not describe this recording: of what the output does it predicts {}, on stretches that it has not \
+                 seen. Do drive and output belong together?",
+                percent(predicted.max(0.0))
+            )
+        }
+        Verdict::Unexplained if fails(diagnosis, RuleId::Remainder) && is_disturbed(diagnosis) => {
+            "What is left is a disturbance that does not follow the drive, and is no noise of a sensor either: it grows and shrinks \
+             with the state of the rod, or repeats itself, or slips. Record the surroundings, and the rest position before and \
+             after."
+                .to_owned()
+        }
         Verdict::Unexplained => {
             let closest: Vec<&str> = diagnosis.suspects.iter().map(|one| one.effect.info().name).collect();
             let closest = match closest.as_slice() {
@@ -76,6 +98,27 @@ fn said(diagnosis: &Diagnosis) -> String {
             format!("Something is missing, and nothing in the catalogue accounts for it. {closest}")
         }
     }
+}
+
+/// What the first answer of a rule was, if it was asked.
+fn statistic(diagnosis: &Diagnosis, id: RuleId) -> Option<f64> {
+    let mut traces = diagnosis.traces.iter();
+    traces
+        .find(|trace| trace.rule.id == id)
+        .map(|trace| trace.value)
+}
+
+/// Whether a rule was asked and did not pass.
+fn fails(diagnosis: &Diagnosis, id: RuleId) -> bool {
+    let mut traces = diagnosis.traces.iter();
+    traces.any(|trace| trace.rule.id == id && !trace.passed)
+}
+
+/// Whether what is left is no noise, though nothing predicts it.
+fn is_disturbed(diagnosis: &Diagnosis) -> bool {
+    let odd = [RuleId::Disturbed, RuleId::Tone, RuleId::Slip];
+    let mut traces = diagnosis.traces.iter();
+    traces.any(|trace| odd.contains(&trace.rule.id) && trace.passed)
 }
 
 /// A finding, under all its names.
