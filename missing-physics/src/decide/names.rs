@@ -4,7 +4,7 @@ use crate::decide::known::Known;
 use crate::decide::rules::RuleId;
 use crate::decide::trace::Traces;
 use crate::evidence::UNLISTED;
-use crate::evidence::{Model, Population, by_chance, masses};
+use crate::evidence::{Model, Population, by_chance, centered, masses};
 use crate::{Candidate, CandidateSet};
 
 /// An effect of the chosen model.
@@ -175,8 +175,3 @@ const SHIFTS: usize = 9_999;
 
 /// Probability below which another name is not worth a word.
 const LEAST: f64 = 0.005;
-
-fn centered(values: &[f64]) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    values.iter().map(|value| value - mean).collect()
-}

@@ -1,7 +1,7 @@
 //! How much of what a model leaves is predicted from what drove the rig, and whether by more than chance.
 
 use crate::evidence::blocks::Block;
-use crate::evidence::shifts::by_chance;
+use crate::evidence::shifts::{by_chance, centered};
 use crate::evidence::worth::Evidence;
 use crate::model::case::Case;
 use crate::model::series::Channel;
@@ -64,9 +64,4 @@ pub(crate) fn audit(
         share_at_most: (share.max(0.0) + 1.645 * error).min(1.0),
         p_value: by_chance(&pairs, SHIFTS, seed),
     }
-}
-
-fn centered(values: &[f64]) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    values.iter().map(|value| value - mean).collect()
 }

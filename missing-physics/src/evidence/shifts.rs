@@ -47,3 +47,9 @@ pub(crate) fn by_chance(pairs: &[(Vec<f64>, Vec<f64>)], shifts: usize, seed: u64
     }
     (1 + as_well) as f64 / (1 + shifts) as f64
 }
+
+/// A series without its mean.
+pub(crate) fn centered(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter().map(|value| value - mean).collect()
+}
