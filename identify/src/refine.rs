@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use recording::Recording;
 
 use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
@@ -33,7 +35,12 @@ pub struct RefineConfig {
     pub weights: Option<Vec<Vec<f64>>>,
     /// Weight of recorded temperatures against the output, (output unit/K)²; 0 leaves them out.
     pub temperature_weight: f64,
+    /// Iterations after which only the two lowest of several starts go on; 0 takes each to its end.
+    pub race_iterations: usize,
 }
+
+/// Starts that go on after a race.
+const FOLLOWED: usize = 2;
 
 /// Fits a model by least squares alone, from each of the given starts; the end of the lowest deviance counts, and of equal
 /// ends the first.
@@ -66,14 +73,18 @@ pub fn refine(
         _ => 0.0,
     };
     problem.weigh_temperature(config.temperature_weight);
+    if let Some(start) = starts
+        .iter()
+        .find(|start| start.len() != problem.vector().len())
+    {
+        return Err(IdentifyError::StartLength {
+            found: start.len(),
+            expected: problem.vector().len(),
+        });
+    }
+    let starts = raced(&problem, starts, config)?;
     let mut best: Option<(Minimum, Solved, f64)> = None;
-    for start in starts {
-        if start.len() != problem.vector().len() {
-            return Err(IdentifyError::StartLength {
-                found: start.len(),
-                expected: problem.vector().len(),
-            });
-        }
+    for start in starts.iter() {
         let end = minimize(&problem, problem.bounds(), start, &config.least_squares)?;
         if !end.sum_of_squares.is_finite() {
             continue;
@@ -103,4 +114,26 @@ pub fn refine(
         simulations: problem.simulations(),
         coordinates: best.point,
     })
+}
+
+/// The starts that are worth their way: where the lowest stand after a few iterations.
+fn raced<'a>(
+    problem: &Problem<'_>,
+    starts: &'a [Vec<f64>],
+    config: &RefineConfig,
+) -> Result<Cow<'a, [Vec<f64>]>, IdentifyError> {
+    if config.race_iterations == 0 || starts.len() <= FOLLOWED {
+        return Ok(Cow::Borrowed(starts));
+    }
+    let short = LeastSquaresConfig {
+        iterations: config.race_iterations,
+        ..config.least_squares
+    };
+    let mut ends = starts
+        .iter()
+        .map(|start| minimize(problem, problem.bounds(), start, &short))
+        .collect::<Result<Vec<Minimum>, IdentifyError>>()?;
+    ends.sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    ends.truncate(FOLLOWED);
+    Ok(Cow::Owned(ends.into_iter().map(|end| end.point).collect()))
 }

@@ -273,8 +273,8 @@ impl WienerModel {
                 info.state = ParameterState::Free;
             }
         };
-        let is_unrecorded = |recording: &&Recording| recording.ambient_degc().is_none();
-        if recordings.len() > 1 && recordings.iter().any(is_unrecorded) {
+        // Recorded or not: a thermometer in the room is off by a few tenths, and stands elsewhere.
+        if recordings.len() > 1 {
             free(LEVEL);
         }
         if recordings.iter().any(|recording| may_begin_warm(recording)) {
@@ -288,9 +288,8 @@ impl WienerModel {
     /// that all have in common is the loop's.
     #[must_use]
     pub fn level_k(&self, point: &[f64], recording: &Recording) -> f64 {
-        let is_stated = recording.ambient_degc().is_some()
-            || self.reference.as_deref() == Some(recording.name());
-        if is_stated { 0.0 } else { point[LEVEL] }
+        let is_reference = self.reference.as_deref() == Some(recording.name());
+        if is_reference { 0.0 } else { point[LEVEL] }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::locate::everywhere::{locate, remainder_shape};
 use crate::locate::located::Located;
 use crate::locate::mismatch::Mismatch;
 use crate::model::case::Case;
+use crate::model::coarse::coarse;
 use crate::model::elsewhere::{spread, validated, validated_alone};
 use crate::model::series::Channel;
 use crate::model::unseen::{self, Unseen};
@@ -31,10 +32,12 @@ use crate::report::diagnosis::{
 };
 use crate::report::explained::explained;
 use crate::report::ladder::ladder;
-use crate::search::complete::{self, Weighing};
+use crate::search::complete::Completing;
 use crate::search::families;
 use crate::search::occurs::testable;
+use crate::search::promote::promoted;
 use crate::search::roads::Search;
+use crate::search::weighing::{Weighing, at};
 use crate::watch::{Caller, DiagnoseProgress, Watched};
 use crate::{Candidate, CandidateSet, EffectBlock, EffectSet, LoopFamily, Setting};
 
@@ -204,35 +207,51 @@ fn from_baseline(
     if !has_converged && !plain.converged() {
         return Ok(not_converged(baseline, &noise, config.seed));
     }
-    let case = Case::new(base, plain, training, config.setting).watched_by(caller);
+    let fine_case = Case::new(base, plain, training, config.setting).watched_by(caller);
     caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
+    let few = coarse(base, plain, training)?;
+    let case = Case::new(base, plain, &few, config.setting).watched_by(caller);
+    let few_noise = measured(&few, tau_s);
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
-    let catalogue_set = testable(&case, &case.baseline()?, all)?;
-    let begun = |case, catalogue| begun(case, catalogue, &noise, config.seed);
-    let mut papers = begun(&case, catalogue_set)?;
-    papers.grow()?;
-    let at = (noise.gate.sqrt(), config.seed);
-    let mut mismatch = located(&mut papers, CandidateSet::EMPTY, at, locate)?;
-    let blocks = blocks(&case.layout, training, GAP * tau_s);
-    let mut weighing = Weighing::new(&blocks, config.seed);
-    let mut searches = vec![papers];
-    let mut population = weighing.completed(&mut searches)?;
-    let fits = if may_be_the_loop(&population) && catalogue_set.contains(Candidate::other_loop()) {
+    let catalogue_set = testable(&fine_case, &fine_case.baseline()?, all)?;
+    let begun = |case, catalogue| begun(case, catalogue, &few_noise, config.seed);
+    let few_blocks = blocks(&case.layout, &few, GAP * tau_s);
+    let mut completing = Completing::new(&few_blocks, config.seed);
+    let mut coarse_searches = vec![begun(&case, catalogue_set)?];
+    caller.tell_of_search()?;
+    // More effects than one are worth their search where a curve finds more than one has.
+    let population = completing.completed(&mut coarse_searches)?;
+    // A loop of another family bends what is found of the rest: it comes before more effects do.
+    let goes_on = may_be_the_loop(&population);
+    let fits = if goes_on && catalogue_set.contains(Candidate::other_loop()) {
         families::fits(&case, config.seed)?
     } else {
         Vec::new()
     };
     let cases = families::cases(&case, &fits);
     for case in &cases {
-        let mut search = begun(case, catalogue_set.without(Candidate::other_loop()))?;
-        families::grow(&mut search, &searches[0])?;
-        searches.push(search);
+        coarse_searches.push(begun(case, catalogue_set.without(Candidate::other_loop()))?);
     }
-    if !cases.is_empty() {
-        population = weighing.completed(&mut searches)?;
+    if goes_on {
+        families::grow(&mut coarse_searches)?;
+        completing.completed(&mut coarse_searches)?;
     }
+    let of_families = families::cases(&fine_case, &fits);
+    let fine_cases: Vec<&Case<'_>> = std::iter::once(&fine_case).chain(&of_families).collect();
+    let blocks = blocks(&fine_case.layout, training, GAP * tau_s);
+    let mut weighing = Weighing::new(&blocks, config.seed);
+    let (mut searches, population) = promoted(
+        &fine_cases,
+        &mut coarse_searches,
+        &mut completing,
+        &mut weighing,
+        noise.highest(),
+    )?;
+    let case = &fine_case;
+    let looked = (noise.gate.sqrt(), config.seed);
+    let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
     caller.tell(DiagnoseProgress::Refit)?;
-    let (place, effects) = complete::at(&searches, leading(&population));
+    let (place, effects) = at(&searches, leading(&population));
     let known = known(
         &searches[place],
         effects,
@@ -246,6 +265,7 @@ fn from_baseline(
     let mut simulations =
         plain.simulations + fits.iter().map(|(_, fit)| fit.simulations).sum::<u64>();
     simulations += searches.iter().map(Search::simulations).sum::<u64>();
+    simulations += coarse_searches.iter().map(Search::simulations).sum::<u64>();
     let mut search = searches.swap_remove(place);
     simulations -= search.simulations();
     let extended = extended(&mut search, effects, unseen)?;
@@ -284,7 +304,7 @@ fn from_baseline(
         decided.verdict,
         Verdict::ExplainedInPart | Verdict::Unexplained
     ) {
-        remainder(&mut search, effects, &mismatch, [explainable, left], at)?
+        remainder(&mut search, effects, &mismatch, [explainable, left], looked)?
     } else {
         None
     };
@@ -360,7 +380,7 @@ fn known(
         disturbed(case, plain, evidence, &sensitivities, blocks, config.seed)?
     } else {
         // All of it may be rounding, which is a function of the output.
-        1.0
+        0.0
     };
     let tones = outputs().map(|one| tone(&node.residual[one.range.clone()]));
     let coarse = noise.is_coarse(node.mean_square());
@@ -406,7 +426,7 @@ fn held_to(
     let mut fallen = CandidateSet::EMPTY;
     for named in &decided.named {
         let less = if effects.contains(named.effect) {
-            search.exchanged(effects, named.effect, None)
+            search.exchanged(effects, named.effect, None)?
         } else {
             None
         };
@@ -434,7 +454,8 @@ fn held_to(
     let is_explained =
         decided.traces.ask(RuleId::UnseenShare, "", share) || is_as_near(extended, unseen)?;
     if decided.named.is_empty() {
-        decided.verdict = Verdict::Unexplained;
+        // They made these recordings worse: what is left to say is what the plain model leaves.
+        decided.verdict = decided.nameless;
     } else if !is_explained && share > 0.5 {
         decided.verdict = Verdict::ExplainedInPart;
     } else if !is_explained {

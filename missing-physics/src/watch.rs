@@ -87,6 +87,16 @@ impl<'p> Caller<'p> {
         stopped(goes_on)
     }
 
+    /// Tells the caller how far the search is.
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Stopped`] if the caller ends it, or did.
+    pub(crate) fn tell_of_search(&self) -> Result<(), IdentifyError> {
+        let simulations = self.simulations.load(Ordering::Relaxed);
+        self.tell(DiagnoseProgress::Search { simulations })
+    }
+
     fn ask(&self, told: &mut Told<'_>, progress: DiagnoseProgress) -> ControlFlow<()> {
         let goes_on = (told.progress)(progress);
         told.last = Instant::now();

@@ -26,14 +26,15 @@ pub enum LoopFamily {
     /// with the factor that leads the branch to its return point, which is 1 for relays that are all wider than 0. One
     /// part in a thousand takes no heed of the other temperature, so that from every start all relays can be reached.
     Relays,
-    /// Cosine kinetics of Liang and Rogers \[LiangRogers1990\], of what is left to transform:
+    /// Cosine kinetics of Liang and Rogers \[LiangRogers1990\], of what is left to transform, skewed:
     ///
     /// ```text
-    /// heating from T_r: ξ = ξ_r + (1 - ξ_r) sin²(π/2 (T - A)/(A_f - A)),   A = max(A_s, T_r)
-    /// A_s, A_f = T_mid + T_c ∓ 2.25 h_0,   and below, mirrored, cooling
+    /// heating from T_r: ξ = ξ_r + (1 - ξ_r) sin²(π/2 v),   v = (1 + k) u/(1 + k u),   u = (T - A)/(A_f - A)
+    /// A = max(A_s, T_r),   A_s, A_f = T_mid + T_c ∓ 2.25 h_0,   1 + k = e^(6 (ζ - ½))
     /// ```
     ///
-    /// An excursion in which nothing transforms leaves no trace; any other starts anew. ζ has no part in it.
+    /// and below, mirrored, cooling. ζ = ½ is the source's; above it a transformation sets in sharply and ends slowly. An
+    /// excursion in which nothing transforms leaves no trace; any other starts anew.
     Kinetics,
 }
 
@@ -70,6 +71,8 @@ const DEVIATION: f64 = 1.5;
 const HALF_RANGE: f64 = 2.25;
 /// Logarithm of the odds ratio over ζ.
 const LOG_ODDS: f64 = 5.0;
+/// Logarithm of 1 + k over ζ - ½ of kinetics.
+const LOG_SKEW: f64 = 6.0;
 /// Share of the relays that switch by one temperature alone.
 const LOOSE: f64 = 1e-3;
 /// Share of the material that is as good as none.
@@ -122,7 +125,7 @@ impl<const L: usize> Curves<L> {
         match family {
             LoopFamily::Proximity => None,
             LoopFamily::Relays => Some(Self::Relays(Relays::new(limits, zeta))),
-            LoopFamily::Kinetics => Some(Self::Kinetics(Kinetics::new(limits))),
+            LoopFamily::Kinetics => Some(Self::Kinetics(Kinetics::new(limits, zeta))),
         }
     }
 
@@ -188,11 +191,11 @@ impl<const L: usize> Curves<L> {
                 #[inline(always)]
                 |l, sign, along, at_k| relays.way(l, sign, along, at_k),
             ),
-            Self::Kinetics(_) => levels(
+            Self::Kinetics(kinetics) => levels(
                 path_of,
                 temperature_k,
                 #[inline(always)]
-                |_, sign, along, at_k| Kinetics::<L>::way(sign, along, at_k),
+                |l, sign, along, at_k| kinetics.way(l, sign, along, at_k),
             ),
         }
     }
@@ -207,7 +210,7 @@ impl<const L: usize> Curves<L> {
         let along = Along::of(path);
         match self {
             Self::Relays(relays) => relays.way(lane, sign, &along, at_k),
-            Self::Kinetics(_) => Kinetics::<L>::way(sign, &along, at_k),
+            Self::Kinetics(kinetics) => kinetics.way(lane, sign, &along, at_k),
         }
     }
 
@@ -359,10 +362,12 @@ pub(crate) struct Kinetics<const L: usize> {
     /// δ T̂ of start and finish of the transformation on heating and on cooling, K.
     start_k: [[f64; L]; 2],
     finish_k: [[f64; L]; 2],
+    /// k.
+    skew: [f64; L],
 }
 
 impl<const L: usize> Kinetics<L> {
-    fn new(limits: &LimitingLoop<L>) -> Self {
+    fn new(limits: &LimitingLoop<L>, zeta: [f64; L]) -> Self {
         let lanes = |sign: f64, side: f64| {
             core::array::from_fn(|lane| {
                 let half_k = HALF_RANGE * limits.spread_k(lane) * limits.widening(lane, sign);
@@ -372,6 +377,7 @@ impl<const L: usize> Kinetics<L> {
         Self {
             start_k: [lanes(1.0, -1.0), lanes(-1.0, -1.0)],
             finish_k: [lanes(1.0, 1.0), lanes(-1.0, 1.0)],
+            skew: zeta.map(|zeta| libm::expm1(LOG_SKEW * (zeta - 0.5))),
         }
     }
 
@@ -391,16 +397,20 @@ impl<const L: usize> Kinetics<L> {
     }
 
     #[inline(always)]
-    fn way(sign: f64, along: &Along, temperature_k: f64) -> Way {
+    fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way {
         let progress = (sign * temperature_k - along.fixed) * along.scale;
         // Written so that NaN passes.
         let progress = if progress < 0.0 { 0.0 } else { progress };
         let progress = if progress > 1.0 { 1.0 } else { progress };
-        let angle = FRAC_PI_2 * progress;
+        let skew = self.skew[lane];
+        let per = 1.0 / (1.0 + skew * progress);
+        let skewed = (1.0 + skew) * progress * per;
+        let angle = FRAC_PI_2 * skewed;
         let (sine, cosine) = (sin_quarter(angle), sin_quarter(FRAC_PI_2 - angle));
         // Beyond the finish the cosine is 0 to rounding, times any scale.
         let is_over = progress >= 1.0;
-        let slope_per_k = 2.0 * FRAC_PI_2 * along.scale * sine * cosine;
+        let stretched = (1.0 + skew) * per * per;
+        let slope_per_k = 2.0 * FRAC_PI_2 * along.scale * stretched * sine * cosine;
         (sine * sine, if is_over { 0.0 } else { slope_per_k })
     }
 }

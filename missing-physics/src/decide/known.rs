@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::CandidateSet;
+use crate::{Candidate, CandidateSet};
 
 /// What is known beside the population.
 #[derive(Debug, Clone)]
@@ -17,11 +17,19 @@ pub(crate) struct Known {
     pub(crate) catalogue: CandidateSet,
     /// What could not be tried, for want of what it needs.
     pub(crate) untried: CandidateSet,
-    /// Probability that noise which knows nothing of the rig grows and shrinks with it as the plain model's residual does.
+    /// Share of what the size of the plain model's residual varies by that the state of the rig predicts, if that is beyond chance.
     pub(crate) disturbed: f64,
     /// Tone of what the leading model leaves, standard deviations.
     pub(crate) tone: f64,
     /// Error of a drift of the zero over that of a slipping mount, where the leading model has such a drift.
     pub(crate) slip: Option<f64>,
     pub(crate) seed: u64,
+}
+
+impl Known {
+    /// Number of names that were tried beside some.
+    pub(crate) fn tried_beside(&self, names: CandidateSet) -> usize {
+        let is_new = |one: &Candidate| !names.contains(*one) && !self.untried.contains(*one);
+        self.catalogue.iter().filter(is_new).count()
+    }
 }

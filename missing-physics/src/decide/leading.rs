@@ -13,7 +13,7 @@ pub(crate) fn leading(population: &Population) -> &Model {
     let is_whole = model.is_whole();
     loop {
         let idle = model.names.iter().filter_map(|name| {
-            let less = population.get(model.names.without(name))?;
+            let less = population.without(model, name);
             let share = population.share(model.evidence.squares(), less.evidence.squares());
             let is_small = !rule(RuleId::Form).passes(share);
             let is_told = is_whole && model.is_rigid();

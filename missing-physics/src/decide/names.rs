@@ -81,43 +81,27 @@ pub(crate) fn names(
     for effect in leading.names.iter() {
         let id = effect.id();
         let (mut named, covered) = alternatives(leading, belief, known, effect);
-        named.contribution = population.contribution(leading, effect).unwrap_or(0.0);
+        named.contribution = population.contribution(leading, effect);
         let is_covered = traces.ask(RuleId::Set, id, covered);
-        let less = population.get(leading.names.without(effect));
-        let p_value = less.map_or(1.0, |less| {
-            let added = known.segments.iter().map(|range| {
-                let without = centered(&less.evidence.residual[range.clone()]);
-                let with = centered(&leading.evidence.residual[range.clone()]);
-                let pairs = without.iter().zip(&with);
-                let added = pairs.map(|(without, with)| without - with).collect();
-                (without, added)
-            });
-            let alone = by_chance(&added.collect::<Vec<_>>(), SHIFTS, known.seed);
-            // It is the best of all that were tried in its place.
-            (alone * tried_beside(population, less) as f64).min(1.0)
+        let less = population.without(leading, effect);
+        let added = known.segments.iter().map(|range| {
+            let without = centered(&less.evidence.residual[range.clone()]);
+            let with = centered(&leading.evidence.residual[range.clone()]);
+            let pairs = without.iter().zip(&with);
+            let added = pairs.map(|(without, with)| without - with).collect();
+            (without, added)
         });
+        let alone = by_chance(&added.collect::<Vec<_>>(), SHIFTS, known.seed);
+        // It is the best of all that were tried in its place.
+        let p_value = (alone * known.tried_beside(less.names) as f64).min(1.0);
         let is_own = traces.ask(RuleId::Own, id, p_value);
-        let is_large = leading_loss(population, leading, effect).is_none_or(|lost| {
-            known.rounding == 0.0 || traces.ask(RuleId::Rounding, id, lost / known.rounding)
-        });
+        let lost = less.evidence.squares()[0] - leading.evidence.squares()[0];
+        let lost = lost / leading.evidence.n_outputs as f64;
+        let is_large =
+            known.rounding == 0.0 || traces.ask(RuleId::Rounding, id, lost / known.rounding);
         sorted[usize::from(!(is_covered && is_own && is_large))].push(named);
     }
     sorted
-}
-
-/// Number of models with one name more.
-fn tried_beside(population: &Population, less: &Model) -> usize {
-    let has_all = |model: &&Model| less.names.iter().all(|name| model.names.contains(name));
-    let one_more = |model: &&Model| model.names.len() == less.names.len() + 1;
-    let models = population.models.iter();
-    models.filter(one_more).filter(has_all).count()
-}
-
-/// Mean square of the output that comes back without a name.
-fn leading_loss(population: &Population, leading: &Model, name: Candidate) -> Option<f64> {
-    let less = population.get(leading.names.without(name))?;
-    let [with, without] = [leading, less].map(|model| model.evidence.squares()[0]);
-    Some((without - with) / leading.evidence.n_outputs as f64)
 }
 
 /// The smallest set of names with this one that is as probable as it must be, and that probability.

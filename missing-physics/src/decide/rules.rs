@@ -160,11 +160,11 @@ pub const RULES: [Rule; 13] = [
     Rule {
         id: RuleId::Disturbed,
         name: "disturbed",
-        statistic: "probability that noise which knows nothing of the rig grows and shrinks with its state as much",
-        comparison: Comparison::AtMost,
-        threshold: 0.001,
-        basis: Basis::Quantile,
-        reason: "a sensor's noise does not know the drive; draughts do",
+        statistic: "share of what the size of the rest varies by that the rig's state predicts, beyond 1 in 1000 by chance",
+        comparison: Comparison::AtLeast,
+        threshold: 0.05,
+        basis: Basis::Derivation,
+        reason: "a sensor's noise does not know the drive, draughts do: it grows and shrinks by a sixth with the state",
     },
     Rule {
         id: RuleId::Tone,

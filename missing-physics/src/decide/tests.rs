@@ -85,7 +85,7 @@ fn known() -> Known {
         rounding: 0.0,
         catalogue: EffectId::ALL.into_iter().map(Into::into).collect(),
         untried: CandidateSet::EMPTY,
-        disturbed: 1.0,
+        disturbed: 0.0,
         tone: 0.0,
         slip: None,
         seed: 1,
@@ -218,10 +218,10 @@ fn what_is_smaller_than_rounding_has_no_name() {
 
 #[test]
 fn what_follows_the_state_or_has_a_tone_is_no_noise() {
-    let disturbed = around(&nothing(), RuleId::Disturbed, |known, p| {
-        known.disturbed = p
+    let disturbed = around(&nothing(), RuleId::Disturbed, |known, share| {
+        known.disturbed = share
     });
-    assert_eq!(disturbed, [Verdict::Unexplained, Verdict::Adequate]);
+    assert_eq!(disturbed, [Verdict::Adequate, Verdict::Unexplained]);
     let tone = around(&nothing(), RuleId::Tone, |known, tone| known.tone = tone);
     assert_eq!(tone, [Verdict::Adequate, Verdict::Unexplained]);
 }

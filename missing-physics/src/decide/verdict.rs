@@ -12,6 +12,8 @@ use crate::evidence::{Audit, Model, Population, UNLISTED, masses};
 #[derive(Debug, Clone)]
 pub(crate) struct Decided {
     pub(crate) verdict: Verdict,
+    /// What would be said without a name.
+    pub(crate) nameless: Verdict,
     pub(crate) named: Vec<Named>,
     /// Names that help and do not hold.
     pub(crate) suspects: Vec<Named>,
@@ -34,20 +36,20 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
         plain(population, model, &belief, known.seed),
     );
     let [mut named, mut suspects] = names(population, model, &belief, known, &mut traces);
-    let is_left = is_left(population, model, known, &mut traces);
+    let more_is_left = is_left(population, model, known, &mut traces);
     let is_odd = is_odd(known, named.is_empty(), &mut traces);
     let verdict = if !describes {
         Verdict::Unexplained
     } else if named.is_empty() {
-        let is_found = is_missing && suspects.iter().any(|one| is_predicted(&traces, one));
-        if is_left || is_odd || is_found {
+        let is_found = is_missing && suspects.iter().any(|one| is_found(&traces, one));
+        if more_is_left || is_odd || is_found {
             Verdict::Unexplained
         } else {
             Verdict::Adequate
         }
     } else if is_odd && known.slip.is_some() {
         Verdict::Unexplained
-    } else if is_left || is_odd {
+    } else if more_is_left || is_odd {
         Verdict::ExplainedInPart
     } else if named.iter().any(|named| !named.others.is_empty()) {
         Verdict::Ambiguous
@@ -57,10 +59,23 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     if verdict == Verdict::Unexplained {
         suspects.append(&mut named);
     }
+    // Of the plain model, asked aside: these are no steps to the verdict.
+    let plain_is_left = is_left(
+        population,
+        population.plain(),
+        known,
+        &mut Traces::default(),
+    );
+    let nameless = if !describes || plain_is_left || is_odd {
+        Verdict::Unexplained
+    } else {
+        Verdict::Adequate
+    };
     let with = model.evidence.squares();
     let without = population.plain().evidence.squares();
     Decided {
         verdict,
+        nameless,
         named,
         suspects,
         explained: (!model.names.is_empty()).then(|| population.share(with, without)),
@@ -69,10 +84,15 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     }
 }
 
-/// Whether what a suspect adds goes with the recordings.
-fn is_predicted(traces: &Traces, suspect: &Named) -> bool {
-    let mut own = traces.0.iter();
-    own.any(|trace| trace.rule.id == RuleId::Own && trace.of == suspect.effect.id() && trace.passed)
+/// Whether what a suspect adds goes with the recordings, and is no rounding.
+fn is_found(traces: &Traces, suspect: &Named) -> bool {
+    let is_about = |id: RuleId, passed: bool| {
+        let mut own = traces.0.iter();
+        own.any(|trace| {
+            trace.rule.id == id && trace.of == suspect.effect.id() && trace.passed == passed
+        })
+    };
+    is_about(RuleId::Own, true) && !is_about(RuleId::Rounding, false)
 }
 
 /// Share of the output's variance that is predicted on blocks which were left out, by the model or with the curve.

@@ -7,7 +7,7 @@ use crate::evidence::blocks::Block;
 
 /// Share of all data that what a block alone determines is worth: the offset of a recording that is left out as a whole
 /// stays where all data had it.
-const ANCHOR: f64 = 0.01;
+const ANCHOR: f64 = 0.1;
 
 /// Penalties of the curve, for columns of length 1.
 const PENALTIES: [f64; 6] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];

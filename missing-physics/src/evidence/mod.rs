@@ -20,6 +20,7 @@ pub use audit::Audit;
 pub(crate) use blocks::{Block, blocks};
 pub(crate) use masses::masses;
 pub(crate) use population::{Model, Population, UNLISTED};
+pub(crate) use predictive::Memory;
 pub(crate) use shifts::{by_chance, centered};
 pub(crate) use weigh::{audited, disturbed, weighed};
 pub(crate) use worth::Evidence;

@@ -47,9 +47,9 @@ impl Model {
         self.pressed.is_empty() && self.slight.is_empty()
     }
 
-    /// Whether all that it has has a form of its own, and none could take any shape.
+    /// Whether all that it has has a form of its own, and none could take any shape: a loop of any family has one.
     pub(crate) fn is_rigid(&self) -> bool {
-        self.names.iter().all(|name| !name.info().flexible)
+        self.effects.iter().all(|name| !name.info().flexible)
     }
 
     /// Whether a curve finds nothing more.
@@ -117,10 +117,19 @@ impl Population {
         of(0).max(of(1))
     }
 
-    /// What a model loses without one of its names, as a share of what could be explained; `None` if it was not tried.
-    pub(crate) fn contribution(&self, model: &Model, name: Candidate) -> Option<f64> {
-        let less = self.get(model.names.without(name))?;
-        Some(self.share(model.evidence.squares(), less.evidence.squares()))
+    /// The best that is left of a model without one of its names: with all others, or with those of them that do not vanish then.
+    pub(crate) fn without(&self, model: &Model, name: Candidate) -> &Model {
+        let left = model.names.without(name);
+        let is_part = |other: &&Model| other.names.iter().all(|one| left.contains(one));
+        let parts = self.models.iter().filter(is_part);
+        let best = parts.max_by(|a, b| a.worth().total_cmp(&b.worth()));
+        best.unwrap_or_else(|| self.plain())
+    }
+
+    /// What a model loses without one of its names, as a share of what could be explained.
+    pub(crate) fn contribution(&self, model: &Model, name: Candidate) -> f64 {
+        let less = self.without(model, name);
+        self.share(model.evidence.squares(), less.evidence.squares())
     }
 }
 

@@ -1,8 +1,9 @@
 //! The density that a model gives to recordings: noise with a memory and heavy tails.
 
-use crate::evidence::blocks::Block;
-use crate::model::series::{Channel, Layout};
 use identify::ResidualNoise;
+
+use crate::evidence::blocks::Block;
+use crate::model::series::{Channel, Layout, Segment};
 
 /// Degrees of freedom of Student's t that are tried for the innovations: the last is all but normal.
 const DEGREES: [f64; 4] = [2.0, 4.0, 8.0, 200.0];
@@ -10,36 +11,73 @@ const DEGREES: [f64; 4] = [2.0, 4.0, 8.0, 200.0];
 /// Steps of the scale's iteration.
 const STEPS: usize = 30;
 
-/// Logarithm of the density of a residual in each block, nats: an autoregressive model of it, with innovations of
-/// Student's t.
-pub(crate) fn by_block(layout: &Layout, residual: &[f64], blocks: &[Block]) -> Vec<f64> {
-    let mut nats = vec![0.0; residual.len()];
-    for channel in [Channel::Output, Channel::Temperature] {
-        let segments: Vec<&crate::model::series::Segment> = layout.of_channel(channel).collect();
-        let parts: Vec<&[f64]> = segments
-            .iter()
-            .map(|one| &residual[one.range.clone()])
-            .collect();
-        let noise = ResidualNoise::of(&parts);
-        if noise.n_samples == 0 || noise.innovation_variance <= 0.0 {
-            continue;
-        }
-        let innovations: Vec<Vec<f64>> =
-            parts.iter().map(|part| innovations(part, &noise)).collect();
-        let all: Vec<f64> = innovations.concat();
-        let tails = Tails::of(&all, noise.innovation_variance.sqrt());
-        for (segment, own) in segments.iter().zip(&innovations) {
-            let shown = nats[segment.range.clone()].iter_mut().zip(own);
-            shown.for_each(|(nats, innovation)| *nats = tails.nats(*innovation));
+/// Square of a residual over the least from which most of it is no noise.
+const MISFIT: f64 = 2.0;
+
+/// What the noise of each channel remembers.
+///
+/// A model that is far off has a residual which its own past tells well: by a memory of its own it would be forgiven just what it
+/// leaves out. So where most of a residual is no noise, the memory is that of the least residual that any model leaves without a
+/// drift: a drift takes noise in that grows toward low frequencies, and what that is like is not to be learned from where it is
+/// gone. A model that leaves hardly more has its own, or the one that left least would be ahead by having been asked.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Memory {
+    channels: [ResidualNoise; 2],
+}
+
+impl Memory {
+    /// That of the least residual of the output, and of the recorded temperatures.
+    pub(crate) fn of(layout: &Layout, residuals: [&[f64]; 2]) -> Self {
+        let [output, temperature] = residuals;
+        Self {
+            channels: [
+                recalled(layout, Channel::Output, output),
+                recalled(layout, Channel::Temperature, temperature),
+            ],
         }
     }
-    let of = |block: &Block| {
-        block
-            .scored()
-            .map(|rows| nats[rows.clone()].iter().sum::<f64>())
-            .sum()
-    };
-    blocks.iter().map(of).collect()
+
+    /// Logarithm of the density of a residual in each block, nats: an autoregressive model of it, with innovations of
+    /// Student's t.
+    pub(crate) fn by_block(&self, layout: &Layout, residual: &[f64], blocks: &[Block]) -> Vec<f64> {
+        let mut nats = vec![0.0; residual.len()];
+        let channels = [Channel::Output, Channel::Temperature];
+        for (channel, noise) in channels.into_iter().zip(&self.channels) {
+            if noise.n_samples == 0 || noise.innovation_variance <= 0.0 {
+                continue;
+            }
+            let own = recalled(layout, channel, residual);
+            let noise = if own.variance < MISFIT * noise.variance {
+                &own
+            } else {
+                noise
+            };
+            let segments: Vec<&Segment> = layout.of_channel(channel).collect();
+            let innovations: Vec<Vec<f64>> = segments
+                .iter()
+                .map(|one| innovations(&residual[one.range.clone()], noise))
+                .collect();
+            let tails = Tails::of(&innovations.concat());
+            for (segment, own) in segments.iter().zip(&innovations) {
+                let shown = nats[segment.range.clone()].iter_mut().zip(own);
+                shown.for_each(|(nats, innovation)| *nats = tails.nats(*innovation));
+            }
+        }
+        let of = |block: &Block| {
+            block
+                .scored()
+                .map(|rows| nats[rows.clone()].iter().sum::<f64>())
+                .sum()
+        };
+        blocks.iter().map(of).collect()
+    }
+}
+
+/// What a channel of a residual remembers.
+fn recalled(layout: &Layout, channel: Channel, residual: &[f64]) -> ResidualNoise {
+    let segments = layout.of_channel(channel);
+    let parts: Vec<&[f64]> = segments.map(|one| &residual[one.range.clone()]).collect();
+    ResidualNoise::of(&parts)
 }
 
 /// What of each sample its past does not tell; the first ones, which have no past, as far as the same spread.
@@ -67,7 +105,10 @@ struct Tails {
 
 impl Tails {
     /// The likeliest.
-    fn of(innovations: &[f64], deviation: f64) -> Self {
+    fn of(innovations: &[f64]) -> Self {
+        let square = innovations.iter().map(|one| one * one).sum::<f64>();
+        let deviation = (square / innovations.len().max(1) as f64).sqrt();
+        let deviation = deviation.max(f64::MIN_POSITIVE.sqrt());
         let fitted = DEGREES.map(|degrees| {
             let tails = Self::with(degrees, innovations, deviation);
             let sum: f64 = innovations.iter().map(|one| tails.nats(*one)).sum();

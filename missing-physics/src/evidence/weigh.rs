@@ -64,7 +64,11 @@ fn less(residual: &[f64], predicted: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Probability that noise which knows nothing of the rig grows and shrinks with its state as a residual does.
+/// Probability by chance from which the size of what is left knows of the rig.
+const BY_CHANCE: f64 = 0.001;
+
+/// Share of what the size of a residual varies by that the state of the rig predicts; 0 where noise which knows nothing of it
+/// would meet that as well in one of a thousand.
 pub(crate) fn disturbed(
     case: &Case<'_>,
     node: &Node,
@@ -99,5 +103,14 @@ pub(crate) fn disturbed(
         let own = |series: &[f64]| series[segment.range.clone()].to_vec();
         pairs.push((own(&sizes), own(&predicted)));
     }
-    Ok(by_chance(&pairs, SHIFTS, seed))
+    if by_chance(&pairs, SHIFTS, seed) > BY_CHANCE {
+        return Ok(0.0);
+    }
+    let square = |series: &[f64]| series.iter().map(|one| one * one).sum::<f64>();
+    let all: f64 = pairs.iter().map(|(sizes, _)| square(sizes)).sum();
+    let left: f64 = pairs
+        .iter()
+        .map(|(sizes, predicted)| square(&less(sizes, predicted)))
+        .sum();
+    Ok((1.0 - left / all.max(f64::MIN_POSITIVE)).max(0.0))
 }

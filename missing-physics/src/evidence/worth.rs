@@ -1,7 +1,6 @@
 //! What a model is worth on what it has not seen.
 
 use crate::evidence::blocks::Block;
-use crate::evidence::predictive::by_block;
 use crate::model::case::Case;
 
 /// What a model is worth on blocks that were left out of its fit.
@@ -9,7 +8,7 @@ use crate::model::case::Case;
 pub(crate) struct Evidence {
     /// Recorded - predicted where each sample was left out.
     pub(crate) residual: Vec<f64>,
-    /// Logarithm of the density that the model gives to each block, nats.
+    /// Logarithm of the density that the model gives to each block, nats; empty until it is known what the noise remembers.
     pub(crate) nats: Vec<f64>,
     /// Sums of the squares of the residual in each block: of the output, and of a recorded temperature.
     pub(crate) squares: Vec<[f64; 2]>,
@@ -20,7 +19,7 @@ pub(crate) struct Evidence {
 impl Evidence {
     pub(crate) fn of(case: &Case<'_>, residual: Vec<f64>, blocks: &[Block]) -> Self {
         Self {
-            nats: by_block(&case.layout, &residual, blocks),
+            nats: Vec::new(),
             squares: blocks
                 .iter()
                 .map(|block| block.squares(&residual))

@@ -20,6 +20,14 @@ const FIRST_ITERATIONS: usize = 24;
 /// Other minima of the baseline that effects are tried at: what a large effect bends may fit best far from the truth.
 const OTHER_BASELINES: usize = 2;
 
+/// Iterations after which only the lowest of several starts go on.
+const RACE: usize = 4;
+
+/// Relative offset at which a model that is only to be compared with others has come far enough: a ten-thousandth of its square
+/// is left to gain. And at which a refinement has its end.
+const NEAR_THE_END: f64 = 1e-2;
+const AT_THE_END: f64 = 1e-3;
+
 /// Iterations until a refinement has its end.
 const TO_THE_END: usize = 60;
 
@@ -229,8 +237,13 @@ impl<'a> Case<'a> {
         RefineConfig {
             least_squares: LeastSquaresConfig {
                 iterations,
-                relative_offset: 1e-3,
+                relative_offset: if iterations < TO_THE_END {
+                    NEAR_THE_END
+                } else {
+                    AT_THE_END
+                },
             },
+            race_iterations: RACE,
             weights: None,
             temperature_weight: if temperature.variance > 0.0 {
                 per_k.powi(2) * output.variance / temperature.variance

@@ -1,9 +1,6 @@
 //! A model where it was not fitted: in another recording.
 
-use identify::{
-    Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope, Validated,
-    predict, validate_at,
-};
+use identify::{Fit, ForwardModel, IdentifyError, ParameterInfo, Scope, Validated, predict};
 use recording::Recording;
 
 use crate::model::unseen::validated_by_stretches;
@@ -62,22 +59,13 @@ pub(crate) fn validated(
         .collect()
 }
 
-/// The same of one recording. Where nothing but the offset belongs to it, that is read at rest.
+/// The same of one recording.
 pub(crate) fn validated_alone(
     model: &dyn ForwardModel,
     point: &[f64],
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
-    let is_own = |info: &ParameterInfo| {
-        info.scope == Scope::PerRecording
-            && info.enters == Enters::Nonlinear
-            && info.state == ParameterState::Free
-    };
-    if model.parameters().iter().any(is_own) {
-        validated_by_stretches(model, point, recording)
-    } else {
-        validate_at(model, point, recording)
-    }
+    validated_by_stretches(model, point, recording)
 }
 
 /// Models as likely as a fit by which its spread is told.

@@ -2,6 +2,7 @@
 
 pub(crate) mod candidate;
 pub(crate) mod case;
+pub(crate) mod coarse;
 pub(crate) mod elsewhere;
 pub(crate) mod extended_model;
 pub(crate) mod projection;

@@ -11,10 +11,16 @@ use recording::Recording;
 use wiener::Block;
 
 /// Stretches of a recording.
-const STRETCHES: usize = 12;
+const STRETCHES: usize = 60;
 
 /// Iterations of a fit of what belongs to a recording.
 const ITERATIONS: usize = 12;
+
+/// Iterations after which only the lowest of several starts go on.
+const RACE: usize = 4;
+
+/// Surroundings over what was written down from which such a fit starts, K.
+const LEVELS_K: [f64; 3] = [0.0, -2.0, 2.0];
 
 /// A model whose shared parameters are known.
 #[derive(Debug)]
@@ -101,7 +107,7 @@ fn of_recording(
         }
         // Nobody wrote it down of this recording, whatever the training was like.
         let (is_open, unsaid) = match info.name {
-            "ambient_level_k" => (recording.ambient_degc().is_none(), 0.0),
+            "ambient_level_k" => (true, 0.0),
             "start_rise_k" => (may_begin_warm(recording), 0.0),
             "start_share" => (may_begin_warm(recording), 1.0),
             _ => continue,
@@ -112,15 +118,25 @@ fn of_recording(
     }
     let of_rig = OfRig { model, parameters };
     let vector = ParameterVector::new(of_rig.parameters(), 1);
-    // As the training began; and at rest.
-    let neutral = |parameter: usize| {
-        let name = of_rig.parameters()[parameter].name;
-        if name == "start_share" { 1.0 } else { 0.0 }
+    // As the training began, at rest, and as warm or cold as laboratories are, on either branch.
+    let at = |level_k: f64, share: f64| {
+        vector.coordinates(|parameter, _| {
+            Some(match of_rig.parameters()[parameter].name {
+                "ambient_level_k" => level_k,
+                "start_share" => share,
+                _ => 0.0,
+            })
+        })
     };
-    let starts = [
-        vector.coordinates(|parameter, _| Some(point[parameter])),
-        vector.coordinates(|parameter, _| Some(neutral(parameter))),
-    ];
+    let mut starts = vec![vector.coordinates(|parameter, _| Some(point[parameter]))];
+    for level_k in LEVELS_K {
+        for share in [1.0, 0.0] {
+            let start = at(level_k, share);
+            if !starts.contains(&start) {
+                starts.push(start);
+            }
+        }
+    }
     let n = recording.len();
     let length = n.div_ceil(STRETCHES).max(1);
     let mut stretches = vec![(0.0, 0.0); n.div_ceil(length)];
@@ -134,7 +150,8 @@ fn of_recording(
                 relative_offset: 1e-3,
             },
             weights: Some(vec![weights.collect()]),
-            temperature_weight: 0.0,
+            race_iterations: RACE,
+            ..RefineConfig::default()
         };
         let mut refined = refine(&of_rig, own, &starts, &config)?;
         Ok::<Vec<f64>, IdentifyError>(refined.points.swap_remove(0))

@@ -36,11 +36,13 @@ pub(crate) fn ladder(
         let mut set = effects;
         while !set.is_empty() {
             // What is left out first is missed least; where nothing can be, the rest came together.
-            let lesser = set.iter().filter_map(|effect| {
+            let mut lesser = Vec::new();
+            for effect in set.iter() {
                 let less = search.exchanged(set, effect, None)?;
-                Some((less, search.get(less)?.mean_square()))
-            });
-            let least = lesser.min_by(|a, b| a.1.total_cmp(&b.1));
+                let left = less.and_then(|less| Some((less, search.get(less)?.mean_square())));
+                lesser.extend(left);
+            }
+            let least = lesser.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
             let less = least.map_or(CandidateSet::EMPTY, |(less, _)| less);
             let added = set.iter().filter(|&one| !less.contains(one)).collect();
             rungs.push(match search.get(set) {

@@ -15,7 +15,7 @@ const OTHERS: [LoopFamily; 2] = [LoopFamily::Relays, LoopFamily::Kinetics];
 const STARTS: u64 = 4;
 
 /// Error of a plain model over that of the nearest family's up to which a family is tried, too.
-const NEARLY: f64 = 2.0;
+const NEARLY: f64 = 4.0;
 
 /// Mean square of what is left over that of another loop from which a search with the first is in vain.
 const IN_VAIN: f64 = 2.0;
@@ -52,11 +52,15 @@ pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [(LoopFamily, Fit)]) -> Vec<C
         .collect()
 }
 
-/// Goes the whole way with another loop, unless it stays further from the recordings than the paper's.
-pub(crate) fn grow(search: &mut Search<'_>, papers: &Search<'_>) -> Result<(), IdentifyError> {
+/// Goes the whole way with the paper's loop, the first, and with each other that does not stay further from the recordings than
+/// another's with as many effects.
+pub(crate) fn grow(searches: &mut [Search<'_>]) -> Result<(), IdentifyError> {
     let least = |search: &Search<'_>| search.nearest().mean_square();
-    if search.is_misfit() && least(search) > IN_VAIN * least(papers) {
-        return Ok(());
+    let nearest = searches.iter().map(least).fold(f64::INFINITY, f64::min);
+    for (place, search) in searches.iter_mut().enumerate() {
+        if place == 0 || !search.is_misfit() || least(search) <= IN_VAIN * nearest {
+            search.grow()?;
+        }
     }
-    search.grow()
+    Ok(())
 }

@@ -6,6 +6,8 @@ pub(crate) mod exchange;
 pub(crate) mod families;
 pub(crate) mod occurs;
 pub(crate) mod odds;
+pub(crate) mod promote;
 pub(crate) mod refit;
 pub(crate) mod roads;
 pub(crate) mod settle;
+pub(crate) mod weighing;

@@ -1,5 +1,7 @@
 //! From where a model with one effect more is fitted.
 
+use identify::IdentifyError;
+
 use crate::model::case::{Case, Node};
 use crate::model::elsewhere::is_drift;
 use crate::model::tangent::of_partner;
@@ -13,7 +15,11 @@ const START: [f64; 2] = [0.05, 2.0];
 const FAR: f64 = 0.9;
 
 /// The model of a node with one effect more; `None` where no start leads anywhere.
-pub(crate) fn refit(case: &Case<'_>, node: &Node, score: &Score) -> Option<Node> {
+pub(crate) fn refit(
+    case: &Case<'_>,
+    node: &Node,
+    score: &Score,
+) -> Result<Option<Node>, IdentifyError> {
     let effect = score.effect;
     let parameters = effect.info().parameters;
     let model = case.model(node.effects.with(effect));
@@ -64,5 +70,32 @@ pub(crate) fn refit(case: &Case<'_>, node: &Node, score: &Score) -> Option<Node>
         starts.extend(sizes.flat_map(|size| [size, -size].map(|size| start(&[size], 1.0))));
     }
     let effects = node.effects.with(effect);
-    case.refined(node, effects, &starts).ok()
+    led(case.refined(node, effects, &starts))
+}
+
+/// Where a search led, if anywhere: from some starts a simulation has no numbers, or the plant refuses its parameters. Any other
+/// fault is one.
+pub(crate) fn led<T>(ended: Result<T, IdentifyError>) -> Result<Option<T>, IdentifyError> {
+    match ended {
+        Ok(end) => Ok(Some(end)),
+        Err(
+            IdentifyError::NothingFinite | IdentifyError::Model(_) | IdentifyError::Simulation(_),
+        ) => Ok(None),
+        Err(fault) => Err(fault),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_search_that_leads_nowhere_is_none_and_one_that_is_stopped_stops() {
+        assert!(led::<()>(Err(IdentifyError::NothingFinite)).is_ok_and(|end| end.is_none()));
+        assert!(matches!(
+            led::<()>(Err(IdentifyError::Stopped)),
+            Err(IdentifyError::Stopped)
+        ));
+        assert!(led(Ok(1)).is_ok_and(|end| end == Some(1)));
+    }
 }

@@ -11,8 +11,8 @@ use crate::model::tangent::{Sensitivity, sensitivities};
 use crate::screen::scores::{Score, as_one, sizes_of};
 use crate::screen::screening::{Sifted, sift};
 use crate::search::odds::{BEYOND_DOUBT_NATS, MISFIT};
-use crate::search::refit::refit;
-use crate::search::settle::settled;
+use crate::search::refit::{led, refit};
+use crate::search::settle::{fitted, settled};
 use crate::{Candidate, CandidateSet};
 
 /// Most effects of a model.
@@ -80,6 +80,8 @@ pub(crate) struct Search<'a> {
     dead: Vec<CandidateSet>,
     /// Models that were searched from where one with an effect more was fitted, after that one.
     lightened: Vec<(CandidateSet, CandidateSet)>,
+    /// Whether its models come from the ends of another search: they need not be fitted from many places.
+    is_ended: bool,
 }
 
 impl<'a> Search<'a> {
@@ -101,7 +103,30 @@ impl<'a> Search<'a> {
             beside_drifts: false,
             dead: Vec::new(),
             lightened: Vec::new(),
+            is_ended: false,
         })
+    }
+
+    /// A search of models that another has taken to their ends on fewer samples.
+    pub(crate) fn ended(
+        case: &'a Case<'a>,
+        baseline: Node,
+        other: &Search<'_>,
+        noise: f64,
+    ) -> Self {
+        Self {
+            case,
+            catalogue: other.catalogue,
+            noise,
+            seed: other.seed,
+            other_baselines: Vec::new(),
+            visited: vec![baseline.into()],
+            frontier: Vec::new(),
+            beside_drifts: other.beside_drifts,
+            dead: Vec::new(),
+            lightened: Vec::new(),
+            is_ended: true,
+        }
     }
 
     /// Models in the order in which they were found, the baseline first.
@@ -231,18 +256,17 @@ impl<'a> Search<'a> {
             return Ok(Arc::clone(fit));
         }
         let is_costly = is_costly(effects);
-        let swarms = if self.error(effects) > MISFIT * self.noise && !is_costly {
-            SWARMS
+        let fit = if self.is_ended {
+            fitted(self.case, &before.node, self.seed)?
         } else {
-            0
+            let swarms = if self.error(effects) > MISFIT * self.noise && !is_costly {
+                SWARMS
+            } else {
+                0
+            };
+            settled(self.case, &before.node, swarms, self.seed, is_costly)?
         };
-        let fit = Arc::new(settled(
-            self.case,
-            &before.node,
-            swarms,
-            self.seed,
-            is_costly,
-        )?);
+        let fit = Arc::new(fit);
         let node = self.case.fitted(&before.node, &fit)?;
         let is_elsewhere = node.noise.nats() - before.node.noise.nats() > BEYOND_DOUBT_NATS;
         self.visited[index] = Visited {
@@ -326,13 +350,13 @@ impl<'a> Search<'a> {
         let Some(parent) = self.get(effects) else {
             unreachable!("its scores were just taken");
         };
-        let refitted = self.refitted(parent, &list);
+        let refitted = self.refitted(parent, &list)?;
         self.keep_all(refitted);
         if effects.is_empty() {
             for other in std::mem::take(&mut self.other_baselines) {
                 let sifted = sift(self.case, &other, self.catalogue, self.seed)?;
                 let list = shortlist(&sifted.found.scores, least, most);
-                let refitted = self.refitted(&other, &list);
+                let refitted = self.refitted(&other, &list)?;
                 self.keep_all(refitted);
                 added.extend(list.iter().map(|score| score.effect));
             }
@@ -353,11 +377,15 @@ impl<'a> Search<'a> {
     }
 
     /// A model with one effect more, each.
-    fn refitted(&self, parent: &Node, list: &[&Score]) -> Vec<(CandidateSet, Option<Node>)> {
+    fn refitted(
+        &self,
+        parent: &Node,
+        list: &[&Score],
+    ) -> Result<Vec<(CandidateSet, Option<Node>)>, IdentifyError> {
         list.par_iter()
             .map(|score| {
                 let set = parent.effects.with(score.effect);
-                (set, refit(self.case, parent, score))
+                Ok((set, refit(self.case, parent, score)?))
             })
             .collect()
     }
@@ -394,28 +422,28 @@ impl<'a> Search<'a> {
         effects: CandidateSet,
         without: Candidate,
         with: Option<&Score>,
-    ) -> Option<CandidateSet> {
+    ) -> Result<Option<CandidateSet>, IdentifyError> {
         let less = effects.without(without);
         let set = with.map_or(less, |score| less.with(score.effect));
         if self.dead.contains(&set) {
-            return None;
+            return Ok(None);
         }
-        match with {
-            None => self.lighten(effects, less),
-            Some(score) if self.index(set).is_none() => {
-                let node = refit(self.case, self.get(less)?, score);
+        match (with, self.get(less)) {
+            (None, _) => self.lighten(effects, less)?,
+            (Some(score), Some(parent)) if self.index(set).is_none() => {
+                let node = refit(self.case, parent, score)?;
                 self.keep(set, node);
             }
-            Some(_) => {}
+            _ => {}
         }
-        self.index(set).map(|_| set)
+        Ok(self.index(set).map(|_| set))
     }
 
     /// Searches a model from where one with an effect more stands, if it was not searched yet, and once more when that
     /// one has been fitted from many places; the lower end counts.
-    fn lighten(&mut self, effects: CandidateSet, less: CandidateSet) {
+    fn lighten(&mut self, effects: CandidateSet, less: CandidateSet) -> Result<(), IdentifyError> {
         let Some(from) = self.index(effects).map(|index| &self.visited[index]) else {
-            return;
+            return Ok(());
         };
         let is_fitted = from.fit.is_some();
         let is_needed = match self.index(less).map(|index| &self.visited[index]) {
@@ -424,23 +452,24 @@ impl<'a> Search<'a> {
             Some(_) => is_fitted && !less.is_empty() && !self.lightened.contains(&(effects, less)),
         };
         if !is_needed {
-            return;
+            return Ok(());
         }
         let model = self.case.model(less);
         let start = self.case.moved(&from.node, &model, |_, _| None);
-        let found = self.case.refined(&from.node, less, &[start]).ok();
+        let found = led(self.case.refined(&from.node, less, &[start]))?;
         if is_fitted {
             self.lightened.push((effects, less));
         }
         self.keep(less, found);
+        Ok(())
     }
 
     /// Takes in the model of a node of another search, with this loop, from where that one stands.
     pub(crate) fn moved_here(&mut self, other: &Node) -> Result<(), IdentifyError> {
         let model = self.case.model(other.effects);
         let start = self.case.moved(other, &model, |_, _| None);
-        let found = self.case.refined(other, other.effects, &[start])?;
-        self.keep(other.effects, Some(found));
+        let found = led(self.case.refined(other, other.effects, &[start]))?;
+        self.keep(other.effects, found);
         Ok(())
     }
 
@@ -451,7 +480,7 @@ impl<'a> Search<'a> {
 }
 
 /// Whether the rod has several zones: a simulation takes as long as ten.
-fn is_costly(effects: CandidateSet) -> bool {
+pub(crate) fn is_costly(effects: CandidateSet) -> bool {
     effects.iter().any(|effect| effect.info().costly)
 }
 

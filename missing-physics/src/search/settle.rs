@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::model::case::{Case, Node};
+use crate::search::refit::led;
 use crate::{Role, Sign};
 
 /// Places from which a search could start.
@@ -49,9 +50,9 @@ pub(crate) fn settled(
     } else {
         lowest(case, node, &vector, places(node, &vector, seed))?
     };
-    ends.extend(raced(case, node, &mirrored(node, &vector), TURNED));
+    ends.extend(raced(case, node, &mirrored(node, &vector), TURNED)?);
     for (iterations, followed) in RACE {
-        ends = raced(case, node, &ends, iterations);
+        ends = raced(case, node, &ends, iterations)?;
         ends.truncate(followed);
     }
     let near = case.deviance(node) + BEHIND * case.layout.len() as f64;
@@ -61,6 +62,18 @@ pub(crate) fn settled(
             .chain(ends.map(|(_, end)| end))
             .collect(),
         starts: swarms,
+        seed,
+        ..FitConfig::default()
+    };
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    fit(&case.watched(&node.model), case.training, &config, go_on)
+}
+
+/// The fit of a node's model from where it stands.
+pub(crate) fn fitted(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, IdentifyError> {
+    let config = FitConfig {
+        from: vec![node.coordinates.clone()],
+        starts: 0,
         seed,
         ..FitConfig::default()
     };
@@ -90,16 +103,23 @@ fn mirrored(node: &Node, vector: &ParameterVector) -> Vec<End> {
 }
 
 /// The ends of some searches, the lowest first.
-fn raced(case: &Case<'_>, node: &Node, starts: &[End], iterations: usize) -> Vec<End> {
-    let mut ends: Vec<End> = starts
+fn raced(
+    case: &Case<'_>,
+    node: &Node,
+    starts: &[End],
+    iterations: usize,
+) -> Result<Vec<End>, IdentifyError> {
+    let ends = starts
         .par_iter()
-        .filter_map(|(_, start)| {
-            let end = case.approached(node, start, iterations).ok()?;
-            Some((end.deviance, end.coordinates))
-        })
+        .map(|(_, start)| led(case.approached(node, start, iterations)))
+        .collect::<Result<Vec<_>, IdentifyError>>()?;
+    let mut ends: Vec<End> = ends
+        .into_iter()
+        .flatten()
+        .map(|end| (end.deviance, end.coordinates))
         .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ends
+    Ok(ends)
 }
 
 /// Places around where a node stands: parameters of the baseline nearby, sizes of effects up to twice the

@@ -198,14 +198,25 @@ fn alike_relays_leave_a_plateau_after_a_reversal() {
 
 #[test]
 fn kinetics_by_hand() {
+    // The source's cosine, and skewed either way.
+    for zeta in [0.5, 0.1, 0.9] {
+        kinetics_of_skew(zeta);
+    }
+}
+
+fn kinetics_of_skew(zeta: f64) {
     let (width, spread) = (8.0, 2.0);
     let material = of_family(
         LoopFamily::Kinetics,
-        (width, spread, 1.0),
+        (width, spread, zeta),
         Rule::LastReversal,
     );
     let half = 2.25 * spread;
-    let done = |x: f64| 0.5 * (1.0 - (PI * x.clamp(0.0, 1.0)).cos());
+    let skew = (6.0 * (zeta - 0.5)).exp() - 1.0;
+    let done = |x: f64| {
+        let x = x.clamp(0.0, 1.0);
+        0.5 * (1.0 - (PI * (1.0 + skew) * x / (1.0 + skew * x)).cos())
+    };
     let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
     let up = |at: f64| done((at - (width - half)) / (2.0 * half));
     for at in [0.0, 4.0, 6.0, 9.0] {

@@ -1,0 +1,190 @@
+//! Recordings with fewer samples that tell about as much: what models are searched on before they are judged on all samples.
+
+use std::ops::Range;
+
+use identify::{Fit, IdentifyError, WienerModel, predict};
+use recording::{Quantity, Recording, RecordingParts};
+
+/// Samples of all recordings together, about.
+const SAMPLES: usize = 1_500;
+
+/// Longest distance between samples, as a share of the time constant.
+const LONGEST: f64 = 0.125;
+
+/// Fewest samples of a recording.
+const FEWEST: usize = 50;
+
+/// Swings of the temperature that count, K: smaller ones hardly show beside any loop.
+const SWING_K: f64 = 0.25;
+
+/// Each recording with every n-th sample and those where the temperature turns back: driven by the mean power between, and with
+/// the mean of what a fitted plain model leaves around each.
+///
+/// The plain model leaves of the result the means of what it leaves of the recordings, whatever its steps are too long for; so
+/// what another model does otherwise is off only by what of that difference bends from one sample to the next.
+///
+/// # Errors
+///
+/// What the model refuses.
+pub(crate) fn coarse(
+    base: &WienerModel,
+    plain: &Fit,
+    training: &[Recording],
+) -> Result<Vec<Recording>, IdentifyError> {
+    let every = every(plain, training);
+    let recordings = training.iter().enumerate();
+    recordings
+        .map(|(r, recording)| {
+            let every = every.min(recording.len() / FEWEST);
+            if every < 2 {
+                return Ok(recording.clone());
+            }
+            of_every(every, base, &plain.point(r), recording)
+        })
+        .collect()
+}
+
+/// Every how many samples one is kept.
+fn every(plain: &Fit, training: &[Recording]) -> usize {
+    let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+    let by_time = training.iter().map(|recording| {
+        let time_s = recording.time_s();
+        let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+        (LONGEST * tau_s / dt_s) as usize
+    });
+    let n: usize = training.iter().map(Recording::len).sum();
+    by_time.fold(n / SAMPLES, usize::min)
+}
+
+fn of_every(
+    every: usize,
+    base: &WienerModel,
+    point: &[f64],
+    recording: &Recording,
+) -> Result<Recording, IdentifyError> {
+    let n = recording.len();
+    let fine = predict(base, point, recording)?;
+    let mut kept = turns(&fine.temperature_degc);
+    kept.extend((0..n).step_by(every));
+    kept.push(n - 1);
+    kept.sort_unstable();
+    kept.dedup();
+    // From one kept sample to the next, and from halfway before to halfway after.
+    let between: Vec<Range<usize>> = (0..kept.len())
+        .map(|j| kept[j]..kept.get(j + 1).copied().unwrap_or(n))
+        .collect();
+    let halfway = |j: usize| {
+        kept.get(j)
+            .map_or(n, |&next| (kept[j - 1] + next).div_ceil(2))
+    };
+    let around: Vec<Range<usize>> = (0..kept.len())
+        .map(|j| {
+            if j == 0 {
+                0..halfway(1)
+            } else {
+                halfway(j)..halfway(j + 1)
+            }
+        })
+        .collect();
+    let time_s = recording.time_s();
+    let lasts_s = |k: usize| time_s.get(k + 1).map_or(1.0, |next_s| next_s - time_s[k]);
+    let quantity = recording.drive_quantity();
+    let drive = between.iter().map(|range| match quantity {
+        // Heat goes with their squares.
+        Quantity::Current | Quantity::Voltage => {
+            mean(range, lasts_s, |k| recording.drive()[k].powi(2)).sqrt()
+        }
+        _ => mean(range, lasts_s, |k| recording.drive()[k]),
+    });
+    let between_mean = |series: &[f64]| -> Vec<f64> {
+        let means = between
+            .iter()
+            .map(|range| mean(range, lasts_s, |k| series[k]));
+        means.collect()
+    };
+    let mut parts = RecordingParts {
+        name: recording.name().to_owned(),
+        time_s: Some(kept.iter().map(|&k| time_s[k]).collect()),
+        drive_quantity: quantity,
+        drive: drive.collect(),
+        output_unit: recording.output_unit().to_owned(),
+        output: vec![0.0; kept.len()],
+        ambient_degc: recording.ambient_degc().map(between_mean),
+        stress_pa: recording.stress_pa().map(between_mean),
+        temperature_degc: recording.temperature_degc().map(|_| vec![0.0; kept.len()]),
+        ..RecordingParts::default()
+    };
+    let shown = predict(base, point, &Recording::new(parts.clone())?)?;
+    let carried = |recorded: &[f64], fine: &[f64], shown: &[f64]| -> Vec<f64> {
+        let left = |k: usize| recorded[k] - fine[k];
+        let means = around.iter().map(|range| mean(range, |_| 1.0, left));
+        means.zip(shown).map(|(left, shown)| shown + left).collect()
+    };
+    parts.output = carried(recording.output(), &fine.output, &shown.output);
+    if let Some(recorded) = recording.temperature_degc() {
+        let carried = carried(recorded, &fine.temperature_degc, &shown.temperature_degc);
+        parts.temperature_degc = Some(carried);
+    }
+    Ok(Recording::new(parts)?)
+}
+
+/// Where a temperature turns back: a loop remembers that.
+fn turns(temperature_degc: &[f64]) -> Vec<usize> {
+    let (mut extreme, mut is_rising) = (0, true);
+    let mut turns = Vec::new();
+    for (k, &now_degc) in temperature_degc.iter().enumerate() {
+        let beyond_k = now_degc - temperature_degc[extreme];
+        let beyond_k = if is_rising { beyond_k } else { -beyond_k };
+        if beyond_k >= 0.0 {
+            extreme = k;
+        } else if beyond_k < -SWING_K {
+            turns.push(extreme);
+            (extreme, is_rising) = (k, !is_rising);
+        }
+    }
+    turns
+}
+
+/// Mean over some samples, each counted as `weight` says.
+fn mean(range: &Range<usize>, weight: impl Fn(usize) -> f64, value: impl Fn(usize) -> f64) -> f64 {
+    let total: f64 = range.clone().map(&weight).sum();
+    range.clone().map(|k| weight(k) * value(k)).sum::<f64>() / total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::case::Case;
+    use crate::model::synthetic::Synthetic;
+    use crate::{EffectSet, EffectValues, Setting};
+
+    #[test]
+    fn what_the_plain_model_leaves_is_the_mean_of_what_it_left() {
+        let synthetic = Synthetic::of(EffectSet::EMPTY, EffectValues::default(), 1);
+        let fine = synthetic.case();
+        let before = fine.baseline().unwrap();
+        let recording = &fine.training[0];
+        let few = of_every(5, fine.base, &fine.fit.point(0), recording).unwrap();
+        let few = [few];
+        let coarse = Case::new(fine.base, fine.fit, &few, Setting::default());
+        let after = coarse.baseline().unwrap();
+        assert_eq!(after.residual.len(), few[0].len());
+        assert!(few[0].len() < recording.len() / 4);
+        // Between two that are five apart.
+        let time_s = few[0].time_s();
+        let is_amid = |j: &usize| {
+            let dt_s = recording.time_s()[5] - recording.time_s()[0];
+            let [before_s, after_s] = [time_s[*j] - time_s[j - 1], time_s[j + 1] - time_s[*j]];
+            (before_s - dt_s).abs().max((after_s - dt_s).abs()) < 1e-9
+        };
+        let j = (1..few[0].len() - 1).find(is_amid).unwrap();
+        let at = |seconds: &f64| (seconds - time_s[j]).abs() < 1e-9;
+        let k = recording.time_s().iter().position(at).unwrap();
+        let mean = before.residual[k - 2..k + 3].iter().sum::<f64>() / 5.0;
+        assert!((after.residual[j] - mean).abs() < 1e-12);
+        let [first, last] = [few[0].time_s()[0], few[0].time_s()[few[0].len() - 1]];
+        assert_eq!(first.to_bits(), recording.time_s()[0].to_bits());
+        let end_s = recording.time_s()[recording.len() - 1];
+        assert_eq!(last.to_bits(), end_s.to_bits());
+    }
+}

@@ -1,0 +1,142 @@
+//! From models on recordings with few samples to the same models on all.
+
+use identify::IdentifyError;
+use rayon::prelude::*;
+
+use crate::decide::leading;
+use crate::evidence::{Model, Population};
+use crate::model::case::{Case, Node};
+use crate::search::complete::{Completing, parts};
+use crate::search::roads::{Search, is_costly};
+use crate::search::weighing::{Weighing, at};
+use crate::{CandidateSet, LoopFamily};
+
+/// Nats behind the best model from which another can have no share of the belief on all samples: odds of e¹².
+const HOPELESS: f64 = 12.0;
+
+/// Rounds until the leading model stays.
+const ROUNDS: usize = 4;
+
+/// Models that are judged on all samples: at least, and at most, of those that may be chosen; and of those that may not.
+const FEWEST: usize = 12;
+const MOST: usize = 24;
+const FEW_PRESSED: usize = 4;
+
+/// The population of some models on all samples: those that coarse searches leave in question, at the ends that they have there.
+///
+/// `cases` are those of the searches, with all samples.
+pub(crate) fn promoted<'c>(
+    cases: &[&'c Case<'c>],
+    coarse: &mut [Search<'_>],
+    completing: &mut Completing<'_>,
+    weighing: &mut Weighing<'_>,
+    noise: f64,
+) -> Result<(Vec<Search<'c>>, Population), IdentifyError> {
+    let mut fine = cases
+        .iter()
+        .zip(&*coarse)
+        .map(|(case, coarse)| begun(case, coarse, noise))
+        .collect::<Result<Vec<_>, IdentifyError>>()?;
+    let mut settled: Vec<(usize, CandidateSet)> = Vec::new();
+    for _ in 0..ROUNDS {
+        let population = completing.audited(coarse)?;
+        let wanted = contenders(coarse, &population, leading(&population));
+        promote(&mut fine, coarse, &wanted)?;
+        let judged = weighing.audited(&fine)?;
+        let (place, effects) = at(&fine, leading(&judged));
+        if completing.completed_around(coarse, (place, effects))? {
+            let parts = parts(effects).into_iter().map(|part| (place, part));
+            promote(&mut fine, coarse, &parts.collect::<Vec<_>>())?;
+        } else if !effects.is_empty() && !settled.contains(&(place, effects)) {
+            settled.push((place, effects));
+            fine[place].settle(effects)?;
+        } else {
+            return Ok((fine, judged));
+        }
+    }
+    let judged = weighing.audited(&fine)?;
+    Ok((fine, judged))
+}
+
+/// A search on all samples that begins with the plain model of another's loop.
+fn begun<'c>(
+    case: &'c Case<'c>,
+    coarse: &Search<'_>,
+    noise: f64,
+) -> Result<Search<'c>, IdentifyError> {
+    let baseline = match coarse.case.setting.loop_family {
+        LoopFamily::Proximity => case.baseline()?,
+        _ => case.finished(coarse.baseline())?,
+    };
+    Ok(Search::ended(case, baseline, coarse, noise))
+}
+
+/// Takes models of coarse searches to their ends on all samples, unless they are there.
+fn promote(
+    fine: &mut [Search<'_>],
+    coarse: &[Search<'_>],
+    wanted: &[(usize, CandidateSet)],
+) -> Result<(), IdentifyError> {
+    let mut new: Vec<(usize, &Node)> = Vec::new();
+    for &(place, set) in wanted {
+        let is_there = fine[place].get(set).is_some();
+        let is_asked = new
+            .iter()
+            .any(|(at, node)| *at == place && node.effects == set);
+        if !is_there && !is_asked {
+            new.extend(coarse[place].get(set).map(|node| (place, node)));
+        }
+    }
+    let found = new
+        .par_iter()
+        .map(|&(place, node)| Ok((place, fine[place].case.finished(node)?)))
+        .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
+    for (place, node) in found {
+        fine[place].keep(node.effects, Some(node));
+    }
+    Ok(())
+}
+
+/// What of a population must be judged on all samples: what could be the best, what leaves least, and the parts of what leads;
+/// the number of its search and its effects.
+fn contenders(
+    searches: &[Search<'_>],
+    population: &Population,
+    leading: &Model,
+) -> Vec<(usize, CandidateSet)> {
+    let best = population.best();
+    let mut models: Vec<&Model> = population.models.iter().collect();
+    models.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
+    let could = |(rank, model): &(usize, &&Model)| {
+        *rank < FEWEST && !is_costly(model.effects) || model.worth() > best.worth() - HOPELESS
+    };
+    // What stands against a bound now may be free of it then, and the other way round.
+    let admissible = models.iter().filter(|model| model.is_admissible());
+    let pressed = models
+        .iter()
+        .filter(|model| !model.is_admissible() && !is_costly(model.effects));
+    let mut wanted: Vec<(usize, CandidateSet)> = admissible
+        .enumerate()
+        .filter(could)
+        .take(MOST)
+        .map(|(_, model)| model)
+        .chain(pressed.take(FEW_PRESSED))
+        .map(|model| at(searches, model))
+        .collect();
+    for channel in [0, 1] {
+        let least = models.iter().min_by(|a, b| {
+            let [a, b] = [a, b].map(|one| one.evidence.squares()[channel]);
+            a.total_cmp(&b)
+        });
+        wanted.extend(least.map(|model| at(searches, model)));
+    }
+    for model in [leading, best] {
+        let (place, effects) = at(searches, model);
+        wanted.extend(parts(effects).into_iter().map(|part| (place, part)));
+        if place > 0 {
+            // The same beside the paper's loop.
+            wanted.extend(parts(effects).into_iter().map(|part| (0, part)));
+        }
+    }
+    wanted
+}
