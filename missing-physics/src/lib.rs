@@ -1,5 +1,7 @@
 #![doc = include_str!("../README.md")]
 
+mod baseline;
+mod config;
 mod decide;
 mod diagnose;
 mod evidence;
@@ -13,9 +15,10 @@ mod screen;
 mod search;
 mod watch;
 
+pub use config::DiagnoseConfig;
 pub use decide::Verdict;
 pub use decide::{Basis, Comparison, RULES, Rule, RuleId, Trace};
-pub use diagnose::{DiagnoseConfig, diagnose, diagnose_from};
+pub use diagnose::{diagnose, diagnose_from};
 pub use evidence::Audit;
 pub use locate::mismatch::{Band, Cell, Curve, Mismatch, Shape, Span};
 pub use model::candidate::{Candidate, CandidateSet};

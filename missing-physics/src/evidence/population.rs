@@ -47,9 +47,10 @@ impl Model {
         self.pressed.is_empty() && self.slight.is_empty()
     }
 
-    /// Whether all that it has has a form of its own, and none could take any shape: a loop of any family has one.
+    /// Whether all that it has has a form of its own, and none could take any shape. Another loop than the paper's could: that it is
+    /// asked for says that no formula of a loop is exact here.
     pub(crate) fn is_rigid(&self) -> bool {
-        self.effects.iter().all(|name| !name.info().flexible)
+        self.names.iter().all(|name| !name.info().flexible)
     }
 
     /// Whether a curve finds nothing more.

@@ -55,17 +55,8 @@ pub(crate) fn validated(
 ) -> Result<Vec<Validated>, IdentifyError> {
     let validated = unseen.iter();
     validated
-        .map(|recording| validated_alone(model, point, recording))
+        .map(|recording| validated_by_stretches(model, point, recording))
         .collect()
-}
-
-/// The same of one recording.
-pub(crate) fn validated_alone(
-    model: &dyn ForwardModel,
-    point: &[f64],
-    recording: &Recording,
-) -> Result<Validated, IdentifyError> {
-    validated_by_stretches(model, point, recording)
 }
 
 /// Models as likely as a fit by which its spread is told.

@@ -2,12 +2,12 @@
 
 use identify::{Fit, Validated};
 
-use crate::decide::Trace;
-use crate::decide::Verdict;
+use crate::decide::{Trace, Verdict};
 use crate::evidence::Audit;
 use crate::locate::mismatch::{Mismatch, Shape};
 use crate::next::run::NextExperiment;
-use crate::noise::kind::Floor;
+use crate::noise::floor::Measured;
+use crate::noise::kind::{Floor, NoiseClass};
 use crate::{Candidate, ExtendedModel, LoopFamily, Need};
 
 /// The result of `diagnose`.
@@ -46,6 +46,34 @@ pub struct Diagnosis {
     pub simulations: u64,
     /// Seed of the searches.
     pub seed: u64,
+}
+
+impl Diagnosis {
+    /// What is said where no two starts of the plain model agree.
+    pub(crate) fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Self {
+        Self {
+            verdict: Verdict::NotConverged,
+            noise_floor: Floor {
+                lower: noise.lower,
+                upper: noise.upper,
+                class: NoiseClass::Colored,
+            },
+            simulations: baseline.fit.simulations,
+            ladder: vec![Rung::plain(&baseline)],
+            baseline,
+            extended: None,
+            explained: None,
+            mismatch: Mismatch::default(),
+            findings: Vec::new(),
+            suspects: Vec::new(),
+            remainder: None,
+            catalogue: Vec::new(),
+            next_experiment: None,
+            audit: None,
+            traces: Vec::new(),
+            seed,
+        }
+    }
 }
 
 /// A fitted model and how it does on what it has not seen.

@@ -3,6 +3,8 @@
 pub(crate) mod catalogue;
 pub(crate) mod diagnosis;
 pub(crate) mod explained;
+pub(crate) mod held;
 pub(crate) mod ladder;
+pub(crate) mod remains;
 pub(crate) mod saved;
 pub(crate) mod sentence;

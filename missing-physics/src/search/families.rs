@@ -4,9 +4,12 @@ use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit};
 
+use crate::decide::leading;
+use crate::evidence::Population;
 use crate::model::case::Case;
+use crate::noise::floor::Measured;
 use crate::search::roads::Search;
-use crate::{CandidateSet, LoopFamily};
+use crate::{Candidate, CandidateSet, EffectBlock, LoopFamily};
 
 /// Families beside the paper's.
 const OTHERS: [LoopFamily; 2] = [LoopFamily::Relays, LoopFamily::Kinetics];
@@ -63,4 +66,23 @@ pub(crate) fn grow(searches: &mut [Search<'_>]) -> Result<(), IdentifyError> {
         }
     }
     Ok(())
+}
+
+/// Whether a loop of another family may do instead: a curve finds more than the leading model has, or a name is of the loop.
+pub(crate) fn may_be_the_loop(population: &Population) -> bool {
+    let model = leading(population);
+    let is_of_loop = |name: Candidate| name.info().block == EffectBlock::Transformation;
+    !model.is_whole() || model.names.iter().any(is_of_loop)
+}
+
+/// The models of a case with one effect at most.
+pub(crate) fn begun<'c>(
+    case: &'c Case<'c>,
+    catalogue: CandidateSet,
+    noise: &Measured,
+    seed: u64,
+) -> Result<Search<'c>, IdentifyError> {
+    let mut search = Search::new(case, case.baseline()?, catalogue, noise.highest(), seed)?;
+    search.grow_by_one()?;
+    Ok(search)
 }

@@ -28,7 +28,7 @@ fn text(path: &Path) -> String {
 fn shards_put_together_are_the_whole_to_the_byte() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).display().to_string();
-    let family = ["--family", "clean-white", "--cases", "2"];
+    let family = ["--family", "clean-ar", "--cases", "2"];
     let whole = sma(&[&family[..], &["--out", &place("whole"), "--json", "-"]].concat());
     assert_eq!(whole.status.code(), Some(0));
     let json: serde_json::Value = serde_json::from_slice(&whole.stdout).unwrap();

@@ -1,0 +1,106 @@
+//! The chosen model at its end, and what was decided, held to the recordings that were not used.
+
+use std::sync::Arc;
+
+use identify::{IdentifyError, Validated};
+use recording::Recording;
+
+use crate::decide::{Decided, Named, RuleId, Verdict};
+use crate::model::elsewhere::{spread, validated};
+use crate::model::unseen::{self, Unseen};
+use crate::report::diagnosis::{Explained, ExtendedStage, Stage};
+use crate::search::roads::Search;
+use crate::{CandidateSet, LoopFamily};
+
+/// Standard deviations up to which an error may be the parameters' uncertainty.
+const TWICE: f64 = 2.0;
+
+/// Error on unseen recordings over that on the training's up to which a model does there as well.
+const AS_NEAR: f64 = 1.2;
+
+/// Standard error of the share of a change that comes true, from which it says nothing.
+const TOLD: f64 = 0.5;
+
+/// The chosen model, fitted from many places and validated.
+pub(crate) fn extended(
+    search: &mut Search<'_>,
+    effects: CandidateSet,
+    unseen: &[Recording],
+) -> Result<Option<ExtendedStage>, IdentifyError> {
+    if effects.is_empty() && search.case.setting.loop_family == LoopFamily::Proximity {
+        return Ok(None);
+    }
+    let fit = Arc::unwrap_or_clone(search.settle(effects)?);
+    let model = search.case.model(effects);
+    let validated = validated(&model, &fit.point(0), unseen)?;
+    Ok(Some(ExtendedStage {
+        effects: effects.iter().collect(),
+        model,
+        stage: Stage { fit, validated },
+    }))
+}
+
+/// What was decided, held to the recordings that were not used: names that make them worse do not hold, and what is not
+/// explained there is not explained.
+pub(crate) fn held_to(
+    mut decided: Decided,
+    search: &mut Search<'_>,
+    extended: &ExtendedStage,
+    (shares, with): (Explained, &Unseen),
+    unseen: &[Recording],
+) -> Result<Decided, IdentifyError> {
+    if unseen.is_empty() || decided.named.is_empty() {
+        return Ok(decided);
+    }
+    let effects: CandidateSet = extended.effects.iter().copied().collect();
+    let mut fallen = CandidateSet::EMPTY;
+    for named in &decided.named {
+        let less = if effects.contains(named.effect) {
+            search.exchanged(effects, named.effect, None)?
+        } else {
+            None
+        };
+        let Some(node) = less.and_then(|less| search.get(less)) else {
+            continue;
+        };
+        let without = unseen::unseen(&node.model, &node.points[0], unseen)?;
+        // What is not exercised there, or lost in the noise, says nothing.
+        let told = with.comes_true(&without).filter(|[_, error]| *error < TOLD);
+        let Some([share, _]) = told else {
+            continue;
+        };
+        let id = named.effect.id();
+        if !decided.traces.ask(RuleId::UnseenGain, id, share) {
+            fallen = fallen.with(named.effect);
+        }
+    }
+    let (fallen, named): (Vec<Named>, Vec<Named>) = decided
+        .named
+        .into_iter()
+        .partition(|named| fallen.contains(named.effect));
+    decided.named = named;
+    decided.suspects.extend(fallen);
+    let share = shares.validate.unwrap_or(1.0);
+    let is_explained =
+        decided.traces.ask(RuleId::UnseenShare, "", share) || is_as_near(extended, unseen)?;
+    if decided.named.is_empty() {
+        // They made these recordings worse: what is left to say is what the plain model leaves.
+        decided.verdict = decided.nameless;
+    } else if !is_explained && share > 0.5 {
+        decided.verdict = Verdict::ExplainedInPart;
+    } else if !is_explained {
+        decided.verdict = Verdict::Unexplained;
+        decided.suspects.append(&mut decided.named);
+    }
+    Ok(decided)
+}
+
+/// Whether a model is no further off the unseen recordings than where it was fitted, where the noise is larger than it was
+/// measured, and than the uncertainty of its parameters makes it where the training did not go.
+fn is_as_near(extended: &ExtendedStage, unseen: &[Recording]) -> Result<bool, IdentifyError> {
+    let ExtendedStage { model, stage, .. } = extended;
+    let spread = spread(model, &stage.fit, &stage.validated, unseen)?;
+    let most = (AS_NEAR * stage.fit.train_rmse).powi(2) + TWICE.powi(2) * spread;
+    let rmse = Validated::rmse_of_all(&stage.validated);
+    Ok(rmse.is_some_and(|rmse| rmse.powi(2) < most))
+}

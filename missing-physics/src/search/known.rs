@@ -1,0 +1,72 @@
+//! What the judge is to know beside the population.
+
+use std::ops::Range;
+
+use identify::IdentifyError;
+
+use crate::CandidateSet;
+use crate::config::DiagnoseConfig;
+use crate::decide::Known;
+use crate::evidence::{Block, Population, disturbed};
+use crate::model::series::Channel;
+use crate::noise::floor::Measured;
+use crate::noise::slip::slip;
+use crate::noise::tone::tone;
+use crate::search::roads::Search;
+
+/// What the judge is to know beside the population.
+pub(crate) fn known(
+    search: &Search<'_>,
+    effects: CandidateSet,
+    population: &Population,
+    noise: &Measured,
+    blocks: &[Block],
+    config: &DiagnoseConfig,
+) -> Result<Known, IdentifyError> {
+    let case = search.case;
+    let Some(node) = search.get(effects) else {
+        unreachable!("the leading model was visited");
+    };
+    let outputs = || case.layout.of_channel(Channel::Output);
+    let own_squares = |range: &Range<usize>| {
+        let own = &case.recorded()[range.clone()];
+        let mean = own.iter().sum::<f64>() / own.len() as f64;
+        own.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+    };
+    let rounding = noise.rounding.map_or(0.0, |rounding| rounding.powi(2));
+    let plain = search.baseline();
+    let disturbed = if plain.mean_square() > 2.0 * rounding {
+        let sensitivities = search.sensitivities(plain)?;
+        let evidence = &population.plain().evidence;
+        disturbed(case, plain, evidence, &sensitivities, blocks, config.seed)?
+    } else {
+        // All of it may be rounding, which is a function of the output.
+        0.0
+    };
+    let tones = outputs().map(|one| tone(&node.residual[one.range.clone()]));
+    let coarse = noise.is_coarse(node.mean_square());
+    let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
+    Ok(Known {
+        segments: case
+            .layout
+            .segments
+            .iter()
+            .map(|one| one.range.clone())
+            .collect(),
+        output_squares: outputs().map(|one| own_squares(&one.range)).sum(),
+        rounding,
+        catalogue: all,
+        untried: all
+            .iter()
+            .filter(|&one| case.missing(one).is_some())
+            .collect(),
+        disturbed,
+        tone: if coarse {
+            0.0
+        } else {
+            tones.fold(0.0, f64::max)
+        },
+        slip: slip(case, node)?,
+        seed: config.seed,
+    })
+}
