@@ -33,7 +33,8 @@ fn shards_put_together_are_the_whole_to_the_byte() {
     assert_eq!(whole.status.code(), Some(0));
     let json: serde_json::Value = serde_json::from_slice(&whole.stdout).unwrap();
     assert_eq!(json["cases"], 2);
-    assert_eq!(json["table"][0]["n"], 2);
+    let mut rows = json["table"].as_array().unwrap().iter();
+    assert!(rows.any(|row| row["n"] == 2), "{json}");
     for (shard, out) in [("1/2", "one"), ("2/2", "other")] {
         let out = place(out);
         let ran = sma(&[&family[..], &["--shard", shard, "--out", &out]].concat());
