@@ -1,11 +1,11 @@
 use recording::{HOLD_TOLERANCE, Recording};
-use wiener::Block;
 
 use crate::fit::{range, root_mean_square, squares_about_own_mean};
 use crate::least_squares::{LeastSquaresConfig, minimize};
+use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
-use crate::{Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope};
+use crate::{Fit, ForwardModel, IdentifyError};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
 const FEWEST_AT_REST: usize = 10;
@@ -61,28 +61,6 @@ impl Validated {
     }
 }
 
-/// A model whose shared parameters are those of a fit; what is left is the recording's own.
-#[derive(Debug)]
-struct Frozen<'a> {
-    model: &'a dyn ForwardModel,
-    parameters: Vec<ParameterInfo>,
-}
-
-impl ForwardModel for Frozen<'_> {
-    fn parameters(&self) -> &[ParameterInfo] {
-        &self.parameters
-    }
-
-    fn simulate(
-        &self,
-        points: &[Vec<f64>],
-        recording: &Recording,
-        visit: &mut dyn FnMut(Block<'_>),
-    ) -> Result<(), IdentifyError> {
-        self.model.simulate(points, recording, visit)
-    }
-}
-
 /// Predicts a recording with the shared parameters frozen.
 ///
 /// Only the recording's own parameters are set (its offset, and its start where that is free), by a
@@ -117,13 +95,7 @@ pub fn validate_at(
     point: &[f64],
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
-    let mut parameters = model.parameters().to_vec();
-    for (info, &value) in parameters.iter_mut().zip(point) {
-        if info.scope == Scope::Shared {
-            info.state = ParameterState::Fixed(value);
-        }
-    }
-    let frozen = Frozen { model, parameters };
+    let frozen = OfRig::at(model, point);
     let mut problem = Problem::new(&frozen, std::slice::from_ref(recording))?;
     let at_rest = samples_at_rest(recording.drive());
     let offset_source = if at_rest == recording.len() {

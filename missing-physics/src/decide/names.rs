@@ -81,9 +81,9 @@ pub(crate) fn names(
     for effect in leading.names.iter() {
         let id = effect.id();
         let (mut named, covered) = alternatives(leading, belief, known, effect);
-        named.contribution = population.contribution(leading, effect);
         let is_covered = traces.ask(RuleId::Set, id, covered);
         let less = population.without(leading, effect);
+        named.contribution = population.share(leading.evidence.squares(), less.evidence.squares());
         let added = known.segments.iter().map(|range| {
             let without = centered(&less.evidence.residual[range.clone()]);
             let with = centered(&leading.evidence.residual[range.clone()]);

@@ -126,12 +126,6 @@ impl Population {
         let best = parts.max_by(|a, b| a.worth().total_cmp(&b.worth()));
         best.unwrap_or_else(|| self.plain())
     }
-
-    /// What a model loses without one of its names, as a share of what could be explained.
-    pub(crate) fn contribution(&self, model: &Model, name: Candidate) -> f64 {
-        let less = self.without(model, name);
-        self.share(model.evidence.squares(), less.evidence.squares())
-    }
 }
 
 /// Share of a sum of squares below which there is nothing to explain.

@@ -47,11 +47,8 @@ impl Memory {
                 continue;
             }
             let own = recalled(layout, channel, residual);
-            let noise = if own.variance < MISFIT * noise.variance {
-                &own
-            } else {
-                noise
-            };
+            let is_noise = own.innovation_variance > 0.0 && own.variance < MISFIT * noise.variance;
+            let noise = if is_noise { &own } else { noise };
             let segments: Vec<&Segment> = layout.of_channel(channel).collect();
             let innovations: Vec<Vec<f64>> = segments
                 .iter()

@@ -4,11 +4,10 @@
 //! stretch of it, and the stretches between are what counts; then the other way round. One law for every model.
 
 use identify::{
-    Enters, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
-    ParameterVector, RefineConfig, Scope, Validated, may_begin_warm, predict, refine, validate_at,
+    Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterState,
+    ParameterVector, RefineConfig, Validated, may_begin_warm, predict, refine, validate_at,
 };
 use recording::Recording;
-use wiener::Block;
 
 /// Stretches of a recording.
 const STRETCHES: usize = 60;
@@ -21,28 +20,6 @@ const RACE: usize = 4;
 
 /// Surroundings over what was written down from which such a fit starts, K.
 const LEVELS_K: [f64; 3] = [0.0, -2.0, 2.0];
-
-/// A model whose shared parameters are known.
-#[derive(Debug)]
-struct OfRig<'a> {
-    model: &'a dyn ForwardModel,
-    parameters: Vec<ParameterInfo>,
-}
-
-impl ForwardModel for OfRig<'_> {
-    fn parameters(&self) -> &[ParameterInfo] {
-        &self.parameters
-    }
-
-    fn simulate(
-        &self,
-        points: &[Vec<f64>],
-        recording: &Recording,
-        visit: &mut dyn FnMut(Block<'_>),
-    ) -> Result<(), IdentifyError> {
-        self.model.simulate(points, recording, visit)
-    }
-}
 
 /// Squared errors of a model on each stretch of a recording, where what belongs to the recording comes from the others.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,11 +77,8 @@ fn of_recording(
     point: &[f64],
     recording: &Recording,
 ) -> Result<(Unseen, Vec<f64>), IdentifyError> {
-    let mut parameters = model.parameters().to_vec();
-    for (info, &value) in parameters.iter_mut().zip(point) {
-        if info.scope == Scope::Shared {
-            info.state = ParameterState::Fixed(value);
-        }
+    let mut of_rig = OfRig::at(model, point);
+    for info in &mut of_rig.parameters {
         // Nobody wrote it down of this recording, whatever the training was like.
         let (is_open, unsaid) = match info.name {
             "ambient_level_k" => (true, 0.0),
@@ -116,7 +90,6 @@ fn of_recording(
             info.state = ParameterState::Free;
         }
     }
-    let of_rig = OfRig { model, parameters };
     let vector = ParameterVector::new(of_rig.parameters(), 1);
     // As the training began, at rest, and as warm or cold as laboratories are, on either branch.
     let at = |level_k: f64, share: f64| {
