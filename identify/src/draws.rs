@@ -5,6 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::dense::symmetric_eigen;
 use crate::fitted::point;
 use crate::{Fit, FittedParameter, ParameterCovariance, SavedModel, Scale, Scope};
 
@@ -99,10 +100,10 @@ fn square_root(n: usize, covariance: impl Fn(usize, usize) -> f64) -> Mat<f64> {
             0.0
         }
     });
-    let Ok(eigen) = correlation.self_adjoint_eigen(faer::Side::Lower) else {
+    let Some(eigen) = symmetric_eigen(&correlation) else {
         return Mat::from_fn(n, n, |i, j| if i == j { deviation[i] } else { 0.0 });
     };
-    let (vectors, values) = (eigen.U(), eigen.S().column_vector());
+    let (vectors, values) = (eigen.vectors, eigen.values);
     Mat::from_fn(n, n, |i, j| {
         let root: f64 = (0..n)
             .map(|k| vectors[(i, k)] * values[k].max(0.0).sqrt() * vectors[(j, k)])

@@ -2,6 +2,7 @@
 
 mod cascade;
 mod cross_check;
+pub mod dense;
 mod difference;
 mod draws;
 mod ended;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use faer::Mat;
-use faer::linalg::solvers::Solve;
+use identify::dense::{product, solved};
 
 /// Blocks of time that are left out in turn.
 const N_BLOCKS: usize = 8;
@@ -25,8 +25,8 @@ impl Products {
         let own = Mat::from_fn(n, columns.len(), |k, j| columns[j][start + k]);
         let target = Mat::from_fn(n, 1, |k, _| target[start + k]);
         Self {
-            gram: own.transpose() * &own,
-            along: own.transpose() * &target,
+            gram: product(own.transpose(), own.as_ref()),
+            along: product(own.transpose(), target.as_ref()),
             square: target.squared_norm_l2(),
         }
     }
@@ -35,7 +35,7 @@ impl Products {
     fn coefficients(&self, penalty: f64) -> Mat<f64> {
         let n = self.gram.nrows();
         let penalized = &self.gram + Mat::<f64>::identity(n, n) * faer::Scale(penalty);
-        penalized.partial_piv_lu().solve(&self.along)
+        solved(&penalized, &self.along)
     }
 
     fn without(&self, block: &Self) -> Self {
@@ -48,8 +48,9 @@ impl Products {
 
     /// ‖y - X a‖².
     fn left(&self, coefficients: &Mat<f64>) -> f64 {
-        let shown = &self.gram * coefficients - &self.along * faer::Scale(2.0);
-        let moved = coefficients.transpose() * shown;
+        let shown =
+            product(self.gram.as_ref(), coefficients.as_ref()) - &self.along * faer::Scale(2.0);
+        let moved = product(coefficients.transpose(), shown.as_ref());
         self.square + moved[(0, 0)]
     }
 }

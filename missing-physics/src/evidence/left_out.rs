@@ -1,7 +1,7 @@
 //! Predictions of blocks from a regression on all others.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, MatRef, Side};
+use faer::Mat;
+use identify::dense::{product, symmetric_solved};
 
 use crate::evidence::blocks::Block;
 
@@ -49,7 +49,10 @@ impl<'a> LeftOut<'a> {
         let products = |rows: &std::ops::Range<usize>| {
             let part = matrix.get(rows.clone(), ..);
             let own = target.get(rows.clone(), ..);
-            (part.transpose() * part, part.transpose() * own)
+            (
+                product(part.transpose(), part),
+                product(part.transpose(), own),
+            )
         };
         let removed = blocks.iter().map(|block| {
             let mut sums = (Mat::zeros(all.len(), all.len()), Mat::zeros(all.len(), 1));
@@ -77,7 +80,7 @@ impl<'a> LeftOut<'a> {
         for (block, removed) in self.blocks.iter().zip(&self.removed) {
             let own = self.coefficients(penalty, removed);
             for rows in block.scored() {
-                let shown: Mat<f64> = self.columns.get(rows.clone(), ..) * &own;
+                let shown = product(self.columns.get(rows.clone(), ..), own.as_ref());
                 for (place, k) in rows.clone().enumerate() {
                     predicted[k] = shown[(place, 0)];
                 }
@@ -118,13 +121,6 @@ impl<'a> LeftOut<'a> {
             };
             self.gram[(i, j)] - gram[(i, j)] + anchor + own
         });
-        solved(penalized.as_ref(), &(&self.along - along))
-    }
-}
-
-fn solved(matrix: MatRef<'_, f64>, right: &Mat<f64>) -> Mat<f64> {
-    match matrix.llt(Side::Lower) {
-        Ok(factor) => factor.solve(right),
-        Err(_) => matrix.partial_piv_lu().solve(right),
+        symmetric_solved(&penalized, &(&self.along - along))
     }
 }

@@ -1,6 +1,7 @@
 //! The missing term as a curve.
 
 use faer::Mat;
+use identify::dense::{product, symmetric_eigen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -47,10 +48,13 @@ pub(crate) fn shape(located: &Located<'_>, pulled: &Pulled, block: EffectBlock) 
     let per_length = |(coefficient, &j): (f64, &usize)| coefficient / pulled.lengths[j];
     let visible = pulled.folded.visible(&terms, SEEN);
     let found = pulled.folded.coefficients(&terms, &penalty);
-    let found = &visible * Mat::from_fn(terms.len(), 1, |i, _| found[i]);
+    let found = Mat::from_fn(terms.len(), 1, |i, _| found[i]);
+    let found = product(visible.as_ref(), found.as_ref());
     let found = (0..terms.len()).map(|i| found[(i, 0)]);
     let sizes: Vec<f64> = found.zip(&terms).map(per_length).collect();
-    let covariance = &visible * pulled.folded.covariance(&terms, &penalty) * &visible;
+    let covariance = pulled.folded.covariance(&terms, &penalty);
+    let covariance = product(visible.as_ref(), covariance.as_ref());
+    let covariance = product(covariance.as_ref(), visible.as_ref());
     let halves = band(&covariance, dispersion, located.seed);
     let halves: Vec<f64> = halves.into_iter().zip(&terms).map(per_length).collect();
     let unit = Unit::of(located, block);
@@ -150,15 +154,12 @@ fn band(covariance: &Mat<f64>, dispersion: f64, seed: u64) -> Vec<f64> {
     let deviations: Vec<f64> = (0..n)
         .map(|i| (dispersion * covariance[(i, i)].max(0.0)).sqrt())
         .collect();
-    let Ok(eigen) = covariance.self_adjoint_eigen(faer::Side::Lower) else {
+    let Some(eigen) = symmetric_eigen(covariance) else {
         return vec![f64::INFINITY; n];
     };
-    let (vectors, values) = (eigen.U(), eigen.S().column_vector());
+    let scaled = eigen.scaled_vectors();
     let root: Vec<Vec<f64>> = (0..n)
-        .map(|i| {
-            let row = (0..n).map(|k| vectors[(i, k)] * (dispersion * values[k].max(0.0)).sqrt());
-            row.collect()
-        })
+        .map(|i| (0..n).map(|k| dispersion.sqrt() * scaled[(i, k)]).collect())
         .collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut largest: Vec<f64> = (0..DRAWS)

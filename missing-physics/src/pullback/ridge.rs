@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use faer::linalg::solvers::{DenseSolveCore, Solve};
-use faer::{Mat, Side};
+use faer::Mat;
+use identify::dense::{self, symmetric_eigen};
 
 use crate::model::projection::dot;
 use crate::model::series::{Channel, Layout};
@@ -87,19 +87,17 @@ impl Folded {
 
     /// Covariance of the coefficients for a target of variance 1, the penalty as a prior.
     pub(crate) fn covariance(&self, columns: &[usize], penalty: &Mat<f64>) -> Mat<f64> {
-        (self.gram(columns, None) + penalty)
-            .partial_piv_lu()
-            .inverse()
+        dense::inverse(&(self.gram(columns, None) + penalty))
     }
 
     /// Projector on the coefficients of columns, of length 1 before the model's share was taken out, of whose
     /// squares at least a share is left.
     pub(crate) fn visible(&self, columns: &[usize], share: f64) -> Mat<f64> {
         let n = columns.len();
-        let Ok(eigen) = self.gram(columns, None).self_adjoint_eigen(Side::Lower) else {
+        let Some(eigen) = symmetric_eigen(&self.gram(columns, None)) else {
             return Mat::identity(n, n);
         };
-        let (vectors, values) = (eigen.U(), eigen.S().column_vector());
+        let (vectors, values) = (eigen.vectors, eigen.values);
         let seen: Vec<usize> = (0..n).filter(|&k| values[k] >= share).collect();
         Mat::from_fn(n, n, |i, j| {
             let parts = seen.iter().map(|&k| vectors[(i, k)] * vectors[(j, k)]);
@@ -131,9 +129,7 @@ impl Folded {
             let others = folds.filter(|(fold, _)| Some(*fold) != without);
             others.map(|(_, along)| along[columns[i]]).sum()
         });
-        let solution = (self.gram(columns, without) + penalty)
-            .partial_piv_lu()
-            .solve(&along);
+        let solution = dense::solved(&(self.gram(columns, without) + penalty), &along);
         (0..columns.len()).map(|i| solution[(i, 0)]).collect()
     }
 

@@ -1,7 +1,7 @@
 //! Score tests: how much of a residual lies along the trace of each effect.
 
 use faer::Mat;
-use faer::linalg::solvers::DenseSolveCore;
+use identify::dense::{self, symmetric_eigen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -251,7 +251,7 @@ fn inverse(covariance: &Mat<f64>) -> Mat<f64> {
             trace * correlation
         }
     });
-    let inverse = damped.partial_piv_lu().inverse();
+    let inverse = dense::inverse(&damped);
     Mat::from_fn(n, n, |i, j| inverse[(i, j)] * per(i) * per(j))
 }
 
@@ -277,16 +277,12 @@ fn critical(tests: &[Tested<'_>], seed: u64) -> f64 {
             0.0
         }
     });
-    let Ok(eigen) = cosines.self_adjoint_eigen(faer::Side::Lower) else {
+    let Some(eigen) = symmetric_eigen(&cosines) else {
         return f64::INFINITY;
     };
-    let (vectors, values) = (eigen.U(), eigen.S().column_vector());
+    let scaled = eigen.scaled_vectors();
     let root: Vec<Vec<f64>> = (0..n)
-        .map(|i| {
-            (0..n)
-                .map(|k| vectors[(i, k)] * values[k].max(0.0).sqrt())
-                .collect()
-        })
+        .map(|i| (0..n).map(|k| scaled[(i, k)]).collect())
         .collect();
     // Inverse covariance of each test of several sizes.
     let mut first = 0;

@@ -43,7 +43,7 @@ fn of_wire(setting: Setting, effects: EffectValues) -> Diagnosis {
 /// The wire in surroundings that wander by some 3 K, its output late by so much.
 fn in_the_open(output_lag_s: f64) -> Diagnosis {
     let setting = Setting {
-        hypotheses: Hypothesis::parse("own.toml", WANDERING).unwrap().leak(),
+        hypotheses: Hypothesis::parse("own.toml", WANDERING).unwrap(),
         active: EffectSet::of(EffectId::OutputLag),
         ..setting()
     };

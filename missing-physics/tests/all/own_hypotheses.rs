@@ -37,7 +37,7 @@ bounds = [-40.0, 40.0]
 "#;
 
 fn own() -> &'static [Hypothesis] {
-    Hypothesis::parse("own.toml", OWN).unwrap().leak()
+    Hypothesis::parse("own.toml", OWN).unwrap()
 }
 
 /// The wire in the draught of a fan.

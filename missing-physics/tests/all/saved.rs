@@ -290,7 +290,7 @@ fn drifts_stay_with_their_recordings() {
 fn a_hypothesis_of_one_s_own_has_no_place_in_a_file() {
     let text = "[[hypothesis]]\nid = \"own-shift\"\nshift_k = \"a * xi\"\n[hypothesis.parameters.a]\n\
                 unit = \"1\"\ntypical = 1\nbounds = [-10, 10]\n";
-    let own = Hypothesis::parse("own.toml", text).unwrap().leak();
+    let own = Hypothesis::parse("own.toml", text).unwrap();
     let mut stage = made(&FOUND, 0).stage;
     stage.effects.push(Candidate::Own(0, own));
     let refused = saved_effects(&stage, &Setting::default()).unwrap_err();

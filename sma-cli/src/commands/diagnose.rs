@@ -350,9 +350,8 @@ impl DiagnoseArgs {
             .without
             .iter()
             .fold(EffectSet::all(), |all, effect| all.without(*effect));
-        // They serve to the end of the program, as the catalogue does.
         let hypotheses: &[Hypothesis] = match &self.hypothesis {
-            Some(path) => Hypothesis::read(path)?.leak(),
+            Some(path) => Hypothesis::read(path)?,
             None => &[],
         };
         Ok(DiagnoseConfig {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -113,7 +114,21 @@ fn quoted(key: &str, value: &str) -> String {
     format!("{key} = \"{}\"", short.escape_debug())
 }
 
-pub(super) fn parse(file: &str, text: &str) -> Result<Vec<Hypothesis>, PhysicsError> {
+/// What was read, by its text. An effect's facts live as long as the program, whether they come from the catalogue or
+/// from a file; a text that is read a hundred times is kept once.
+static KEPT: Mutex<BTreeMap<String, &'static [Hypothesis]>> = Mutex::new(BTreeMap::new());
+
+pub(super) fn parse(file: &str, text: &str) -> Result<&'static [Hypothesis], PhysicsError> {
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(hypotheses) = kept.get(text) {
+        return Ok(hypotheses);
+    }
+    let hypotheses: &[Hypothesis] = parsed(file, text)?.leak();
+    kept.insert(text.to_owned(), hypotheses);
+    Ok(hypotheses)
+}
+
+fn parsed(file: &str, text: &str) -> Result<Vec<Hypothesis>, PhysicsError> {
     let source = Source { file, text };
     let parsed: File = toml::from_str(text).map_err(|error| source.toml(&error))?;
     if let Some(extra) = parsed.hypothesis.get(MOST_HYPOTHESES) {

@@ -117,7 +117,7 @@ impl Hypothesis {
     /// # Errors
     ///
     /// [`PhysicsError::Unreadable`], and as [`Hypothesis::parse`].
-    pub fn read(path: &Path) -> Result<Vec<Self>, PhysicsError> {
+    pub fn read(path: &Path) -> Result<&'static [Self], PhysicsError> {
         let file = path.display().to_string();
         match std::fs::read_to_string(path) {
             Ok(text) => Self::parse(&file, &text),
@@ -128,14 +128,14 @@ impl Hypothesis {
         }
     }
 
-    /// Reads the text of such a file; `file` is its name for errors. Names and tables are kept for the
-    /// life of the program, as those of the catalogue are.
+    /// Reads the text of such a file; `file` is its name for errors. The hypotheses are kept for the life of the program,
+    /// as the catalogue is; equal texts give the same slice, so that reading a file again keeps nothing more.
     ///
     /// # Errors
     ///
     /// [`PhysicsError::Toml`] for what is no such file, [`PhysicsError::Hypothesis`] for a value that is not
     /// accepted, each with line and column.
-    pub fn parse(file: &str, text: &str) -> Result<Vec<Self>, PhysicsError> {
+    pub fn parse(file: &str, text: &str) -> Result<&'static [Self], PhysicsError> {
         file::parse(file, text)
     }
 

@@ -24,7 +24,7 @@ fn one(place: &str, expression: &str) -> String {
 }
 
 fn parsed(text: &str) -> &'static [Hypothesis] {
-    Hypothesis::parse("own.toml", text).unwrap().leak()
+    Hypothesis::parse("own.toml", text).unwrap()
 }
 
 fn refusal(text: &str) -> String {
@@ -371,6 +371,12 @@ fn values_are_checked() {
     .to_vec()
     .leak();
     assert_eq!(refused(many, 0, 0, 0.0), "5 hypotheses: must be at most 4");
+}
+
+#[test]
+fn an_equal_text_is_kept_once() {
+    let text = one("drive", "a * T");
+    assert!(std::ptr::eq(parsed(&text), parsed(&text.clone())));
 }
 
 #[test]
