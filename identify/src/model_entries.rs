@@ -6,6 +6,7 @@ use toml::Spanned;
 use wiener::hysteresis::LoopFamily;
 
 use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
+use crate::of_family::RELAY_TAILS;
 use crate::saved_model::LOOP_SHAPE;
 use crate::source::Source;
 use crate::wiener_model::AMBIENT_LEVEL;
@@ -113,17 +114,18 @@ impl Reading<'_> {
         }))
     }
 
-    /// Puts what the entries say into the model; returns its parameters, and those of the effects behind them.
+    /// Puts what the entries say into the model; returns its parameters, and those of the loop's family and of the effects
+    /// behind them.
     pub(crate) fn parameters(
         &self,
         entries: &[Spanned<ParameterTable>],
         trained: &[&str],
         model: &mut RigModel,
-        of_effects: Vec<ParameterInfo>,
+        extra: Vec<ParameterInfo>,
     ) -> Result<Vec<FittedParameter>, IdentifyError> {
         let mut infos = model.parameters().to_vec();
         let n_plain = infos.len();
-        infos.extend(of_effects);
+        infos.extend(extra);
         for entry in entries {
             self.parameter(entry, &mut infos, n_plain, trained)?;
         }
@@ -230,7 +232,7 @@ impl Reading<'_> {
             });
             let entry = found.next();
             // Files of earlier versions do not have it.
-            if let (None, AMBIENT_LEVEL) = (entry, info.name) {
+            if let (None, AMBIENT_LEVEL | RELAY_TAILS) = (entry, info.name) {
                 fitted.values.push(0.0);
                 fitted.intervals.push(None);
                 continue;

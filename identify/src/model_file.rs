@@ -14,6 +14,7 @@ use crate::source::{Source, read};
 use crate::{
     Enters, FittedParameter, IdentifyError, LoopModel, ParameterCovariance, ParameterInfo,
     ParameterState, RigModel, Rod, SadeghiModel, SavedEffects, Scope, WienerModel,
+    parameters_of_family,
 };
 
 /// Says which parameters an effect has, or what would be accepted in its place.
@@ -274,9 +275,10 @@ impl SavedModel {
             }),
             _ => Err("only a model = \"wiener\" may have effects".to_owned()),
         };
-        let of_effects = reading.parameters_of_effects(&parsed.effects, &parameters_of)?;
         let loop_family = reading.loop_family(parsed.loop_family.as_ref(), &parameters_of)?;
-        let parameters = reading.parameters(&parsed.parameter, &trained, &mut model, of_effects)?;
+        let mut extra = parameters_of_family(loop_family);
+        extra.extend(reading.parameters_of_effects(&parsed.effects, &parameters_of)?);
+        let parameters = reading.parameters(&parsed.parameter, &trained, &mut model, extra)?;
         Ok(Self {
             effects: reading.effects(parsed.effects, loop_family, &parsed.integration)?,
             covariance: reading.covariance(parsed.covariance)?,

@@ -112,6 +112,7 @@ impl<const L: usize> Plants<L> {
         let baseline = Wiener::new(setting.drive, setting.rule, params)?;
         let asymmetry = values.map(|lane| lane.loop_asymmetry.loop_asymmetry);
         let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
+        let tails = values.map(|lane| lane.relay_tails);
         let proximity = SineProximity::new(params.map(|lane| lane.zeta))?;
         // Relays remember all reversals: that they do is what they are.
         let rule = match setting.loop_family {
@@ -129,7 +130,8 @@ impl<const L: usize> Plants<L> {
                     Rule::Nested => Rule::LastReversal,
                 },
             )
-            .of_family(setting.loop_family),
+            .of_family(setting.loop_family)
+            .with_tails(tails)?,
         };
         let own = Own::new(setting.hypotheses, values);
         let effects = Effects::new(values, &base);
@@ -137,7 +139,9 @@ impl<const L: usize> Plants<L> {
         Ok(Self {
             drive: setting.drive,
             heat: ZoneHeat::new(heat)?,
-            hysteresis: Hysteresis::new(limits, proximity, rule).of_family(setting.loop_family),
+            hysteresis: Hysteresis::new(limits, proximity, rule)
+                .of_family(setting.loop_family)
+                .with_tails(tails)?,
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),
             offset: params.map(|lane| lane.offset),

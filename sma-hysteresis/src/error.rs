@@ -42,6 +42,12 @@ pub enum HysteresisError {
         /// Rejected value.
         value: f64,
     },
+    /// Tails of a loop of relays outside their range.
+    #[error("tails = {value}: must be from 0 to 4")]
+    Tails {
+        /// Rejected value.
+        value: f64,
+    },
     /// A start temperature is infinite or NaN.
     #[error("start temperature = {value} °C: must be finite")]
     StartTemperature {

@@ -20,6 +20,7 @@ pub enum LoopFamily {
     ///
     /// ```text
     /// deviations 1.5 h_0 about T_mid ± T_c,   odds ratio e^(5 ζ): the larger ζ, the more alike the relays' widths
+    /// in deviations, x counts as x/(1 + (τ x)²)^¼,   τ: the tails, 0 for the normal distribution
     /// heating from T_r: Δξ ∝ P(T_r < A ≤ T, B ≥ T_r),   cooling: Δξ ∝ P(A ≤ T_r, T ≤ B < T_r)
     /// ```
     ///
@@ -77,6 +78,8 @@ const LOG_SKEW: f64 = 6.0;
 const LOOSE: f64 = 1e-3;
 /// Share of the material that is as good as none.
 const NOTHING: f64 = 1e-13;
+/// Largest τ: beyond, a tenth of the relays lies outside of ten deviations.
+pub(crate) const HEAVIEST_TAILS: f64 = 4.0;
 /// What a branch may be stretched by, and its rounding with it. Back to a start between the limiting curves it must lead
 /// farther than relays do.
 const STRETCH: f64 = 1e8;
@@ -126,6 +129,14 @@ impl<const L: usize> Curves<L> {
             LoopFamily::Proximity => None,
             LoopFamily::Relays => Some(Self::Relays(Relays::new(limits, zeta))),
             LoopFamily::Kinetics => Some(Self::Kinetics(Kinetics::new(limits, zeta))),
+        }
+    }
+
+    /// The same with tails τ, which of these families relays have.
+    pub(crate) fn with_tails(self, tails: [f64; L]) -> Self {
+        match self {
+            Self::Relays(relays) => Self::Relays(Relays { tails, ..relays }),
+            Self::Kinetics(_) => self,
         }
     }
 
@@ -276,6 +287,8 @@ fn of<const L: usize>(both: &[[f64; L]; 2], sign: f64, lane: usize) -> f64 {
 pub(crate) struct Relays<const L: usize> {
     /// Odds ratio θ.
     odds: [f64; L],
+    /// τ.
+    tails: [f64; L],
     /// Where half of them have switched, K, and 1/deviation, 1/K, on heating and on cooling.
     middle_k: [[f64; L]; 2],
     per_k: [[f64; L]; 2],
@@ -292,6 +305,7 @@ impl<const L: usize> Relays<L> {
         };
         Self {
             odds: zeta.map(|zeta| libm::exp(LOG_ODDS * zeta)),
+            tails: [0.0; L],
             middle_k: [lanes(1.0, &middle_k), lanes(-1.0, &middle_k)],
             per_k: [lanes(1.0, &per_k), lanes(-1.0, &per_k)],
         }
@@ -324,19 +338,37 @@ impl<const L: usize> Relays<L> {
 
     /// Share of the relays that have switched at T̂ on the branch of a direction, and its slope, 1/K.
     ///
-    /// The normal distribution, to 2·10⁻⁴, as a logistic one of a cubic.
+    /// The normal distribution, to 2·10⁻⁴, as a logistic one of a cubic, of what the tails leave of the distance.
     #[inline(always)]
     fn switched(&self, lane: usize, sign: f64, at_k: f64) -> Way {
         const LINEAR: f64 = 1.5976;
         const CUBIC: f64 = 0.070_56;
         /// Beyond, all are on one side.
         const FAR: f64 = 8.0;
+        /// Where the heaviest tails leave twice that of the distance.
+        const FAR_WITH_TAILS: f64 = 1e3;
         let per_k = of(&self.per_k, sign, lane);
         let x = (at_k - of(&self.middle_k, sign, lane)) * per_k;
+        let x = if x > FAR_WITH_TAILS {
+            FAR_WITH_TAILS
+        } else {
+            x
+        };
+        let x = if x < -FAR_WITH_TAILS {
+            -FAR_WITH_TAILS
+        } else {
+            x
+        };
+        let tails = self.tails[lane];
+        let square = tails * tails * x * x;
+        let nearer = 1.0 / sqrt(sqrt(1.0 + square));
+        let nearer_slope = nearer * (1.0 - 0.5 * square / (1.0 + square));
+        let x = x * nearer;
         let x = if x > FAR { FAR } else { x };
         let x = if x < -FAR { -FAR } else { x };
         let share = 1.0 / (2.0 + expm1(-x * (LINEAR + CUBIC * x * x)));
-        let density = share * (1.0 - share) * (LINEAR + 3.0 * CUBIC * x * x) * per_k;
+        let steepness = (LINEAR + 3.0 * CUBIC * x * x) * nearer_slope;
+        let density = share * (1.0 - share) * steepness * per_k;
         (share, density)
     }
 }

@@ -1,4 +1,4 @@
-use crate::family::Curves;
+use crate::family::{Curves, HEAVIEST_TAILS};
 use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::memory::{Memory, Rule, Rules};
 use crate::path::Reversal;
@@ -43,6 +43,21 @@ impl<const L: usize> Hysteresis<L> {
     pub fn of_family(mut self, family: LoopFamily) -> Self {
         self.curves = Curves::new(family, &self.limits, self.proximity.zeta());
         self
+    }
+
+    /// The same loop of relays with tails τ of their distribution, 0 (normal) to 4, see [`LoopFamily::Relays`]. Loops of other
+    /// families have none and stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`HysteresisError::Tails`] for what lies outside.
+    pub fn with_tails(mut self, tails: [f64; L]) -> Result<Self, HysteresisError> {
+        let is_possible = |value: &f64| (0.0..=HEAVIEST_TAILS).contains(value);
+        if let Some(value) = tails.into_iter().find(|value| !is_possible(value)) {
+            return Err(HysteresisError::Tails { value });
+        }
+        self.curves = self.curves.map(|curves| curves.with_tails(tails));
+        Ok(self)
     }
 }
 

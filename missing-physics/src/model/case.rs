@@ -318,10 +318,9 @@ impl<'a> Case<'a> {
         to: &ExtendedModel,
         value: impl Fn(Candidate, usize) -> Option<f64>,
     ) -> Vec<f64> {
-        let n_base = self.base.parameters().len();
         let vector = ParameterVector::new(to.parameters(), self.training.len());
         vector.coordinates(|parameter, r| {
-            if parameter < n_base {
+            if parameter < to.n_plain() {
                 return Some(node.points[r][parameter]);
             }
             let (effect, index) = to.slot(parameter)?;

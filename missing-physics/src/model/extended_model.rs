@@ -2,7 +2,7 @@
 
 use identify::{
     Bounds, Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scale, Scope,
-    WienerModel, in_warmer_surroundings,
+    WienerModel, in_warmer_surroundings, parameters_of_family,
 };
 use recording::Recording;
 use wiener::Block;
@@ -16,8 +16,8 @@ const GAIN_FACTOR: f64 = 4.0;
 
 /// A rig's baseline and the effects that may have a size.
 ///
-/// Parameters: those of the baseline, in their order, then those of each effect in the order of the
-/// catalogue. The gain is searched: effects behind it are in the unit of the output, so that it cannot be
+/// Parameters: those of the baseline, in their order, then what the loop's family has beside them, then those of each
+/// effect in the order of the catalogue. The gain is searched: effects behind it are in the unit of the output, so that it cannot be
 /// solved for. Offsets still are.
 #[derive(Debug, Clone)]
 pub struct ExtendedModel {
@@ -55,6 +55,7 @@ impl ExtendedModel {
             },
             ..parameters[gain].clone()
         };
+        parameters.extend(parameters_of_family(setting.loop_family));
         let mut slots = Vec::new();
         for effect in active.iter() {
             for (k, parameter) in effect.info().parameters.iter().enumerate() {
@@ -115,18 +116,24 @@ impl ExtendedModel {
             .slots
             .iter()
             .position(|&(active, _)| active == effect)?;
-        Some(self.parameters.len() - self.slots.len() + slot)
+        Some(self.n_plain() + slot)
     }
 
     /// The effect and the number of its parameter that a parameter of this model is; `None` for the baseline's.
     pub(crate) fn slot(&self, parameter: usize) -> Option<(Candidate, usize)> {
-        let n_base = self.parameters.len() - self.slots.len();
-        self.slots.get(parameter.checked_sub(n_base)?).copied()
+        self.slots
+            .get(parameter.checked_sub(self.n_plain())?)
+            .copied()
+    }
+
+    /// Number of the parameters before those of the effects.
+    pub(crate) fn n_plain(&self) -> usize {
+        self.parameters.len() - self.slots.len()
     }
 
     fn member(&self, point: &[f64], first_ambient_degc: f64, level_k: f64) -> Member {
-        let (base, extra) = point.split_at(point.len() - self.slots.len());
-        let mut effects = EffectValues::default();
+        let (base, extra) = point.split_at(self.n_plain());
+        let mut effects = of_family(self.loop_family(), base);
         for (own, hypothesis) in effects.own.iter_mut().zip(self.setting.hypotheses) {
             *own = hypothesis.values(0.0);
         }
@@ -147,6 +154,18 @@ impl ExtendedModel {
             start: self.base.start(base, first_ambient_degc),
             effects,
         }
+    }
+}
+
+/// No effects, and what the loop's family has of the last of the parameters before theirs.
+pub(crate) fn of_family(family: LoopFamily, plain: &[f64]) -> EffectValues {
+    let relay_tails = match (family, plain.last()) {
+        (LoopFamily::Relays, Some(&tails)) => tails,
+        _ => 0.0,
+    };
+    EffectValues {
+        relay_tails,
+        ..EffectValues::default()
     }
 }
 

@@ -10,10 +10,10 @@ use recording::{Quantity, Recording};
 use wiener::{Block, Start};
 
 use crate::model::elsewhere::{drifts_dropped, is_drift};
-use crate::model::extended_model::scope_of;
+use crate::model::extended_model::{of_family, scope_of};
 use crate::{
-    EffectId, EffectSet, EffectValues, Extended, ExtendedPlant, ExtendedStage, Member, Need,
-    PhysicsError, Setting, setting_of_rod,
+    EffectId, EffectSet, Extended, ExtendedPlant, ExtendedStage, Member, Need, PhysicsError,
+    Setting, setting_of_rod,
 };
 
 /// The effects of a chosen model as its file has them; `setting` is that of the diagnosis.
@@ -182,8 +182,9 @@ impl<'a> RestoredModel<'a> {
     #[must_use]
     pub fn member(&self, point: &[f64], start: Start) -> Option<Member> {
         let point = self.without_drifts(point);
-        let mut effects = EffectValues::default();
-        for (&(effect, index), &value) in self.slots.iter().zip(&point[self.n_plain()..]) {
+        let (plain, extra) = point.split_at(self.n_plain());
+        let mut effects = of_family(self.fleet.setting.loop_family, plain);
+        for (&(effect, index), &value) in self.slots.iter().zip(extra) {
             if let Some(slot) = effects.slot(effect, index) {
                 *slot = value;
             }

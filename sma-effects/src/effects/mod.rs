@@ -95,6 +95,9 @@ macro_rules! effects {
                 #[doc = concat!("Values of [`EffectId::", stringify!($name), "`].")]
                 pub $module: $name,
             )+
+            /// Tails of the relays of a loop, 0 to 4; loops of other families have none. See
+            /// [`Hysteresis::with_tails`](wiener::hysteresis::Hysteresis::with_tails).
+            pub relay_tails: f64,
             /// Values of the setting's own hypotheses, by hypothesis and parameter; see
             /// [`Hypothesis::values`](crate::Hypothesis::values).
             pub own: [[f64; MOST_PARAMETERS]; MOST_HYPOTHESES],

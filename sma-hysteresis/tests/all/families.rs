@@ -15,6 +15,16 @@ fn any_family() -> impl Strategy<Value = LoopFamily> {
     prop_oneof![Just(LoopFamily::Relays), Just(LoopFamily::Kinetics)]
 }
 
+/// A family and the tails of its relays.
+fn any_kind() -> impl Strategy<Value = (LoopFamily, f64)> {
+    (any_family(), prop_oneof![Just(0.0), 0.0..2.0])
+}
+
+fn of_kind(kind: (LoopFamily, f64), shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
+    let (family, tails) = kind;
+    of_family(family, shape, rule).with_tails([tails]).unwrap()
+}
+
 fn of_family(family: LoopFamily, shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
     let (width, spread, zeta) = shape;
     material(width, spread, zeta, rule).of_family(family)
@@ -23,10 +33,10 @@ fn of_family(family: LoopFamily, shape: (f64, f64, f64), rule: Rule) -> Hysteres
 proptest! {
     #[test]
     fn branches_are_monotone_continuous_and_within_0_and_1(
-        family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(),
+        kind in any_kind(), shape in any_shape(), rule in any_rule(), path in any_path(),
         share in prop_oneof![Just(0.0), 0.0..1.0],
     ) {
-        let material = of_family(family, shape, rule);
+        let material = of_kind(kind, shape, rule);
         // Only what is remembered whole, from a limiting curve, leads no branch farther than relays do.
         let is_stretched = share > 0.0 || rule == Rule::LastReversal;
         let rounding = if is_stretched { 1e-5 } else { ROUNDING };
@@ -51,10 +61,10 @@ proptest! {
 
     #[test]
     fn slope_is_the_derivative(
-        family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(),
+        kind in any_kind(), shape in any_shape(), rule in any_rule(), path in any_path(),
         ahead in 0.1..10.0,
     ) {
-        let material = of_family(family, shape, rule);
+        let material = of_kind(kind, shape, rule);
         let mut memory = material.on_limiting_curve(Branch::Cooling, [path[0]]);
         walk(&material, &mut memory, &path);
         let last = path[path.len() - 1];
@@ -99,10 +109,10 @@ proptest! {
 
     #[test]
     fn loops_of_relays_close(
-        shape in any_shape(), path in any_path(), top in 50.0..60.0,
+        shape in any_shape(), tails in 0.0..2.0, path in any_path(), top in 50.0..60.0,
         inner in prop::collection::vec(0.0..1.0, 1..40),
     ) {
-        let material = of_family(LoopFamily::Relays, shape, Rule::Nested);
+        let material = of_kind((LoopFamily::Relays, tails), shape, Rule::Nested);
         let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
         walk(&material, &mut memory, &path);
         let left = walk(&material, &mut memory, &[top]);
@@ -184,6 +194,32 @@ fn relays_that_know_nothing_of_one_another_have_normal_curves() {
             "{k}: {fraction}"
         );
     }
+}
+
+/// The limiting curve of heating by the formula of its tails, and refusals.
+#[test]
+fn relays_with_tails() {
+    let (width, spread, tails) = (30.0, 2.0, 1.5);
+    let normal = of_family(LoopFamily::Relays, (width, spread, 0.5), Rule::Nested);
+    let tailed = normal.with_tails([tails]).unwrap();
+    for x in [-6.0_f64, -2.0, -0.5, 0.0, 0.3, 1.0, 4.0] {
+        let counted = x / (1.0 + (tails * x).powi(2)).powf(0.25);
+        let shares = [(&tailed, x), (&normal, counted)].map(|(material, x)| {
+            let mut memory = material.on_limiting_curve(Branch::Cooling, [-1e5]);
+            walk(material, &mut memory, &[width + 1.5 * spread * x])
+        });
+        assert!((shares[0] - shares[1]).abs() < 1e-12, "{x}: {shares:?}");
+    }
+    for value in [-0.1, 4.1, f64::NAN] {
+        let refused = normal.with_tails([value]).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            format!("tails = {value}: must be from 0 to 4")
+        );
+    }
+    // The paper's loop has none.
+    let paper = material(width, spread, 0.5, Rule::Nested);
+    assert_eq!(paper.with_tails([1.0]).unwrap(), paper);
 }
 
 /// Relays that are all alike, ζ = 1: nearly a single play with a normal curve behind it.
