@@ -133,11 +133,14 @@ fn from_baseline(
     let population = completing.completed(&mut coarse_searches)?;
     // A loop of another family bends what is found of the rest: it comes before more effects do.
     let goes_on = may_be_the_loop(&population);
-    let fits = if goes_on && catalogue_set.contains(Candidate::other_loop()) {
-        families::fits(&case, config.seed)?
-    } else {
-        Vec::new()
-    };
+    let names = leading(&population).names;
+    let mut fits = Vec::new();
+    if (goes_on || !names.is_empty()) && catalogue_set.contains(Candidate::other_loop()) {
+        fits = families::fits(&case, config.seed)?;
+    }
+    if !goes_on {
+        families::retain_rivals(&mut fits, coarse_searches[0].get(names));
+    }
     let cases = families::cases(&case, &fits);
     for case in &cases {
         coarse_searches.push(begun(case, catalogue_set.without(Candidate::other_loop()))?);
@@ -185,7 +188,13 @@ fn from_baseline(
         let before = unseen::unseen(base, &plain.point(0), unseen)?;
         let own = explained([&before, &after], decided.explained, ceiling, config.seed);
         shares = Some(own);
-        decided = held_to(decided, &mut search, extended, (own, &after), unseen)?;
+        decided = held_to(
+            decided,
+            &mut search,
+            extended,
+            (own, [&before, &after]),
+            unseen,
+        )?;
     }
     let explained = shares;
     caller.tell(DiagnoseProgress::Locate)?;

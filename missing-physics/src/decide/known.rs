@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::decide::rules::RuleId;
+use crate::decide::trace::Traces;
 use crate::{Candidate, CandidateSet};
 
 /// What is known beside the population.
@@ -27,6 +29,21 @@ pub(crate) struct Known {
 }
 
 impl Known {
+    /// Asks whether a mean square that is predicted is more than rounding, and than any formula is exact to.
+    pub(crate) fn is_material(
+        &self,
+        traces: &mut Traces,
+        of: &str,
+        predicted: f64,
+        n_outputs: usize,
+    ) -> bool {
+        let is_no_rounding =
+            self.rounding == 0.0 || traces.ask(RuleId::Rounding, of, predicted / self.rounding);
+        let variance = self.output_squares / n_outputs as f64;
+        let share = (predicted.max(0.0) / variance).sqrt();
+        traces.ask(RuleId::Matters, of, share) && is_no_rounding
+    }
+
     /// Number of names that were tried beside some.
     pub(crate) fn tried_beside(&self, names: CandidateSet) -> usize {
         let is_new = |one: &Candidate| !names.contains(*one) && !self.untried.contains(*one);

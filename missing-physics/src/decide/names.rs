@@ -97,9 +97,8 @@ pub(crate) fn names(
         let is_own = traces.ask(RuleId::Own, id, p_value);
         let lost = less.evidence.squares()[0] - leading.evidence.squares()[0];
         let lost = lost / leading.evidence.n_outputs as f64;
-        let is_large =
-            known.rounding == 0.0 || traces.ask(RuleId::Rounding, id, lost / known.rounding);
-        sorted[usize::from(!(is_covered && is_own && is_large))].push(named);
+        let is_material = known.is_material(traces, id, lost, leading.evidence.n_outputs);
+        sorted[usize::from(!(is_covered && is_own && is_material))].push(named);
     }
     sorted
 }

@@ -19,6 +19,8 @@ pub enum RuleId {
     Remainder,
     /// The error is larger than rounding.
     Rounding,
+    /// It is more than the formulas themselves are exact to.
+    Matters,
     /// The size of what is left follows the drive.
     Disturbed,
     /// What is left has a tone.
@@ -84,7 +86,7 @@ impl Rule {
 }
 
 /// All rules, in the order in which they are asked.
-pub const RULES: [Rule; 13] = [
+pub const RULES: [Rule; 14] = [
     Rule {
         id: RuleId::Describes,
         name: "describes",
@@ -156,6 +158,15 @@ pub const RULES: [Rule; 13] = [
         threshold: 1.0,
         basis: Basis::Derivation,
         reason: "rounding is a function of the output, and so of the drive, as physics is",
+    },
+    Rule {
+        id: RuleId::Matters,
+        name: "matters",
+        statistic: "root mean square that is predicted, over the standard deviation of the output",
+        comparison: Comparison::AtLeast,
+        threshold: 0.001,
+        basis: Basis::Chosen,
+        reason: "no formula of a loop, and hardly a sensor, is exact to a thousandth of what it shows",
     },
     Rule {
         id: RuleId::Disturbed,

@@ -217,6 +217,16 @@ fn what_is_smaller_than_rounding_has_no_name() {
 }
 
 #[test]
+fn what_is_less_than_any_formula_is_exact_to_has_no_name() {
+    let population = with_lag(1.0, 0.0);
+    let squares = |names: usize| population.models[names].evidence.squares()[0];
+    let found = around(&population, RuleId::Matters, |known, share| {
+        known.output_squares = (squares(0) - squares(1)) / share.powi(2);
+    });
+    assert_eq!(found, [Verdict::Adequate, Verdict::Explained]);
+}
+
+#[test]
 fn what_follows_the_state_or_has_a_tone_is_no_noise() {
     let disturbed = around(&nothing(), RuleId::Disturbed, |known, share| {
         known.disturbed = share

@@ -84,7 +84,7 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     }
 }
 
-/// Whether what a suspect adds goes with the recordings, and is no rounding.
+/// Whether what a suspect adds goes with the recordings, and matters.
 fn is_found(traces: &Traces, suspect: &Named) -> bool {
     let is_about = |id: RuleId, passed: bool| {
         let mut own = traces.0.iter();
@@ -92,7 +92,8 @@ fn is_found(traces: &Traces, suspect: &Named) -> bool {
             trace.rule.id == id && trace.of == suspect.effect.id() && trace.passed == passed
         })
     };
-    is_about(RuleId::Own, true) && !is_about(RuleId::Rounding, false)
+    let is_immaterial = is_about(RuleId::Rounding, false) || is_about(RuleId::Matters, false);
+    is_about(RuleId::Own, true) && !is_immaterial
 }
 
 /// Share of the output's variance that is predicted on blocks which were left out, by the model or with the curve.
@@ -140,9 +141,8 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
     };
     let is_large = traces.ask(RuleId::Form, "", share);
     let gained = (left[0] - with[0]) / model.evidence.n_outputs as f64;
-    let is_no_rounding =
-        known.rounding == 0.0 || traces.ask(RuleId::Rounding, "", gained / known.rounding);
-    is_needed && is_predicted && is_large && is_no_rounding
+    let is_material = known.is_material(traces, "", gained, model.evidence.n_outputs);
+    is_needed && is_predicted && is_large && is_material
 }
 
 /// Whether what is left is no noise of a sensor, though nothing predicts it.

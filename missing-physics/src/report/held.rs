@@ -15,7 +15,7 @@ use crate::{CandidateSet, LoopFamily};
 /// Standard deviations up to which an error may be the parameters' uncertainty.
 const TWICE: f64 = 2.0;
 
-/// Error on unseen recordings over that on the training's up to which a model does there as well.
+/// Error on unseen recordings up to which a model does as well there, over that on the training's, and over the plain model's.
 const AS_NEAR: f64 = 1.2;
 
 /// Standard error of the share of a change that comes true, from which it says nothing.
@@ -46,7 +46,7 @@ pub(crate) fn held_to(
     mut decided: Decided,
     search: &mut Search<'_>,
     extended: &ExtendedStage,
-    (shares, with): (Explained, &Unseen),
+    (shares, [before, with]): (Explained, [&Unseen; 2]),
     unseen: &[Recording],
 ) -> Result<Decided, IdentifyError> {
     if unseen.is_empty() || decided.named.is_empty() {
@@ -81,8 +81,8 @@ pub(crate) fn held_to(
     decided.named = named;
     decided.suspects.extend(fallen);
     let share = shares.validate.unwrap_or(1.0);
-    let is_explained =
-        decided.traces.ask(RuleId::UnseenShare, "", share) || is_as_near(extended, unseen)?;
+    let is_explained = decided.traces.ask(RuleId::UnseenShare, "", share)
+        || with.squares() < AS_NEAR.powi(2) * before.squares() && is_as_near(extended, unseen)?;
     if decided.named.is_empty() {
         // They made these recordings worse: what is left to say is what the plain model leaves.
         decided.verdict = decided.nameless;

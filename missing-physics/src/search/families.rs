@@ -6,7 +6,7 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit
 
 use crate::decide::leading;
 use crate::evidence::Population;
-use crate::model::case::Case;
+use crate::model::case::{Case, Node};
 use crate::noise::floor::Measured;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, EffectBlock, LoopFamily};
@@ -46,6 +46,13 @@ pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>,
     let most = (NEARLY * nearest).min(case.fit.train_rmse);
     fits.retain(|(_, fit)| fit.train_rmse < most);
     Ok(fits)
+}
+
+/// Those alone that come about as near with nothing missing as a model of the paper's loop does with what it names: what
+/// another loop shows by itself is a rival of every name, since each is but a formula.
+pub(crate) fn retain_rivals(fits: &mut Vec<(LoopFamily, Fit)>, named: Option<&Node>) {
+    let most = named.map_or(0.0, |node| IN_VAIN * node.mean_square());
+    fits.retain(|(_, fit)| fit.train_rmse.powi(2) <= most);
 }
 
 /// The rig with each of these loops.
