@@ -7,6 +7,7 @@ mod difference;
 mod draws;
 mod ended;
 mod error;
+mod expected;
 mod factor;
 mod fit;
 mod fitted;
@@ -51,7 +52,9 @@ pub use loop_model::LoopModel;
 pub use model_file::{KnownEffects, NamedEffect};
 pub use of_family::parameters_of_family;
 pub use of_rig::OfRig;
-pub use parameter::{Bounds, Enters, ParameterInfo, ParameterState, ParameterVector, Scale, Scope};
+pub use parameter::{
+    Bounds, Enters, Ordinary, ParameterInfo, ParameterState, ParameterVector, Scale, Scope,
+};
 pub use predict::{Prediction, predict};
 pub use refine::{RefineConfig, Refined, refine};
 pub use residual_noise::ResidualNoise;

@@ -76,6 +76,17 @@ pub struct ParameterInfo {
     pub enters: Enters,
     /// Free or fixed.
     pub state: ParameterState,
+    /// What is to be expected of it before a recording is looked at, if anything is.
+    pub ordinary: Option<Ordinary>,
+}
+
+/// What is to be expected of a parameter on a linear scale before a recording is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ordinary {
+    /// Standard deviation about 0, in the parameter's unit; > 0.
+    pub deviation: f64,
+    /// Whether it deviates from the parameter before it instead: the next knot of a curve.
+    pub from_previous: bool,
 }
 
 impl ParameterInfo {
@@ -100,6 +111,7 @@ impl ParameterInfo {
             scope: Scope::Shared,
             enters: Enters::Nonlinear,
             state: ParameterState::Free,
+            ordinary: None,
         }
     }
 

@@ -1,7 +1,9 @@
 use std::borrow::Cow;
 
+use pso::Bound;
 use recording::Recording;
 
+use crate::expected::Expecting;
 use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
 use crate::moments::Solved;
 use crate::problem::Problem;
@@ -35,6 +37,9 @@ pub struct RefineConfig {
     pub weights: Option<Vec<Vec<f64>>>,
     /// Weight of recorded temperatures against the output, (output unit/K)²; 0 leaves them out.
     pub temperature_weight: f64,
+    /// Variance of the error of one sample of the output, in the square of its unit, against which counts what is to be
+    /// expected of parameters ([`ParameterInfo::ordinary`](crate::ParameterInfo::ordinary)); 0 leaves that out.
+    pub error_variance: f64,
     /// Iterations after which only the two lowest of several starts go on; 0 takes each to its end.
     pub race_iterations: usize,
 }
@@ -82,10 +87,11 @@ pub fn refine(
             expected: problem.vector().len(),
         });
     }
-    let starts = raced(&problem, starts, config)?;
+    let expecting = Expecting::new(&problem, config.error_variance);
+    let starts = raced(&expecting, problem.bounds(), starts, config)?;
     let mut best: Option<(Minimum, Solved, f64)> = None;
     for start in starts.iter() {
-        let end = minimize(&problem, problem.bounds(), start, &config.least_squares)?;
+        let end = minimize(&expecting, problem.bounds(), start, &config.least_squares)?;
         if !end.sum_of_squares.is_finite() {
             continue;
         }
@@ -118,7 +124,8 @@ pub fn refine(
 
 /// The starts that are worth their way: where the lowest stand after a few iterations.
 fn raced<'a>(
-    problem: &Problem<'_>,
+    problem: &Expecting<'_, '_>,
+    bounds: &[Bound],
     starts: &'a [Vec<f64>],
     config: &RefineConfig,
 ) -> Result<Cow<'a, [Vec<f64>]>, IdentifyError> {
@@ -131,7 +138,7 @@ fn raced<'a>(
     };
     let mut ends = starts
         .iter()
-        .map(|start| minimize(problem, problem.bounds(), start, &short))
+        .map(|start| minimize(problem, bounds, start, &short))
         .collect::<Result<Vec<Minimum>, IdentifyError>>()?;
     ends.sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
     ends.truncate(FOLLOWED);

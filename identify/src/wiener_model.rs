@@ -10,7 +10,8 @@ use crate::specific_heat::SpecificHeat;
 use crate::surroundings::in_warmer_surroundings;
 use crate::validate::samples_at_rest;
 use crate::{
-    Bounds, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale, Scope,
+    Bounds, Fit, ForwardModel, IdentifyError, Ordinary, ParameterInfo, ParameterState, Rod, Scale,
+    Scope,
 };
 
 /// Steady rise at the largest drive that is assumed where nothing fixes the scale of temperature, K.
@@ -384,6 +385,8 @@ pub(crate) fn start_share() -> ParameterInfo {
 fn level() -> ParameterInfo {
     /// Rooms differ by a few kelvins from day to day.
     const MOST_K: f64 = 10.0;
+    /// As they ordinarily do.
+    const ORDINARY_K: f64 = 2.0;
     let bounds = Bounds {
         lower: -MOST_K,
         upper: MOST_K,
@@ -391,6 +394,10 @@ fn level() -> ParameterInfo {
     ParameterInfo {
         scope: Scope::PerRecording,
         state: ParameterState::Fixed(0.0),
+        ordinary: Some(Ordinary {
+            deviation: ORDINARY_K,
+            from_previous: false,
+        }),
         ..ParameterInfo::searched(AMBIENT_LEVEL, "K", Scale::Linear, bounds)
     }
 }

@@ -245,6 +245,7 @@ impl<'a> Case<'a> {
             },
             race_iterations: RACE,
             weights: None,
+            error_variance: 0.0,
             temperature_weight: if temperature.variance > 0.0 {
                 per_k.powi(2) * output.variance / temperature.variance
             } else {

@@ -1,8 +1,8 @@
 //! The Wiener model with some of the catalogue's effects, as a model to be fitted.
 
 use identify::{
-    Bounds, Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scale, Scope,
-    WienerModel, in_warmer_surroundings, parameters_of_family,
+    Bounds, Enters, Fit, ForwardModel, IdentifyError, Ordinary, ParameterInfo, ParameterState,
+    Scale, Scope, WienerModel, in_warmer_surroundings, parameters_of_family,
 };
 use recording::Recording;
 use wiener::Block;
@@ -63,9 +63,15 @@ impl ExtendedModel {
                 let bounds = Bounds { lower, upper };
                 let is_told = !parameter.needs_thermometer || fit.temperature_rmse_k.is_some();
                 let scope = scope_of(effect);
+                // A drift is a curve through its knots.
+                let ordinary = (scope == Scope::PerRecording).then_some(Ordinary {
+                    deviation: parameter.typical.abs(),
+                    from_previous: k > 0,
+                });
                 parameters.push(ParameterInfo {
                     admissible: bounds,
                     scope,
+                    ordinary,
                     state: if is_told {
                         ParameterState::Free
                     } else {

@@ -9,14 +9,21 @@ use identify::{
 };
 use recording::Recording;
 
-/// Stretches of a recording.
-const STRETCHES: usize = 60;
+/// Stretches of a recording: so many that of each passage through the transformation, where alone the output tells of the
+/// surroundings, some are fitted and some count.
+const STRETCHES: usize = 240;
+/// Samples of a stretch, at least.
+const SHORTEST: usize = 4;
 
 /// Iterations of a fit of what belongs to a recording.
 const ITERATIONS: usize = 12;
 
 /// Iterations after which only the lowest of several starts go on.
 const RACE: usize = 4;
+
+/// Error of a model, as a share of what the output varies by, against which what is to be expected of a recording's own parameters
+/// counts: about what a good model leaves. It matters where no fitted stretch tells anything of them.
+const ORDINARY_ERROR: f64 = 0.01;
 
 /// Surroundings over what was written down from which such a fit starts, K.
 const LEVELS_K: [f64; 3] = [0.0, -2.0, 2.0];
@@ -111,10 +118,13 @@ fn of_recording(
         }
     }
     let n = recording.len();
-    let length = n.div_ceil(STRETCHES).max(1);
+    let length = n.div_ceil(STRETCHES).max(SHORTEST).min(n);
     let mut stretches = vec![(0.0, 0.0); n.div_ceil(length)];
     let mut residual = vec![0.0; n];
     let own = std::slice::from_ref(recording);
+    let mean = recording.output().iter().sum::<f64>() / n as f64;
+    let squares = recording.output().iter().map(|y| (y - mean).powi(2));
+    let error_variance = ORDINARY_ERROR.powi(2) * squares.sum::<f64>() / n as f64;
     let fitted = |weigh: &dyn Fn(usize) -> bool| {
         let weights = (0..n).map(|k| f64::from(u8::from(weigh(k))));
         let config = RefineConfig {
@@ -123,6 +133,7 @@ fn of_recording(
                 relative_offset: 1e-3,
             },
             weights: Some(vec![weights.collect()]),
+            error_variance,
             race_iterations: RACE,
             ..RefineConfig::default()
         };
