@@ -208,7 +208,8 @@ fn from_baseline(
         findings
     };
     let (findings, suspects) = (written(&decided.named), written(&decided.suspects));
-    let catalogue = catalogue(&mut search, &decided, effects, config.seed)?;
+    let matters = known.least_that_matters(case.layout.n_outputs());
+    let catalogue = catalogue(&mut search, &decided, effects, matters, config.seed)?;
     if !decided.named.is_empty() {
         mismatch.blocks = blocks_of(&decided.named);
         mismatch.block = mismatch.blocks.first().copied();

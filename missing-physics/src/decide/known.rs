@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::decide::rules::RuleId;
+use crate::decide::rules::{RuleId, rule};
 use crate::decide::trace::Traces;
 use crate::{Candidate, CandidateSet};
 
@@ -29,6 +29,11 @@ pub(crate) struct Known {
 }
 
 impl Known {
+    /// Root mean square from which on it matters what an effect shows, in the output's unit.
+    pub(crate) fn least_that_matters(&self, n_outputs: usize) -> f64 {
+        rule(RuleId::Matters).threshold * (self.output_squares / n_outputs as f64).sqrt()
+    }
+
     /// Asks whether a mean square that is predicted is more than rounding, and than any formula is exact to.
     pub(crate) fn is_material(
         &self,

@@ -1,5 +1,6 @@
 //! The model that is judged: the most credible one, without what may be only the error of another effect's formula.
 
+use crate::Candidate;
 use crate::decide::rules::{RuleId, rule};
 use crate::evidence::{Model, Population};
 use crate::model::elsewhere::is_drift;
@@ -8,8 +9,8 @@ use crate::model::elsewhere::is_drift;
 /// formulas are.
 ///
 /// Beside an effect with a form of its own even a small one is told if with it nothing predictable is left: what a formula
-/// leaves wrong a curve would find. Nor is there such an error where all other names are drifts: these are curves of time, which
-/// take what they can of any law, and not a law that is off.
+/// leaves wrong a curve would find. Nor is what does nearly all of a drift's work without it an error of the drift: that is a curve
+/// of time, which takes what it can of any law.
 pub(crate) fn leading(population: &Population) -> &Model {
     let mut model = population.best();
     let is_whole = model.is_whole();
@@ -18,9 +19,8 @@ pub(crate) fn leading(population: &Population) -> &Model {
             let less = population.without(model, name);
             let share = population.share(model.evidence.squares(), less.evidence.squares());
             let is_small = !rule(RuleId::Form).passes(share);
-            let mut others = model.names.without(name).iter();
-            let is_beside_drifts = model.names.len() > 1 && others.all(is_drift);
-            let is_told = is_whole && model.is_rigid() || is_beside_drifts && !is_drift(name);
+            let is_told =
+                is_whole && model.is_rigid() || does_without_a_drift(population, model, name);
             (is_small && !is_told).then_some((share, less))
         });
         match idle.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -28,4 +28,21 @@ pub(crate) fn leading(population: &Population) -> &Model {
             None => return model,
         }
     }
+}
+
+/// Share of what a drift and another effect explain together that may be lost without the drift if the other does its work.
+const NEARLY_ALL: f64 = 0.1;
+
+/// Whether an effect does nearly all that it and some drift of the model do together, when the drift is left out.
+fn does_without_a_drift(population: &Population, model: &Model, name: Candidate) -> bool {
+    let mut drifts = model.names.iter().filter(|&one| is_drift(one));
+    !is_drift(name)
+        && drifts.any(|drift| {
+            let without_drift = population.without(model, drift);
+            let without_both = population.without(without_drift, name);
+            let [all, alone, none] =
+                [model, without_drift, without_both].map(|one| one.evidence.squares());
+            let lost = population.share(all, alone);
+            without_drift.names.contains(name) && lost < NEARLY_ALL * population.share(all, none)
+        })
 }

@@ -1,7 +1,7 @@
 //! What may be called by name, and what else it could be.
 
 use crate::decide::known::Known;
-use crate::decide::rules::{RuleId, rule};
+use crate::decide::rules::RuleId;
 use crate::decide::trace::Traces;
 use crate::evidence::UNLISTED;
 use crate::evidence::{Model, Population, by_chance, centered, masses};
@@ -80,10 +80,9 @@ pub(crate) fn names(
     let mut sorted = [Vec::new(), Vec::new()];
     for effect in leading.names.iter() {
         let id = effect.id();
-        let less = population.without(leading, effect);
-        let equals = equals(population, leading, less, known, effect);
-        let (mut named, covered) = alternatives(leading, belief, known, effect, &equals);
+        let (mut named, covered) = alternatives(leading, belief, known, effect);
         let is_covered = traces.ask(RuleId::Set, id, covered);
+        let less = population.without(leading, effect);
         named.contribution = population.share(leading.evidence.squares(), less.evidence.squares());
         let added = known.segments.iter().map(|range| {
             let without = centered(&less.evidence.residual[range.clone()]);
@@ -104,52 +103,23 @@ pub(crate) fn names(
     sorted
 }
 
-/// Names that are as likely as this one whatever the density says: those in whose place all but the formula's own error is
-/// explained, too, and those that act like it in every rig and could not be tried, for want of what they need.
-fn equals(
-    population: &Population,
-    leading: &Model,
-    less: &Model,
-    known: &Known,
-    effect: Candidate,
-) -> Vec<Candidate> {
-    let own = leading.evidence.squares();
-    let most = rule(RuleId::Form).threshold * population.share(own, less.evidence.squares());
-    let beside = leading.names.without(effect);
-    let tried = known.catalogue.iter().filter(|&other| {
-        let exchanged = population.models.iter().filter(|model| {
-            model.is_admissible()
-                && model.names == beside.with(other)
-                && population.share(own, model.evidence.squares()) < most
-        });
-        !leading.names.contains(other) && exchanged.count() > 0
-    });
-    let acts_like = effect.info().acts_like.iter();
-    let untried = acts_like
-        .map(|&other| Candidate::from(other))
-        .filter(|&other| known.untried.contains(other) && !leading.names.contains(other));
-    tried.chain(untried).collect()
-}
-
-/// The smallest set of names with this one and its equals that is as probable as it must be, and that probability.
+/// The smallest set of names with this one that is as probable as it must be, and that probability.
 fn alternatives(
     leading: &Model,
     belief: &Belief,
     known: &Known,
     effect: Candidate,
-    equals: &[Candidate],
 ) -> (Named, f64) {
-    let mut set: CandidateSet = equals.iter().copied().collect();
-    set = set.with(effect);
-    let all_equals = belief.any(set);
-    let mut covered = all_equals;
+    let mut set = CandidateSet::of(effect);
+    let own = belief.any(set);
+    let mut covered = own;
     let mut others = Vec::new();
     let rivals: Vec<Candidate> = known
         .catalogue
         .iter()
         .filter(|&other| !leading.names.contains(other))
         .collect();
-    while covered < rule(RuleId::Set).threshold {
+    while covered < crate::decide::rules::rule(RuleId::Set).threshold {
         let wider = rivals.iter().filter(|&&other| !set.contains(other));
         let best = wider
             .map(|&other| (belief.any(set.with(other)) - covered, other))
@@ -161,8 +131,18 @@ fn alternatives(
         covered += added;
         others.push((other, added));
     }
-    let own = all_equals / (1 + equals.len()) as f64;
-    others.extend(equals.iter().map(|&other| (other, own)));
+    // What acts like it in every rig and could not be tried, for want of what it needs, is as likely.
+    let untried: Vec<Candidate> = effect
+        .info()
+        .acts_like
+        .iter()
+        .map(|&other| Candidate::from(other))
+        .filter(|&other| known.untried.contains(other) && !leading.names.contains(other))
+        .collect();
+    let share = 1.0 / (1 + untried.len()) as f64;
+    others.iter_mut().for_each(|(_, mass)| *mass *= share);
+    let own = own * share;
+    others.extend(untried.into_iter().map(|other| (other, own)));
     others.sort_by(|a, b| b.1.total_cmp(&a.1));
     let named = Named {
         effect,

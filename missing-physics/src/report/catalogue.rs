@@ -81,11 +81,12 @@ fn is_plausible(estimate: &Estimate) -> bool {
     ends[0] <= upper && ends[1] >= lower
 }
 
-/// An entry for each effect.
+/// An entry for each effect; `matters` is the root mean square from which on it matters what one shows.
 pub(crate) fn catalogue(
     search: &mut Search<'_>,
     decided: &Decided,
     effects: CandidateSet,
+    matters: f64,
     seed: u64,
 ) -> Result<Vec<Entry>, IdentifyError> {
     let plain = search.sifted(CandidateSet::EMPTY)?;
@@ -107,9 +108,9 @@ pub(crate) fn catalogue(
             .iter()
             .find(|score| score.effect == effect);
         let left = left.iter().find(|score| score.effect == effect);
-        let detectable = left
-            .or(score)
-            .map(|score| (critical + POWER) * score.errors[0]);
+        let detectable = left.or(score).map(|score| {
+            ((critical + POWER) * score.errors[0]).max(matters / score.shown_per_unit)
+        });
         let is_other = |named: &Named| named.others.iter().any(|(other, _)| *other == effect);
         let status = if let Some(need) = search.case.missing(effect) {
             Status::Unknown { need }
@@ -122,7 +123,8 @@ pub(crate) fn catalogue(
             let upper = |left: &Score| {
                 let size = left.sizes[0];
                 let size = if signed { size.abs() } else { size.max(0.0) };
-                size + HALF_95 * left.errors[0]
+                // A smaller one would be passed over.
+                (size + HALF_95 * left.errors[0]).max(matters / left.shown_per_unit)
             };
             match left {
                 // While something unknown is left, no limit is tighter than that allows.

@@ -33,6 +33,8 @@ pub(crate) struct Score {
     pub(crate) sizes: Vec<f64>,
     /// Standard errors of the sizes, from the whitened series.
     pub(crate) errors: Vec<f64>,
+    /// Root mean square, per unit of the first size, that refitting the model does not hide.
+    pub(crate) shown_per_unit: f64,
     /// Share of the trace that refitting the model hides, 0 to 1: of its square.
     pub(crate) absorbed: f64,
     /// Value of the partner at which it scores best.
@@ -199,6 +201,7 @@ impl Tested<'_> {
             plain: self.strength(&inverse(&gram(&carried)), &along),
             sizes,
             errors,
+            shown_per_unit: norm(&plain[0]) / (plain[0].len() as f64).sqrt(),
             absorbed: if raw > 0.0 { 1.0 - left / raw } else { 0.0 },
             partner: self.traces[0].partner,
             share: self.traces[0].share,
