@@ -23,6 +23,8 @@ pub(crate) struct Known {
     pub(crate) disturbed: f64,
     /// Tone of what the leading model leaves, standard deviations.
     pub(crate) tone: f64,
+    /// What the leading model leaves over the noise between neighboring samples.
+    pub(crate) slowness: f64,
     /// Error of a drift of the zero over that of a slipping mount, where the leading model has such a drift.
     pub(crate) slip: Option<f64>,
     pub(crate) seed: u64,

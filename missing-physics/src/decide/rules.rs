@@ -25,6 +25,8 @@ pub enum RuleId {
     Disturbed,
     /// What is left has a tone.
     Tone,
+    /// What is left is slower than the noise of a sensor.
+    Slow,
     /// What looks like a drift of the zero is a slip of the mount.
     Slip,
     /// A name helps on recordings that were not used.
@@ -86,15 +88,15 @@ impl Rule {
 }
 
 /// All rules, in the order in which they are asked.
-pub const RULES: [Rule; 14] = [
+pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Describes,
         name: "describes",
         statistic: "share of the output's variance that the best model predicts on blocks it has not seen",
         comparison: Comparison::AtLeast,
-        threshold: 0.5,
+        threshold: 0.8,
         basis: Basis::Chosen,
-        reason: "a model that does not predict half of what happens describes another rig",
+        reason: "a model that leaves more than a fifth of what happens describes another rig",
     },
     Rule {
         id: RuleId::Missing,
@@ -185,6 +187,15 @@ pub const RULES: [Rule; 14] = [
         threshold: 6.0,
         basis: Basis::Quantile,
         reason: "no noise repeats itself after hundreds of samples: by chance in 1 of ten million recordings",
+    },
+    Rule {
+        id: RuleId::Slow,
+        name: "slow",
+        statistic: "what the error has in common with itself two samples later, over the noise between neighbors",
+        comparison: Comparison::AtLeast,
+        threshold: 5.0,
+        basis: Basis::Derivation,
+        reason: "noise with a memory of 25 samples is five times as large as between neighbors, noise of 1/f three times:                  what is slower is no sensor's",
     },
     Rule {
         id: RuleId::Slip,

@@ -7,6 +7,7 @@ use crate::decide::rules::RuleId;
 use crate::decide::said::Verdict;
 use crate::decide::trace::Traces;
 use crate::evidence::{Audit, Model, Population, UNLISTED, masses};
+use crate::model::elsewhere::is_drift;
 
 /// What is said.
 #[derive(Debug, Clone)]
@@ -29,7 +30,7 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     let mut traces = Traces::default();
     let model = leading(population);
     let belief = Belief::of(population, model, known.seed);
-    let describes = traces.ask(RuleId::Describes, "", described(population, model, known));
+    let describes = traces.ask(RuleId::Describes, "", described(population, known));
     let is_missing = traces.ask(
         RuleId::Missing,
         "",
@@ -96,9 +97,17 @@ fn is_found(traces: &Traces, suspect: &Named) -> bool {
     is_about(RuleId::Own, true) && !is_immaterial
 }
 
-/// Share of the output's variance that is predicted on blocks which were left out, by the model or with the curve.
-fn described(population: &Population, model: &Model, known: &Known) -> f64 {
-    let least = model.evidence.squares()[0].min(population.ceiling()[0]);
+/// Share of the output's variance that is predicted on blocks which were left out, by any model or with the curve on top. Drifts
+/// do not count: a curve of time goes along with any output.
+fn described(population: &Population, known: &Known) -> f64 {
+    let driven = population.models.iter();
+    let driven = driven.filter(|model| !model.names.iter().any(is_drift));
+    let squares = driven.map(|model| {
+        let own = model.evidence.squares()[0];
+        let with_curve = model.anonymous.as_ref();
+        with_curve.map_or(own, |curve| curve.evidence.squares()[0].min(own))
+    });
+    let least = squares.fold(f64::INFINITY, f64::min);
     if known.output_squares > 0.0 {
         1.0 - least / known.output_squares
     } else {
@@ -149,8 +158,9 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
 fn is_odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> bool {
     let is_disturbed = is_nameless && traces.ask(RuleId::Disturbed, "", known.disturbed);
     let has_tone = traces.ask(RuleId::Tone, "", known.tone);
+    let is_slow = traces.ask(RuleId::Slow, "", known.slowness);
     let slips = known
         .slip
         .is_some_and(|slip| traces.ask(RuleId::Slip, "", slip));
-    is_disturbed || has_tone || slips
+    is_disturbed || has_tone || is_slow || slips
 }

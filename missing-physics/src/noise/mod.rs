@@ -3,5 +3,6 @@
 pub(crate) mod floor;
 pub(crate) mod kind;
 pub(crate) mod slip;
+pub(crate) mod slowness;
 pub(crate) mod tone;
 pub(crate) mod whiten;

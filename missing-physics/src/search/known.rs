@@ -11,6 +11,7 @@ use crate::evidence::{Block, Population, disturbed};
 use crate::model::series::Channel;
 use crate::noise::floor::Measured;
 use crate::noise::slip::slip;
+use crate::noise::slowness::slowness;
 use crate::noise::tone::tone;
 use crate::search::roads::Search;
 
@@ -44,6 +45,7 @@ pub(crate) fn known(
         0.0
     };
     let tones = outputs().map(|one| tone(&node.residual[one.range.clone()]));
+    let slowness = slowness(outputs().map(|one| &node.residual[one.range.clone()]));
     let coarse = noise.is_coarse(node.mean_square());
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
     Ok(Known {
@@ -66,6 +68,7 @@ pub(crate) fn known(
         } else {
             tones.fold(0.0, f64::max)
         },
+        slowness: if coarse { 0.0 } else { slowness },
         slip: slip(case, node)?,
         seed: config.seed,
     })

@@ -13,4 +13,6 @@ mod noise_classes;
 mod own_hypotheses;
 mod saved;
 mod smaller_effect;
+mod spoiled_unseen;
 mod stopped;
+mod unrelated;

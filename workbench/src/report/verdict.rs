@@ -73,7 +73,14 @@ fn said(diagnosis: &Diagnosis) -> String {
         Verdict::Explained | Verdict::Ambiguous => findings,
         // What it is follows.
         Verdict::ExplainedInPart if diagnosis.remainder.is_some() => findings,
-        Verdict::ExplainedInPart => format!("{findings}\nSomething else is left."),
+        Verdict::ExplainedInPart => match passed(diagnosis, RuleId::Slow) {
+            Some(times) => format!(
+                "{findings}\nWhat is left is {} times the noise between neighboring samples, and follows nothing that the model \
+                 knows: it does not come back from run to run. Record the surroundings, and the rest position before and after.",
+                spoken(times)
+            ),
+            None => format!("{findings}\nSomething else is left."),
+        },
         Verdict::Unexplained if fails(diagnosis, RuleId::Describes) => {
             let predicted = statistic(diagnosis, RuleId::Describes).unwrap_or(0.0);
             format!(
@@ -84,7 +91,7 @@ fn said(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Unexplained if fails(diagnosis, RuleId::Remainder) && is_disturbed(diagnosis) => {
             "What is left is a disturbance that does not follow the drive, and is no noise of a sensor either: it grows and shrinks \
-             with the state of the rod, or repeats itself, or slips. Record the surroundings, and the rest position before and \
+             with the state of the rod, or repeats itself, or wanders slowly, or slips. Record the surroundings, and the rest position before and \
              after."
                 .to_owned()
         }
@@ -108,6 +115,14 @@ fn statistic(diagnosis: &Diagnosis, id: RuleId) -> Option<f64> {
         .map(|trace| trace.value)
 }
 
+/// What a rule was asked of first, if that passed.
+fn passed(diagnosis: &Diagnosis, id: RuleId) -> Option<f64> {
+    let mut traces = diagnosis.traces.iter();
+    traces
+        .find(|trace| trace.rule.id == id && trace.passed)
+        .map(|trace| trace.value)
+}
+
 /// Whether a rule was asked and did not pass.
 fn fails(diagnosis: &Diagnosis, id: RuleId) -> bool {
     let mut traces = diagnosis.traces.iter();
@@ -116,7 +131,7 @@ fn fails(diagnosis: &Diagnosis, id: RuleId) -> bool {
 
 /// Whether what is left is no noise, though nothing predicts it.
 fn is_disturbed(diagnosis: &Diagnosis) -> bool {
-    let odd = [RuleId::Disturbed, RuleId::Tone, RuleId::Slip];
+    let odd = [RuleId::Disturbed, RuleId::Tone, RuleId::Slow, RuleId::Slip];
     let mut traces = diagnosis.traces.iter();
     traces.any(|trace| odd.contains(&trace.rule.id) && trace.passed)
 }

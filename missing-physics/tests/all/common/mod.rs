@@ -144,6 +144,18 @@ pub(crate) fn diagnosed_under(
     .unwrap()
 }
 
+/// Diagnosis of recordings, held to others.
+pub(crate) fn diagnosed_against(training: &[Recording], unseen: &[Recording]) -> Diagnosis {
+    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let base = WienerModel::new(&rod, Rule::LastReversal, training).unwrap();
+    let config = DiagnoseConfig {
+        setting: setting(),
+        ..DiagnoseConfig::default()
+    };
+    let go_on = &mut |_| ControlFlow::Continue(());
+    diagnose(&base, training, unseen, &config, go_on).unwrap()
+}
+
 /// Ids of what was found, in alphabetical order.
 pub(crate) fn found(diagnosis: &Diagnosis) -> Vec<&str> {
     let ids = diagnosis.findings.iter().map(|one| one.effect.id());

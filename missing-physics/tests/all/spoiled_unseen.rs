@@ -1,0 +1,77 @@
+//! Unseen recordings that do not belong to the rig: nothing stays explained that they refute.
+
+use crate::common;
+
+use common::{diagnosed_against, found, noisy, params, played, recording, setting};
+use missing_physics::{Diagnosis, EffectId, EffectSet, EffectValues, Extended, Setting, Verdict};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use recording::Recording;
+use std::f64::consts::TAU;
+
+const DT_S: f64 = 0.5;
+
+/// Triangles of these heights, with rest between them.
+fn current_a(heights_a: &[f64]) -> Vec<f64> {
+    let cycle = |height_a: &f64| {
+        let height_a = *height_a;
+        let up = (0..90).map(move |k| height_a * f64::from(k) / 90.0);
+        let down = (0..90).map(move |k| height_a * (1.0 - f64::from(k) / 90.0));
+        std::iter::repeat_n(0.0, 40).chain(up).chain(down)
+    };
+    heights_a.iter().flat_map(cycle).collect()
+}
+
+/// A wire whose output is late by 0.6 s.
+fn late(name: &str, heights_a: &[f64], spoiled: impl Fn(Vec<f64>) -> Vec<f64>) -> Recording {
+    let setting = Setting {
+        active: EffectSet::of(EffectId::OutputLag),
+        ..setting()
+    };
+    let mut effects = EffectValues::default();
+    effects.output_lag.output_lag_s = 0.6;
+    let drive = current_a(heights_a);
+    let output = played(&Extended { setting }, params(), effects, &drive, DT_S);
+    recording(name, drive, spoiled(noisy(output)), DT_S)
+}
+
+/// Held to an unseen recording whose output was spoiled.
+fn held_to(spoiled: impl Fn(Vec<f64>) -> Vec<f64>) -> Diagnosis {
+    let training = [late("training.csv", &[2.3, 1.9, 2.1], |output| output)];
+    diagnosed_against(&training, &[late("unseen.csv", &[2.0, 2.2], spoiled)])
+}
+
+#[test]
+fn what_is_explained_is_explained_there() {
+    let diagnosis = held_to(|output| output);
+    assert_eq!(diagnosis.verdict, Verdict::Explained);
+    assert_eq!(found(&diagnosis), ["output-lag"]);
+}
+
+#[test]
+fn a_sine_on_them_refutes_it() {
+    let sine = |k: usize| 1.5 * (TAU * k as f64 / 37.0).sin();
+    let verdict = held_to(|output| {
+        let samples = output.into_iter().enumerate();
+        samples.map(|(k, mm)| mm + sine(k)).collect()
+    })
+    .verdict;
+    assert!(
+        !matches!(verdict, Verdict::Explained | Verdict::Ambiguous),
+        "{verdict:?}"
+    );
+}
+
+#[test]
+fn their_samples_in_another_order_refute_it() {
+    let verdict = held_to(|mut output| {
+        output.shuffle(&mut ChaCha8Rng::seed_from_u64(1));
+        output
+    })
+    .verdict;
+    assert!(
+        !matches!(verdict, Verdict::Explained | Verdict::Ambiguous),
+        "{verdict:?}"
+    );
+}
