@@ -5,6 +5,8 @@ use crate::decide::rules::RuleId;
 use crate::decide::trace::Traces;
 use crate::evidence::UNLISTED;
 use crate::evidence::{Model, Population, by_chance, centered, masses};
+use crate::model::elsewhere::is_drift;
+use crate::noise::wander::by_wander;
 use crate::{Candidate, CandidateSet};
 
 /// An effect of the chosen model.
@@ -91,9 +93,18 @@ pub(crate) fn names(
             let added = pairs.map(|(without, with)| without - with).collect();
             (without, added)
         });
-        let alone = by_chance(&added.collect::<Vec<_>>(), SHIFTS, known.seed);
+        let added: Vec<(Vec<f64>, Vec<f64>)> = added.collect();
+        let alone = by_chance(&added, SHIFTS, known.seed);
         // It is the best of all that were tried in its place.
-        let p_value = (alone * known.tried_beside(less.names) as f64).min(1.0);
+        let mut p_value = (alone * known.tried_beside(less.names) as f64).min(1.0);
+        if is_drift(effect) {
+            // Fitted to what is slow it goes along with that, and noise may be slow.
+            let pairs = added.iter().zip(&known.segments);
+            let pairs = pairs.map(|((_, drift), range)| {
+                (drift.as_slice(), &leading.evidence.residual[range.clone()])
+            });
+            p_value = p_value.max(by_wander(pairs, effect.info().parameters.len(), known.seed));
+        }
         let is_own = traces.ask(RuleId::Own, id, p_value);
         let lost = less.evidence.squares()[0] - leading.evidence.squares()[0];
         let lost = lost / leading.evidence.n_outputs as f64;

@@ -5,4 +5,5 @@ pub(crate) mod kind;
 pub(crate) mod slip;
 pub(crate) mod slowness;
 pub(crate) mod tone;
+pub(crate) mod wander;
 pub(crate) mod whiten;
