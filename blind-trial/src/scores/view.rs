@@ -36,9 +36,10 @@ impl CaseLine {
         self.truths().next().unwrap_or_default()
     }
 
-    /// All names that are stated.
+    /// All names that are stated and are right or wrong.
     pub(super) fn stated(&self) -> BTreeSet<&str> {
-        self.verdict.findings.iter().flat_map(Named::set).collect()
+        let names = self.verdict.findings.iter().flat_map(Named::set);
+        names.filter(|name| self.is_right(name).is_some()).collect()
     }
 
     pub(super) fn states_all(&self) -> bool {
@@ -46,12 +47,10 @@ impl CaseLine {
         self.truths().all(|truth| stated.contains(truth))
     }
 
-    /// The strongest name; `None` if there is none.
+    /// The strongest name that is right or wrong; `None` if there is none.
     pub(super) fn top(&self) -> Option<&str> {
-        self.verdict
-            .findings
-            .first()
-            .map(|finding| finding.effect.as_str())
+        let mut names = self.verdict.findings.iter().map(|one| one.effect.as_str());
+        names.find(|name| self.is_right(name).is_some())
     }
 
     /// Whether the strongest name is the truth or one of its aliases.
