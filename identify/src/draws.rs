@@ -103,11 +103,9 @@ fn square_root(n: usize, covariance: impl Fn(usize, usize) -> f64) -> Mat<f64> {
     let Some(eigen) = symmetric_eigen(&correlation) else {
         return Mat::from_fn(n, n, |i, j| if i == j { deviation[i] } else { 0.0 });
     };
-    let (vectors, values) = (eigen.vectors, eigen.values);
+    let scaled = eigen.scaled_vectors();
     Mat::from_fn(n, n, |i, j| {
-        let root: f64 = (0..n)
-            .map(|k| vectors[(i, k)] * values[k].max(0.0).sqrt() * vectors[(j, k)])
-            .sum();
+        let root: f64 = (0..n).map(|k| scaled[(i, k)] * eigen.vectors[(j, k)]).sum();
         deviation[i] * root
     })
 }

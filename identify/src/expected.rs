@@ -80,7 +80,7 @@ impl SumOfSquares for Expecting<'_, '_> {
         points: &[Vec<f64>],
         around: usize,
     ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
-        let (mut sums, mut local) = self.problem.linearized(points, around)?;
+        let (mut sums, local) = self.problem.linearized(points, around)?;
         if self.rows.is_empty() {
             return Ok((sums, local));
         }
@@ -104,7 +104,7 @@ impl SumOfSquares for Expecting<'_, '_> {
         for (sum, point) in sums.iter_mut().zip(points) {
             *sum += self.squares(point);
         }
-        local = Linearized {
+        let local = Linearized {
             jacobian: r.get(..n, ..n).to_owned(),
             residual: (0..n).map(|row| r[(row, n)]).collect(),
             sum_of_squares: sums[around],

@@ -33,7 +33,12 @@ pub(crate) struct Known {
 impl Known {
     /// Root mean square from which on it matters what an effect shows, in the output's unit.
     pub(crate) fn least_that_matters(&self, n_outputs: usize) -> f64 {
-        rule(RuleId::Matters).threshold * (self.output_squares / n_outputs as f64).sqrt()
+        rule(RuleId::Matters).threshold * self.output_deviation(n_outputs)
+    }
+
+    /// Standard deviation of the output.
+    fn output_deviation(&self, n_outputs: usize) -> f64 {
+        (self.output_squares / n_outputs as f64).sqrt()
     }
 
     /// Asks whether a mean square that is predicted is more than rounding, and than any formula is exact to.
@@ -46,8 +51,7 @@ impl Known {
     ) -> bool {
         let is_no_rounding =
             self.rounding == 0.0 || traces.ask(RuleId::Rounding, of, predicted / self.rounding);
-        let variance = self.output_squares / n_outputs as f64;
-        let share = (predicted.max(0.0) / variance).sqrt();
+        let share = predicted.max(0.0).sqrt() / self.output_deviation(n_outputs);
         traces.ask(RuleId::Matters, of, share) && is_no_rounding
     }
 

@@ -92,7 +92,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Describes,
         name: "describes",
-        statistic: "share of the output's variance that the best model predicts on blocks it has not seen",
+        statistic: "share of the output's variance that the best model without drifts predicts on blocks it has not seen",
         comparison: Comparison::AtLeast,
         threshold: 0.8,
         basis: Basis::Chosen,
@@ -195,7 +195,7 @@ pub const RULES: [Rule; 15] = [
         comparison: Comparison::AtLeast,
         threshold: 5.0,
         basis: Basis::Derivation,
-        reason: "noise with a memory of 25 samples is five times as large as between neighbors, noise of 1/f three times:                  what is slower is no sensor's",
+        reason: "noise with a memory of 25 samples is five times as large as between neighbors, noise of 1/f three times: what is slower is no sensor's",
     },
     Rule {
         id: RuleId::Slip,

@@ -139,7 +139,7 @@ impl ExtendedModel {
 
     fn member(&self, point: &[f64], first_ambient_degc: f64, level_k: f64) -> Member {
         let (base, extra) = point.split_at(self.n_plain());
-        let mut effects = of_family(self.loop_family(), base);
+        let mut effects = values_of_family(self.loop_family(), base);
         for (own, hypothesis) in effects.own.iter_mut().zip(self.setting.hypotheses) {
             *own = hypothesis.values(0.0);
         }
@@ -164,7 +164,7 @@ impl ExtendedModel {
 }
 
 /// No effects, and what the loop's family has of the last of the parameters before theirs.
-pub(crate) fn of_family(family: LoopFamily, plain: &[f64]) -> EffectValues {
+pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValues {
     let relay_tails = match (family, plain.last()) {
         (LoopFamily::Relays, Some(&tails)) => tails,
         _ => 0.0,

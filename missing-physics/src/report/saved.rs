@@ -10,7 +10,7 @@ use recording::{Quantity, Recording};
 use wiener::{Block, Start};
 
 use crate::model::elsewhere::{drifts_dropped, is_drift};
-use crate::model::extended_model::{of_family, scope_of};
+use crate::model::extended_model::{scope_of, values_of_family};
 use crate::{
     EffectId, EffectSet, Extended, ExtendedPlant, ExtendedStage, Member, Need, PhysicsError,
     Setting, setting_of_rod,
@@ -183,7 +183,7 @@ impl<'a> RestoredModel<'a> {
     pub fn member(&self, point: &[f64], start: Start) -> Option<Member> {
         let point = self.without_drifts(point);
         let (plain, extra) = point.split_at(self.n_plain());
-        let mut effects = of_family(self.fleet.setting.loop_family, plain);
+        let mut effects = values_of_family(self.fleet.setting.loop_family, plain);
         for (&(effect, index), &value) in self.slots.iter().zip(extra) {
             if let Some(slot) = effects.slot(effect, index) {
                 *slot = value;

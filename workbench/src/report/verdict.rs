@@ -132,8 +132,7 @@ fn fails(diagnosis: &Diagnosis, id: RuleId) -> bool {
 /// Whether what is left is no noise, though nothing predicts it.
 fn is_disturbed(diagnosis: &Diagnosis) -> bool {
     let odd = [RuleId::Disturbed, RuleId::Tone, RuleId::Slow, RuleId::Slip];
-    let mut traces = diagnosis.traces.iter();
-    traces.any(|trace| odd.contains(&trace.rule.id) && trace.passed)
+    odd.iter().any(|&id| passed(diagnosis, id).is_some())
 }
 
 /// A finding, under all its names.
