@@ -116,6 +116,10 @@ impl SumOfSquares for Expecting<'_, '_> {
         self.problem.rounding()
     }
 
+    fn n_derivatives(&self) -> usize {
+        self.problem.n_derivatives()
+    }
+
     fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
         let sums = self.problem.sums(points)?.into_iter().zip(points);
         Ok(sums.map(|(sum, point)| sum + self.squares(point)).collect())

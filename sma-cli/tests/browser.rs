@@ -132,7 +132,7 @@ fn reports(folder: &Path) -> Vec<(&'static str, String)> {
         ),
         (
             "trial",
-            "trial --family single --cases 1 --report trial.html",
+            "trial --family clean-white --cases 1 --report trial.html",
         ),
     ];
     calls

@@ -6,7 +6,7 @@ use core::fmt;
 use crate::elementary::{expm1, sin_quarter, sqrt};
 use crate::limiting_loop::LimitingLoop;
 use crate::memory::FARTHEST_K;
-use crate::path::{Path, Turn};
+use crate::path::{Course, Courses, Path, Paths, Turn};
 
 /// Which curves the branches of a loop are. All have the same center and half width, and spread over about the same
 /// temperatures for the same `h_0`.
@@ -157,33 +157,21 @@ impl<const L: usize> Curves<L> {
         }
     }
 
-    /// The branch of direction `sign` from `start` through `end`, or to the end of the transformation. Its `rise` has the
-    /// sign of its direction.
-    pub(crate) fn path(&self, lane: usize, sign: f64, start: Turn, end: Option<Turn>) -> Path {
-        let end = end.unwrap_or(Turn {
-            temperature_k: sign * FARTHEST_K,
-            level_k: if sign > 0.0 { 1.0 } else { 0.0 },
-        });
-        let along = match self {
-            Self::Relays(relays) => relays.along(lane, sign, start.temperature_k),
-            Self::Kinetics(kinetics) => kinetics.along(lane, sign, start.temperature_k),
-        };
-        let natural = Path {
-            start,
-            rise: 1.0_f64.copysign(sign),
-            proximity_k: along.fixed,
-            inverse_proximity_per_k: along.scale,
-        };
-        let (way, _) = self.way(lane, &natural, end.temperature_k);
-        let left = sign * (end.level_k - start.level_k);
-        let rise = if way > NOTHING && left > 0.0 && left < STRETCH * way {
-            left / way
-        } else {
-            0.0
-        };
-        Path {
-            rise: rise.copysign(sign),
-            ..natural
+    /// The branches of courses. Their `rise` has the sign of their direction.
+    #[inline(always)]
+    pub(crate) fn paths(&self, courses: &Courses<L>) -> Paths<L> {
+        // A choice inside the loop would keep the lanes from being computed side by side.
+        match self {
+            Self::Relays(relays) => Paths::of(
+                courses,
+                #[inline(always)]
+                |l, course| relays.path(l, course),
+            ),
+            Self::Kinetics(kinetics) => Paths::of(
+                courses,
+                #[inline(always)]
+                |l, course| kinetics.path(l, course),
+            ),
         }
     }
 
@@ -191,37 +179,12 @@ impl<const L: usize> Curves<L> {
     #[inline(always)]
     pub(crate) fn levels(
         &self,
-        path_of: impl Fn(usize) -> Path,
+        paths: &Paths<L>,
         temperature_k: &[f64; L],
     ) -> ([f64; L], [f64; L]) {
-        // A choice inside the loop would keep the lanes from being computed side by side.
         match self {
-            Self::Relays(relays) => levels(
-                path_of,
-                temperature_k,
-                #[inline(always)]
-                |l, sign, along, at_k| relays.way(l, sign, along, at_k),
-            ),
-            Self::Kinetics(kinetics) => levels(
-                path_of,
-                temperature_k,
-                #[inline(always)]
-                |l, sign, along, at_k| kinetics.way(l, sign, along, at_k),
-            ),
-        }
-    }
-
-    /// Transformed share of one lane on a branch at T̂.
-    pub(crate) fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> f64 {
-        level(path, self.way(lane, path, temperature_k)).0
-    }
-
-    fn way(&self, lane: usize, path: &Path, temperature_k: f64) -> Way {
-        let (sign, at_k) = going(path, temperature_k);
-        let along = Along::of(path);
-        match self {
-            Self::Relays(relays) => relays.way(lane, sign, &along, at_k),
-            Self::Kinetics(kinetics) => kinetics.way(lane, sign, &along, at_k),
+            Self::Relays(relays) => relays.levels(paths, temperature_k),
+            Self::Kinetics(kinetics) => kinetics.levels(paths, temperature_k),
         }
     }
 
@@ -232,26 +195,76 @@ impl<const L: usize> Curves<L> {
                 temperature_k: -sign * FARTHEST_K,
                 level_k: if sign > 0.0 { 0.0 } else { 1.0 },
             };
-            let path = self.path(lane, sign, far, None);
-            self.level(lane, &path, temperature_k)
+            let course = Course::new(sign, far, None);
+            match self {
+                Self::Relays(relays) => relays.limit_at(lane, &course, temperature_k),
+                Self::Kinetics(kinetics) => kinetics.limit_at(lane, &course, temperature_k),
+            }
         })
     }
 }
 
-/// [`Curves::levels`] of one family.
-#[inline(always)]
-fn levels<const L: usize>(
-    path_of: impl Fn(usize) -> Path,
-    temperature_k: &[f64; L],
-    way: impl Fn(usize, f64, &Along, f64) -> Way,
-) -> ([f64; L], [f64; L]) {
-    let (mut share, mut per_k) = ([0.0; L], [0.0; L]);
-    for l in 0..L {
-        let path = path_of(l);
-        let (sign, at_k) = going(&path, temperature_k[l]);
-        (share[l], per_k[l]) = level(&path, way(l, sign, &Along::of(&path), at_k));
+/// How the materials of a family transform along a branch.
+trait Transforms<const L: usize> {
+    /// What is the same along a branch of direction `sign` from T̂.
+    fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along;
+
+    /// The way from the start of a branch to T̂.
+    fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way;
+
+    /// The branch of a course, to the end of the transformation if it does not return.
+    #[inline(always)]
+    fn path(&self, lane: usize, course: &Course) -> Path {
+        let Course { sign, start, .. } = *course;
+        let last = Turn {
+            temperature_k: sign * FARTHEST_K,
+            level_k: if sign > 0.0 { 1.0 } else { 0.0 },
+        };
+        let end = if course.returns { course.end } else { last };
+        let along = self.along(lane, sign, start.temperature_k);
+        let natural = Path {
+            start,
+            rise: 1.0_f64.copysign(sign),
+            proximity_k: along.fixed,
+            inverse_proximity_per_k: along.scale,
+        };
+        let (sign, end_k) = going(&natural, end.temperature_k);
+        let (way, _) = self.way(lane, sign, &along, end_k);
+        let left = sign * (end.level_k - start.level_k);
+        let leads = (way > NOTHING) & (left > 0.0) & (left < STRETCH * way);
+        let rise = if leads { left / way } else { 0.0 };
+        Path {
+            rise: rise.copysign(sign),
+            ..natural
+        }
     }
-    (share, per_k)
+
+    /// Transformed share on a branch at T̂, and its slope, 1/K.
+    #[inline(always)]
+    fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> Way {
+        let (sign, at_k) = going(path, temperature_k);
+        let (way, per_k) = self.way(lane, sign, &Along::of(path), at_k);
+        let slope_per_k = path.rise.abs() * per_k;
+        (
+            path.start.level_k + path.rise * way,
+            if slope_per_k < 0.0 { 0.0 } else { slope_per_k },
+        )
+    }
+
+    /// [`Curves::levels`] of one family.
+    #[inline(always)]
+    fn levels(&self, paths: &Paths<L>, temperature_k: &[f64; L]) -> ([f64; L], [f64; L]) {
+        let (mut share, mut per_k) = ([0.0; L], [0.0; L]);
+        for l in 0..L {
+            (share[l], per_k[l]) = self.level(l, &paths.get(l), temperature_k[l]);
+        }
+        (share, per_k)
+    }
+
+    /// Transformed share at T̂ on the branch of a course.
+    fn limit_at(&self, lane: usize, course: &Course, temperature_k: f64) -> f64 {
+        self.level(lane, &self.path(lane, course), temperature_k).0
+    }
 }
 
 /// Direction of a branch, and T̂ as it counts there: backward within the dead band nothing happens.
@@ -262,16 +275,6 @@ fn going(path: &Path, temperature_k: f64) -> (f64, f64) {
     // Written so that NaN passes.
     let is_behind = sign * (temperature_k - start_k) < 0.0;
     (sign, if is_behind { start_k } else { temperature_k })
-}
-
-/// Transformed share on a branch, and its slope, 1/K.
-#[inline(always)]
-fn level(path: &Path, (way, per_k): Way) -> Way {
-    let slope_per_k = path.rise.abs() * per_k;
-    (
-        path.start.level_k + path.rise * way,
-        if slope_per_k < 0.0 { 0.0 } else { slope_per_k },
-    )
 }
 
 /// That of the branch of a direction, of both of a lane, heating first.
@@ -311,31 +314,6 @@ impl<const L: usize> Relays<L> {
         }
     }
 
-    fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
-        let (fixed, _) = self.switched(lane, -sign, start_k);
-        let begins = Along { fixed, scale: 0.0 };
-        Along {
-            scale: self.way(lane, sign, &begins, start_k).0 * sign,
-            ..begins
-        }
-    }
-
-    /// Heating from T_r: w = P(A ≤ T) - P(A ≤ T, B ≤ T_r); cooling: w = P(A ≤ T_r, B ≤ T), which falls.
-    #[inline(always)]
-    fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way {
-        let (share, density) = self.switched(lane, sign, temperature_k);
-        let (joint, slope) = plackett(self.odds[lane], share, along.fixed);
-        let (alone, both) = if sign < 0.0 {
-            (LOOSE, 1.0 - LOOSE)
-        } else {
-            (1.0, LOOSE - 1.0)
-        };
-        (
-            sign * ((alone * share + both * joint) - along.scale),
-            density * (alone + both * slope),
-        )
-    }
-
     /// Share of the relays that have switched at T̂ on the branch of a direction, and its slope, 1/K.
     ///
     /// The normal distribution, to 2·10⁻⁴, as a logistic one of a cubic, of what the tails leave of the distance.
@@ -370,6 +348,34 @@ impl<const L: usize> Relays<L> {
         let steepness = (LINEAR + 3.0 * CUBIC * x * x) * nearer_slope;
         let density = share * (1.0 - share) * steepness * per_k;
         (share, density)
+    }
+}
+
+impl<const L: usize> Transforms<L> for Relays<L> {
+    #[inline(always)]
+    fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
+        let (fixed, _) = self.switched(lane, -sign, start_k);
+        let begins = Along { fixed, scale: 0.0 };
+        Along {
+            scale: self.way(lane, sign, &begins, start_k).0 * sign,
+            ..begins
+        }
+    }
+
+    /// Heating from T_r: w = P(A ≤ T) - P(A ≤ T, B ≤ T_r); cooling: w = P(A ≤ T_r, B ≤ T), which falls.
+    #[inline(always)]
+    fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way {
+        let (share, density) = self.switched(lane, sign, temperature_k);
+        let (joint, slope) = plackett(self.odds[lane], share, along.fixed);
+        let (alone, both) = if sign < 0.0 {
+            (LOOSE, 1.0 - LOOSE)
+        } else {
+            (1.0, LOOSE - 1.0)
+        };
+        (
+            sign * ((alone * share + both * joint) - along.scale),
+            density * (alone + both * slope),
+        )
     }
 }
 
@@ -412,7 +418,10 @@ impl<const L: usize> Kinetics<L> {
             skew: zeta.map(|zeta| libm::expm1(LOG_SKEW * (zeta - 0.5))),
         }
     }
+}
 
+impl<const L: usize> Transforms<L> for Kinetics<L> {
+    #[inline(always)]
     fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
         /// Inverse of no range at all, 1/K: all happens at once.
         const AT_ONCE: f64 = 1e300;

@@ -1,7 +1,7 @@
 use crate::family::{Curves, HEAVIEST_TAILS};
 use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::memory::{Memory, Rule, Rules};
-use crate::path::Reversal;
+use crate::path::{Paths, Reversal};
 use crate::proximity::{Proximity, SineProximity};
 use crate::{HysteresisError, LoopFamily};
 
@@ -167,28 +167,25 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     #[must_use]
     pub fn peek(&self, memory: &Memory<L>, temperature_degc: [f64; L]) -> Sensed<L> {
         let temperature_k = self.relative_k(temperature_degc);
-        let leaves = memory.leaves_branch(&temperature_k);
+        let towards;
+        let paths = if memory.leaves_branch(&temperature_k) {
+            towards = memory.paths_towards(&self.rules(), &temperature_k);
+            &towards
+        } else {
+            memory.paths()
+        };
         if let Some(curves) = &self.curves {
-            return self.peek_at_share(curves, memory, &temperature_k, leaves);
+            return self.peek_at_share(curves, paths, &temperature_k);
         }
         // First the level, K, and its slope, in the places of fraction and slope.
         let mut sensed = Sensed {
             fraction: [0.0; L],
             slope_per_k: [0.0; L],
         };
-        // Two plain loops: a condition inside one keeps the lanes from being computed side by side.
-        if leaves {
-            for l in 0..L {
-                let path = memory.path_towards(&self.rules(), l, temperature_k[l]);
-                sensed.fraction[l] = path.level_k(&self.proximity, l, temperature_k[l]);
-                sensed.slope_per_k[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
-            }
-        } else {
-            for l in 0..L {
-                let path = memory.path(l);
-                sensed.fraction[l] = path.level_k(&self.proximity, l, temperature_k[l]);
-                sensed.slope_per_k[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
-            }
+        for l in 0..L {
+            let path = paths.get(l);
+            sensed.fraction[l] = path.level_k(&self.proximity, l, temperature_k[l]);
+            sensed.slope_per_k[l] = path.level_slope(&self.proximity, l, temperature_k[l]);
         }
         for l in 0..L {
             let level_k = sensed.fraction[l];
@@ -211,7 +208,10 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         }
         let mut level_k = [0.0; L];
         for l in 0..L {
-            level_k[l] = memory.path(l).level_k(&self.proximity, l, temperature_k[l]);
+            level_k[l] = memory
+                .paths()
+                .get(l)
+                .level_k(&self.proximity, l, temperature_k[l]);
             memory.advance(l, temperature_k[l]);
         }
         let mut fraction = [0.0; L];
@@ -235,16 +235,10 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     fn peek_at_share(
         &self,
         curves: &Curves<L>,
-        memory: &Memory<L>,
+        paths: &Paths<L>,
         temperature_k: &[f64; L],
-        leaves: bool,
     ) -> Sensed<L> {
-        let (mut fraction, mut slope_per_k) = if leaves {
-            let paths = memory.paths_towards(&self.rules(), temperature_k);
-            curves.levels(|l| paths[l], temperature_k)
-        } else {
-            curves.levels(|l| memory.path(l), temperature_k)
-        };
+        let (mut fraction, mut slope_per_k) = curves.levels(paths, temperature_k);
         for l in 0..L {
             let (at, per_share) = self.limits.fraction_of_share(l, fraction[l]);
             fraction[l] = at;
@@ -264,7 +258,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         memory: &mut Memory<L>,
         temperature_k: &[f64; L],
     ) -> [f64; L] {
-        let (mut fraction, _) = curves.levels(|l| memory.path(l), temperature_k);
+        let (mut fraction, _) = curves.levels(memory.paths(), temperature_k);
         for l in 0..L {
             memory.advance(l, temperature_k[l]);
             fraction[l] = self.limits.fraction_of_share(l, fraction[l]).0;

@@ -9,6 +9,7 @@ mod limiting_loop;
 mod memory;
 mod path;
 mod proximity;
+mod vectors;
 
 pub use elementary::{atan, expm1, ln, sin_quarter, sqrt};
 pub use error::HysteresisError;

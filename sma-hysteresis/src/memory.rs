@@ -1,7 +1,8 @@
 use crate::family::Curves;
 use crate::limiting_loop::{Branch, LimitingLoop};
-use crate::path::{Path, REVERSAL_DEAD_BAND_K, Reversal, Turn};
+use crate::path::{Course, Courses, Path, Paths, REVERSAL_DEAD_BAND_K, Reversal, Turn};
 use crate::proximity::Proximity;
+use crate::vectors::widest_vectors;
 
 /// Reversals that a nested memory holds in each lane.
 ///
@@ -37,12 +38,8 @@ pub enum Rule {
 pub struct Memory<const L: usize> {
     /// δ of the current branch, +1 or -1.
     sign: [f64; L],
-    // The current branch, `Path` with lanes.
-    start_temperature_k: [f64; L],
-    start_level_k: [f64; L],
-    rise: [f64; L],
-    proximity_k: [f64; L],
-    inverse_proximity_per_k: [f64; L],
+    /// The current branches.
+    paths: Paths<L>,
     /// δ T̂ of the point that the current branch returns to, infinite if there is none.
     return_k: [f64; L],
     /// δ T̂ of the furthest point in the current direction, where a reversal would start. Its level
@@ -66,18 +63,30 @@ pub(crate) struct Rules<'a, const L: usize, P> {
 }
 
 impl<const L: usize, P: Proximity> Rules<'_, L, P> {
-    fn path(&self, lane: usize, sign: f64, start: Turn, end: Option<Turn>) -> Path {
+    /// The branches of courses.
+    #[inline(always)]
+    fn paths(&self, courses: &Courses<L>) -> Paths<L> {
         match self.curves {
-            None => Path::new(self.limits, self.proximity, lane, sign, start, end),
-            Some(curves) => curves.path(lane, sign, start, end),
+            None => Paths::of(
+                courses,
+                #[inline(always)]
+                |l, course| Path::new(self.limits, self.proximity, l, course),
+            ),
+            Some(curves) => curves.paths(courses),
         }
     }
 
-    fn level(&self, lane: usize, path: &Path, temperature_k: f64) -> f64 {
-        match self.curves {
-            None => path.level_k(self.proximity, lane, temperature_k),
-            Some(curves) => curves.level(lane, path, temperature_k),
+    /// What a turn would remember on branches at T̂.
+    #[inline(always)]
+    fn levels(&self, paths: &Paths<L>, temperature_k: &[f64; L]) -> [f64; L] {
+        if let Some(curves) = self.curves {
+            return curves.levels(paths, temperature_k).0;
         }
+        let mut level_k = [0.0; L];
+        for l in 0..L {
+            level_k[l] = paths.get(l).level_k(self.proximity, l, temperature_k[l]);
+        }
+        level_k
     }
 
     /// What a turn would remember on the limiting curves at T̂, that of heating first.
@@ -108,6 +117,13 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
     fn are_kinetics(&self) -> bool {
         matches!(self.curves, Some(Curves::Kinetics(_)))
     }
+}
+
+/// The lanes after a step: their branches, and what those that leave theirs remember.
+#[derive(Debug)]
+struct Change<const L: usize> {
+    paths: Paths<L>,
+    recollections: [Option<Recollection>; L],
 }
 
 /// The remembered reversals of one lane after a step: how many stay, and whether one is added.
@@ -150,12 +166,11 @@ impl<const L: usize> Memory<L> {
         });
         let mut memory = Self {
             sign: share.map(|share| if share <= 0.0 { 1.0 } else { -1.0 }),
-            start_temperature_k: [0.0; L],
-            start_level_k: [0.0; L],
-            rise: [0.0; L],
-            proximity_k: [0.0; L],
-            inverse_proximity_per_k: [0.0; L],
-            return_k: [0.0; L],
+            paths: rules.paths(&Courses::from_fn(|l| {
+                let sign = if share[l] <= 0.0 { 1.0 } else { -1.0 };
+                Course::new(sign, base[l], None)
+            })),
+            return_k: [f64::INFINITY; L],
             furthest_k: [0.0; L],
             base,
             turns: [[Turn::default(); NESTING_CAPACITY]; L],
@@ -163,10 +178,7 @@ impl<const L: usize> Memory<L> {
             forgotten: [0; L],
         };
         for lane in 0..L {
-            let sign = memory.sign[lane];
-            let path = memory.path_of(rules, lane, sign, 0, None);
-            memory.follow(rules, lane, sign, path);
-            memory.furthest_k[lane] = sign * temperature_k[lane];
+            memory.furthest_k[lane] = memory.sign[lane] * temperature_k[lane];
         }
         memory
     }
@@ -242,18 +254,10 @@ impl<const L: usize> Memory<L> {
         self.sign[lane] * temperature_k > self.return_k[lane]
     }
 
-    /// The current branch of a lane.
+    /// The current branches.
     #[inline(always)]
-    pub(crate) fn path(&self, lane: usize) -> Path {
-        Path {
-            start: Turn {
-                temperature_k: self.start_temperature_k[lane],
-                level_k: self.start_level_k[lane],
-            },
-            rise: self.rise[lane],
-            proximity_k: self.proximity_k[lane],
-            inverse_proximity_per_k: self.inverse_proximity_per_k[lane],
-        }
+    pub(crate) fn paths(&self) -> &Paths<L> {
+        &self.paths
     }
 
     /// The branches on which the lanes come to T̂, without moving there.
@@ -262,22 +266,11 @@ impl<const L: usize> Memory<L> {
         &self,
         rules: &Rules<'_, L, P>,
         temperature_k: &[f64; L],
-    ) -> [Path; L] {
-        core::array::from_fn(|lane| self.path_towards(rules, lane, temperature_k[lane]))
-    }
-
-    /// The branch on which a lane comes to T̂, without moving there.
-    #[inline(never)]
-    pub(crate) fn path_towards<P: Proximity>(
-        &self,
-        rules: &Rules<'_, L, P>,
-        lane: usize,
-        temperature_k: f64,
-    ) -> Path {
-        match self.recollection(rules, lane, temperature_k) {
-            None => self.path(lane),
-            Some(next) => self.path_of(rules, lane, next.sign, next.kept, next.added),
-        }
+    ) -> Paths<L> {
+        widest_vectors(
+            #[inline(always)]
+            || self.change(rules, temperature_k).paths,
+        )
     }
 
     /// Takes every lane that leaves its branch to the branch on which it comes to T̂.
@@ -287,14 +280,15 @@ impl<const L: usize> Memory<L> {
         rules: &Rules<'_, L, P>,
         temperature_k: &[f64; L],
     ) {
+        let change = widest_vectors(
+            #[inline(always)]
+            || self.change(rules, temperature_k),
+        );
+        self.paths = change.paths;
         for lane in 0..L {
-            if !self.leaves(lane, temperature_k[lane]) {
-                continue;
-            }
-            let Some(next) = self.recollection(rules, lane, temperature_k[lane]) else {
+            let Some(next) = change.recollections[lane] else {
                 continue;
             };
-            let path = self.path_of(rules, lane, next.sign, next.kept, next.added);
             self.forgotten[lane] += u32::from(next.forgets);
             self.depth[lane] = next.kept;
             if let Some(turn) = next.added {
@@ -304,9 +298,45 @@ impl<const L: usize> Memory<L> {
             if rules.are_kinetics() {
                 self.begin_anew(lane);
             }
-            self.follow(rules, lane, next.sign, path);
+            self.sign[lane] = next.sign;
+            self.return_k[lane] = match self.return_point(rules, lane, self.depth[lane], None) {
+                Some(end) => next.sign * end.temperature_k,
+                None => f64::INFINITY,
+            };
             // The extreme of the direction left behind must not hold back the new one.
             self.furthest_k[lane] = next.sign * temperature_k[lane];
+        }
+    }
+
+    /// What a step to T̂ changes. All lanes are computed side by side, and those that stay on their branch keep it: they
+    /// leave nearly together.
+    #[inline(always)]
+    fn change<P: Proximity>(&self, rules: &Rules<'_, L, P>, temperature_k: &[f64; L]) -> Change<L> {
+        let mut turned_k = [0.0; L];
+        for l in 0..L {
+            turned_k[l] = (self.sign[l] * self.furthest_k[l]).clamp(-FARTHEST_K, FARTHEST_K);
+        }
+        let turned_level_k = rules.levels(&self.paths, &turned_k);
+        let recollections: [_; L] = core::array::from_fn(|l| {
+            let turn = Turn {
+                temperature_k: turned_k[l],
+                level_k: turned_level_k[l],
+            };
+            self.recollection(rules, l, temperature_k[l], turn)
+        });
+        let mut paths = rules.paths(&Courses::from_fn(|l| {
+            recollections[l].map_or(Course::new(1.0, self.base[l], None), |next| {
+                self.course(rules, l, &next)
+            })
+        }));
+        for l in 0..L {
+            if recollections[l].is_none() {
+                paths.put(l, &self.paths.get(l));
+            }
+        }
+        Change {
+            paths,
+            recollections,
         }
     }
 
@@ -322,20 +352,16 @@ impl<const L: usize> Memory<L> {
         };
     }
 
-    /// Which reversals a lane remembers once it has come to T̂; `None` if it stays on its branch.
+    /// Which reversals a lane remembers once it has come to T̂, `turn` if it turns back; `None` if it stays on its branch.
     fn recollection<P: Proximity>(
         &self,
         rules: &Rules<'_, L, P>,
         lane: usize,
         temperature_k: f64,
+        turn: Turn,
     ) -> Option<Recollection> {
         let (depth, sign) = (self.depth[lane], self.sign[lane]);
         let mut next = if self.turns_back(lane, temperature_k) {
-            let turned_k = (sign * self.furthest_k[lane]).clamp(-FARTHEST_K, FARTHEST_K);
-            let turn = Turn {
-                temperature_k: turned_k,
-                level_k: rules.level(lane, &self.path(lane), turned_k),
-            };
             let full = depth == NESTING_CAPACITY;
             let is_nested = rules.rule == Rule::Nested || rules.are_kinetics();
             Recollection {
@@ -399,42 +425,23 @@ impl<const L: usize> Memory<L> {
         }
     }
 
-    /// The branch that belongs to `kept` reversals and one `added`.
-    fn path_of<P: Proximity>(
+    /// The course that belongs to what a lane remembers.
+    fn course<P: Proximity>(
         &self,
         rules: &Rules<'_, L, P>,
         lane: usize,
-        sign: f64,
-        kept: usize,
-        added: Option<Turn>,
-    ) -> Path {
+        next: &Recollection,
+    ) -> Course {
+        let Recollection {
+            sign, kept, added, ..
+        } = *next;
         let last = if kept > 0 {
             self.turns[lane][kept - 1]
         } else {
             self.base[lane]
         };
         let end = self.return_point(rules, lane, kept, added);
-        rules.path(lane, sign, added.unwrap_or(last), end)
-    }
-
-    /// Puts a lane on a branch; `depth` and `turns` are those of that branch already.
-    fn follow<P: Proximity>(
-        &mut self,
-        rules: &Rules<'_, L, P>,
-        lane: usize,
-        sign: f64,
-        path: Path,
-    ) {
-        self.sign[lane] = sign;
-        self.start_temperature_k[lane] = path.start.temperature_k;
-        self.start_level_k[lane] = path.start.level_k;
-        self.rise[lane] = path.rise;
-        self.proximity_k[lane] = path.proximity_k;
-        self.inverse_proximity_per_k[lane] = path.inverse_proximity_per_k;
-        self.return_k[lane] = match self.return_point(rules, lane, self.depth[lane], None) {
-            Some(end) => sign * end.temperature_k,
-            None => f64::INFINITY,
-        };
+        Course::new(sign, added.unwrap_or(last), end)
     }
 }
 

@@ -71,56 +71,60 @@ pub(crate) struct Path {
 }
 
 impl Path {
-    /// The branch of direction `sign` from `start` through `end`, if there is a point to return to.
+    /// The branch of a course. Written with selections alone: lanes are computed side by side.
+    #[inline(always)]
     pub(crate) fn new<const L: usize, P: Proximity>(
         limits: &LimitingLoop<L>,
         proximity: &P,
         lane: usize,
-        sign: f64,
-        start: Turn,
-        end: Option<Turn>,
+        course: &Course,
     ) -> Self {
+        let Course {
+            sign,
+            start,
+            end,
+            returns,
+        } = *course;
         let shift_k = sign * limits.half_width_k(lane);
         let widening = limits.widening(lane, sign);
         let distance_k = start.level_k * widening + shift_k - start.temperature_k;
         // T_pr has the sign of the direction; what does not reach the threshold, or has the wrong
         // sign by rounding, lies on the limiting curve already. Where curves cross it may lie beyond.
         let within_k = sign * distance_k;
-        let is_beyond = widening.to_bits() != 1.0_f64.to_bits() && within_k < -SMALLEST_PROXIMITY_K;
-        if within_k <= SMALLEST_PROXIMITY_K && !is_beyond {
-            return Self {
-                start,
-                rise: 1.0 / widening,
-                proximity_k: 0.0,
-                inverse_proximity_per_k: sign,
-            };
-        }
+        let is_beyond =
+            (widening.to_bits() != 1.0_f64.to_bits()) & (within_k < -SMALLEST_PROXIMITY_K);
+        let is_limiting = (within_k <= SMALLEST_PROXIMITY_K) & !is_beyond;
         let natural = Self {
             start,
             rise: 1.0 / widening,
             proximity_k: distance_k / widening,
             inverse_proximity_per_k: sign / distance_k.abs(),
         };
-        let Some(end) = end else { return natural };
         let reached_k = natural.level_k(proximity, lane, end.temperature_k);
         let excess_k = sign * (reached_k - end.level_k);
-        if excess_k > 0.0 {
-            let scale = factor((end.level_k - start.level_k) / (reached_k - start.level_k));
-            Self {
-                rise: scale * natural.rise,
-                proximity_k: scale * natural.proximity_k,
-                ..natural
-            }
-        } else if excess_k < 0.0 {
-            let limit_k = end.temperature_k - shift_k;
-            let left_k = |level_k: f64| level_k * widening - limit_k - distance_k;
-            let scale = factor(left_k(end.level_k) / left_k(reached_k));
-            Self {
-                proximity_k: scale * natural.proximity_k,
-                ..natural
-            }
-        } else {
-            natural
+        let shrunk = factor((end.level_k - start.level_k) / (reached_k - start.level_k));
+        let limit_k = end.temperature_k - shift_k;
+        let left_k = |level_k: f64| level_k * widening - limit_k - distance_k;
+        let slowed = factor(left_k(end.level_k) / left_k(reached_k));
+        let passes = returns & (excess_k > 0.0);
+        let falls_short = returns & (excess_k < 0.0);
+        let rise_scale = if passes { shrunk } else { 1.0 };
+        let proximity_scale = if falls_short { slowed } else { rise_scale };
+        let proximity_k = proximity_scale * natural.proximity_k;
+        Self {
+            start,
+            // On the limiting curve a branch leads along it, wherever it returns to.
+            rise: if is_limiting {
+                natural.rise
+            } else {
+                rise_scale * natural.rise
+            },
+            proximity_k: if is_limiting { 0.0 } else { proximity_k },
+            inverse_proximity_per_k: if is_limiting {
+                sign
+            } else {
+                natural.inverse_proximity_per_k
+            },
         }
     }
 
@@ -155,12 +159,138 @@ impl Path {
 
 /// A rescaling factor: over the shortest way to a return point its quotient may be off by rounding
 /// or 0/0, and the natural branch, factor 1, then misses the point by no more than rounding.
+#[inline(always)]
 fn factor(quotient: f64) -> f64 {
-    if (0.0..=1.0).contains(&quotient) {
-        quotient
-    } else if quotient < 0.0 {
-        0.0
-    } else {
-        1.0
+    let is_within = (quotient >= 0.0) & (quotient <= 1.0);
+    let nearest = if quotient < 0.0 { 0.0 } else { 1.0 };
+    if is_within { quotient } else { nearest }
+}
+
+/// Where a branch leads.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Course {
+    /// δ, +1 or -1.
+    pub(crate) sign: f64,
+    pub(crate) start: Turn,
+    /// The point to return to, if `returns`.
+    pub(crate) end: Turn,
+    pub(crate) returns: bool,
+}
+
+impl Course {
+    /// The course of direction `sign` from `start` through `end`, if there is a point to return to.
+    #[inline(always)]
+    pub(crate) fn new(sign: f64, start: Turn, end: Option<Turn>) -> Self {
+        Self {
+            sign,
+            start,
+            end: end.unwrap_or_default(),
+            returns: end.is_some(),
+        }
+    }
+}
+
+/// Branches of lanes side by side, a [`Path`] each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub(crate) struct Paths<const L: usize> {
+    start_temperature_k: [f64; L],
+    start_level_k: [f64; L],
+    rise: [f64; L],
+    proximity_k: [f64; L],
+    inverse_proximity_per_k: [f64; L],
+}
+
+impl<const L: usize> Paths<L> {
+    /// The branches of courses, each made by `path_of` of its lane and its course.
+    #[inline(always)]
+    pub(crate) fn of(courses: &Courses<L>, path_of: impl Fn(usize, &Course) -> Path) -> Self {
+        let mut paths = Self {
+            start_temperature_k: [0.0; L],
+            start_level_k: [0.0; L],
+            rise: [0.0; L],
+            proximity_k: [0.0; L],
+            inverse_proximity_per_k: [0.0; L],
+        };
+        for l in 0..L {
+            paths.put(l, &path_of(l, &courses.get(l)));
+        }
+        paths
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Path {
+        Path {
+            start: Turn {
+                temperature_k: self.start_temperature_k[lane],
+                level_k: self.start_level_k[lane],
+            },
+            rise: self.rise[lane],
+            proximity_k: self.proximity_k[lane],
+            inverse_proximity_per_k: self.inverse_proximity_per_k[lane],
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn put(&mut self, lane: usize, path: &Path) {
+        self.start_temperature_k[lane] = path.start.temperature_k;
+        self.start_level_k[lane] = path.start.level_k;
+        self.rise[lane] = path.rise;
+        self.proximity_k[lane] = path.proximity_k;
+        self.inverse_proximity_per_k[lane] = path.inverse_proximity_per_k;
+    }
+}
+
+/// Where the branches of lanes side by side lead, a [`Course`] each.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Courses<const L: usize> {
+    sign: [f64; L],
+    start_temperature_k: [f64; L],
+    start_level_k: [f64; L],
+    end_temperature_k: [f64; L],
+    end_level_k: [f64; L],
+    /// 1 if the branch returns, 0 if not: a lane as wide as the others.
+    returns: [f64; L],
+}
+
+impl<const L: usize> Courses<L> {
+    /// Courses that a function gives for each lane.
+    #[inline(always)]
+    pub(crate) fn from_fn(course_of: impl Fn(usize) -> Course) -> Self {
+        let mut courses = Self {
+            sign: [0.0; L],
+            start_temperature_k: [0.0; L],
+            start_level_k: [0.0; L],
+            end_temperature_k: [0.0; L],
+            end_level_k: [0.0; L],
+            returns: [0.0; L],
+        };
+        for l in 0..L {
+            let course = course_of(l);
+            courses.sign[l] = course.sign;
+            courses.start_temperature_k[l] = course.start.temperature_k;
+            courses.start_level_k[l] = course.start.level_k;
+            courses.end_temperature_k[l] = course.end.temperature_k;
+            courses.end_level_k[l] = course.end.level_k;
+            courses.returns[l] = f64::from(u8::from(course.returns));
+        }
+        courses
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Course {
+        Course {
+            sign: self.sign[lane],
+            start: Turn {
+                temperature_k: self.start_temperature_k[lane],
+                level_k: self.start_level_k[lane],
+            },
+            end: Turn {
+                temperature_k: self.end_temperature_k[lane],
+                level_k: self.end_level_k[lane],
+            },
+            returns: self.returns[lane] > 0.0,
+        }
     }
 }

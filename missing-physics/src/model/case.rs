@@ -25,7 +25,7 @@ const RACE: usize = 4;
 
 /// Relative offset at which a model that is only to be compared with others has come far enough: a ten-thousandth of its square
 /// is left to gain. And at which a refinement has its end.
-const NEAR_THE_END: f64 = 1e-2;
+const NEAR_THE_END: f64 = 2e-2;
 const AT_THE_END: f64 = 1e-3;
 
 /// Iterations until a refinement has its end.
