@@ -1,10 +1,18 @@
-//! Dense linear algebra of small matrices.
-//!
-//! The solvers of `faer` are generic: each crate that calls one compiles it anew. These functions are compiled here, once for
-//! all crates that depend on this one.
+//! Dense linear algebra of small matrices, compiled here once for all crates that depend on this one.
 
-use faer::linalg::solvers::{DenseSolveCore, Solve};
-use faer::{Mat, MatRef, Side};
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+use wiener::widest_vectors;
+
+/// A matrix, column after column.
+pub type Matrix = DMatrix<f64>;
+
+/// Partial sums of an inner product: enough for the widest vectors, and as many everywhere, so that the bits are equal.
+const SUMS: usize = 16;
+
+/// Iterations a row until a decomposition is given up: a few are usual.
+const ITERATIONS_A_ROW: usize = 100;
 
 /// Eigenvalues and eigenvectors of a symmetric matrix.
 #[derive(Debug, Clone)]
@@ -12,15 +20,15 @@ pub struct SymmetricEigen {
     /// In ascending order.
     pub values: Vec<f64>,
     /// Column k belongs to value k.
-    pub vectors: Mat<f64>,
+    pub vectors: Matrix,
 }
 
 impl SymmetricEigen {
     /// Columns of length √λ (0 where rounding left λ below zero): R with R Rᵀ the matrix.
     #[must_use]
-    pub fn scaled_vectors(&self) -> Mat<f64> {
+    pub fn scaled_vectors(&self) -> Matrix {
         let n = self.values.len();
-        Mat::from_fn(n, n, |i, k| {
+        Matrix::from_fn(n, n, |i, k| {
             self.vectors[(i, k)] * self.values[k].max(0.0).sqrt()
         })
     }
@@ -29,81 +37,215 @@ impl SymmetricEigen {
 /// Eigenvalues and eigenvectors of a symmetric matrix, of which the lower triangle is read; `None` if the iteration did not
 /// converge, as on a matrix with NaN.
 #[must_use]
-pub fn symmetric_eigen(matrix: &Mat<f64>) -> Option<SymmetricEigen> {
-    let eigen = matrix.self_adjoint_eigen(Side::Lower).ok()?;
-    let values = eigen.S().column_vector();
+pub fn symmetric_eigen(matrix: &Matrix) -> Option<SymmetricEigen> {
+    let n = matrix.nrows();
+    if n == 0 {
+        return Some(SymmetricEigen {
+            values: Vec::new(),
+            vectors: matrix.clone(),
+        });
+    }
+    let eigen = nalgebra::SymmetricEigen::try_new(matrix.clone(), f64::EPSILON, iterations(n))?;
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     Some(SymmetricEigen {
-        values: (0..matrix.nrows()).map(|k| values[k]).collect(),
-        vectors: eigen.U().to_owned(),
+        values: order.iter().map(|&k| eigen.eigenvalues[k]).collect(),
+        vectors: Matrix::from_fn(n, n, |i, k| eigen.eigenvectors[(i, order[k])]),
     })
 }
 
-/// Product of two matrices.
-#[must_use]
-pub fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
-    left * right
+/// Singular values, and the directions of columns that belong to them.
+#[derive(Debug, Clone)]
+pub(crate) struct Singular {
+    /// In descending order.
+    pub(crate) values: Vec<f64>,
+    /// Row k belongs to value k.
+    pub(crate) directions: Matrix,
 }
 
-/// Solution of a square system for each column on the right, by LU with row exchanges.
+/// The singular values of a square matrix; `None` if the iteration did not converge, as on a matrix with NaN.
+pub(crate) fn singular(matrix: &Matrix) -> Option<Singular> {
+    let n = matrix.nrows();
+    if n == 0 {
+        return Some(Singular {
+            values: Vec::new(),
+            directions: matrix.clone(),
+        });
+    }
+    let svd = nalgebra::SVD::try_new(matrix.clone(), false, true, f64::EPSILON, iterations(n))?;
+    Some(Singular {
+        values: svd.singular_values.iter().copied().collect(),
+        directions: svd.v_t?,
+    })
+}
+
+/// Most iterations of a decomposition of n rows.
+fn iterations(n: usize) -> usize {
+    ITERATIONS_A_ROW * n
+}
+
+/// Product of one matrix, transposed, and another, over some of their rows.
+///
+/// # Panics
+///
+/// If either has fewer rows.
 #[must_use]
-pub fn solved(matrix: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
-    matrix.partial_piv_lu().solve(right)
+pub fn transposed_product(one: &Matrix, other: &Matrix, rows: Range<usize>) -> Matrix {
+    let column = |matrix: &'_ Matrix, k: usize| -> Range<usize> {
+        let start = k * matrix.nrows();
+        start + rows.start..start + rows.end
+    };
+    let mut product = Matrix::zeros(one.ncols(), other.ncols());
+    widest_vectors(
+        #[inline(always)]
+        || {
+            for i in 0..one.ncols() {
+                let left = &one.as_slice()[column(one, i)];
+                for j in 0..other.ncols() {
+                    product[(i, j)] = dot(left, &other.as_slice()[column(other, j)]);
+                }
+            }
+        },
+    );
+    product
+}
+
+/// Inner product of two series of one length.
+#[inline(always)]
+pub(crate) fn dot(one: &[f64], other: &[f64]) -> f64 {
+    let mut sums = [0.0; SUMS];
+    let (ones, others) = (one.chunks_exact(SUMS), other.chunks_exact(SUMS));
+    let (rest, other_rest) = (ones.remainder(), others.remainder());
+    for (one, other) in ones.zip(others) {
+        for k in 0..SUMS {
+            sums[k] += one[k] * other[k];
+        }
+    }
+    for (k, (one, other)) in rest.iter().zip(other_rest).enumerate() {
+        sums[k] += one * other;
+    }
+    sums.iter().sum()
+}
+
+/// Solution of a square system for each column on the right, by LU with row exchanges; NaN if it has none.
+#[must_use]
+pub fn solved(matrix: &Matrix, right: &Matrix) -> Matrix {
+    let solution = matrix.clone().lu().solve(right);
+    solution.unwrap_or_else(|| Matrix::repeat(right.nrows(), right.ncols(), f64::NAN))
 }
 
 /// The same for a symmetric matrix: by Cholesky's factor where it is positive definite, else by LU.
 #[must_use]
-pub fn symmetric_solved(matrix: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
-    match matrix.llt(Side::Lower) {
-        Ok(factor) => factor.solve(right),
-        Err(_) => solved(matrix, right),
+pub fn symmetric_solved(matrix: &Matrix, right: &Matrix) -> Matrix {
+    match matrix.clone().cholesky() {
+        Some(factor) => factor.solve(right),
+        None => solved(matrix, right),
     }
 }
 
-/// Inverse of a square matrix, by LU with row exchanges.
+/// Inverse of a square matrix, by LU with row exchanges; NaN if it has none.
 #[must_use]
-pub fn inverse(matrix: &Mat<f64>) -> Mat<f64> {
-    matrix.partial_piv_lu().inverse()
+pub fn inverse(matrix: &Matrix) -> Matrix {
+    let n = matrix.nrows();
+    solved(matrix, &Matrix::identity(n, n))
+}
+
+/// Least-squares solution of a full-rank system with no more columns than rows, by QR; NaN if the rank is less.
+///
+/// # Panics
+///
+/// If there are fewer rows than columns, or the right side is shorter than the matrix.
+pub(crate) fn least_squares(matrix: &Matrix, right: &[f64]) -> Vec<f64> {
+    let n = matrix.ncols();
+    if n == 0 {
+        return Vec::new();
+    }
+    let factors = matrix.clone().qr();
+    let mut reflected = Matrix::from_column_slice(right.len(), 1, right);
+    factors.q_tr_mul(&mut reflected);
+    let solution = factors
+        .r()
+        .solve_upper_triangular(&reflected.rows(0, n).into_owned());
+    solution.map_or_else(|| vec![f64::NAN; n], |found| found.as_slice().to_vec())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn symmetric() -> Mat<f64> {
-        Mat::from_fn(3, 3, |i, j| {
+    fn symmetric() -> Matrix {
+        Matrix::from_fn(3, 3, |i, j| {
             [[4.0, 1.0, 0.0], [1.0, 3.0, 1.0], [0.0, 1.0, 2.0]][i][j]
         })
     }
 
-    fn is_near(one: &Mat<f64>, other: &Mat<f64>) -> bool {
-        (one - other).norm_max() < 1e-12
+    fn is_near(one: &Matrix, other: &Matrix) -> bool {
+        (one - other).amax() < 1e-12
     }
 
     #[test]
     fn scaled_vectors_are_a_root() {
-        let root = symmetric_eigen(&symmetric()).unwrap().scaled_vectors();
-        let squared = product(root.as_ref(), root.transpose());
-        assert!(is_near(&squared, &symmetric()));
+        let eigen = symmetric_eigen(&symmetric()).unwrap();
+        assert!(eigen.values.is_sorted());
+        let root = eigen.scaled_vectors();
+        assert!(is_near(&(&root * root.transpose()), &symmetric()));
+    }
+
+    #[test]
+    fn singular_values_are_those_of_the_square() {
+        let matrix = Matrix::from_fn(3, 3, |i, j| ((3 * i + j) as f64).sin());
+        let found = singular(&matrix).unwrap();
+        assert!(found.values.is_sorted_by(|a, b| a >= b));
+        let scaled = Matrix::from_fn(3, 3, |k, j| found.values[k] * found.directions[(k, j)]);
+        let squared = transposed_product(&matrix, &matrix, 0..3);
+        assert!(is_near(
+            &transposed_product(&scaled, &scaled, 0..3),
+            &squared
+        ));
     }
 
     #[test]
     fn solutions_and_inverse_agree() {
-        let right = Mat::from_fn(3, 2, |i, j| (i + 2 * j) as f64);
-        let expected = product(inverse(&symmetric()).as_ref(), right.as_ref());
+        let right = Matrix::from_fn(3, 2, |i, j| (i + 2 * j) as f64);
+        let expected = inverse(&symmetric()) * &right;
         assert!(is_near(&solved(&symmetric(), &right), &expected));
         assert!(is_near(&symmetric_solved(&symmetric(), &right), &expected));
         // Indefinite: Cholesky's factor does not exist.
-        let indefinite = Mat::from_fn(2, 2, |i, j| if i == j { 0.0 } else { 1.0 });
-        let right = Mat::from_fn(2, 1, |i, _| i as f64);
-        let swapped = Mat::from_fn(2, 1, |i, _| 1.0 - i as f64);
+        let indefinite = Matrix::from_fn(2, 2, |i, j| if i == j { 0.0 } else { 1.0 });
+        let right = Matrix::from_fn(2, 1, |i, _| i as f64);
+        let swapped = Matrix::from_fn(2, 1, |i, _| 1.0 - i as f64);
         assert!(is_near(&symmetric_solved(&indefinite, &right), &swapped));
+    }
+
+    #[test]
+    fn a_tall_system_is_solved_and_one_of_less_rank_is_not() {
+        let matrix = Matrix::from_fn(3, 2, |row, column| {
+            [[1.0, 0.0], [0.0, 2.0], [0.0, 0.0]][row][column]
+        });
+        let solution = least_squares(&matrix, &[3.0, 4.0, 9.0]);
+        assert!((solution[0] - 3.0).abs() < 1e-14 && (solution[1] - 2.0).abs() < 1e-14);
+        let short = least_squares(&Matrix::zeros(3, 2), &[3.0, 4.0, 9.0]);
+        assert!(short.iter().all(|value| !value.is_finite()));
+    }
+
+    #[test]
+    fn products_are_of_the_rows_that_were_asked_for() {
+        let matrix = Matrix::from_fn(100, 3, |i, j| ((i * 7 + j * 13) as f64).sin());
+        let part = matrix.rows(20, 61).into_owned();
+        let expected = part.transpose() * &part;
+        assert!(is_near(
+            &transposed_product(&matrix, &matrix, 20..81),
+            &expected
+        ));
     }
 
     #[test]
     fn of_what_is_no_number_nothing_is_decomposed() {
         let mut matrix = symmetric();
-        matrix[(1, 0)] = f64::NAN;
+        (matrix[(1, 0)], matrix[(0, 1)]) = (f64::NAN, f64::NAN);
         let found = symmetric_eigen(&matrix);
         assert!(found.is_none_or(|eigen| eigen.values.iter().any(|value| value.is_nan())));
+        let found = singular(&matrix);
+        assert!(found.is_none_or(|found| found.values.iter().any(|value| value.is_nan())));
     }
 }

@@ -1,11 +1,10 @@
 //! Models as likely as the identified one: parameters drawn from the covariance of their estimates.
 
-use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::dense::symmetric_eigen;
+use crate::dense::{Matrix, symmetric_eigen};
 use crate::fitted::point;
 use crate::{Fit, FittedParameter, ParameterCovariance, SavedModel, Scale, Scope};
 
@@ -89,10 +88,10 @@ fn draws(
 }
 
 /// The symmetric square root of a covariance: it stands rounding below zero, which Cholesky's does not.
-fn square_root(n: usize, covariance: impl Fn(usize, usize) -> f64) -> Mat<f64> {
+fn square_root(n: usize, covariance: impl Fn(usize, usize) -> f64) -> Matrix {
     // Scaled to correlations: the parameters' units differ by orders of magnitude.
     let deviation: Vec<f64> = (0..n).map(|i| covariance(i, i).max(0.0).sqrt()).collect();
-    let correlation = Mat::from_fn(n, n, |i, j| {
+    let correlation = Matrix::from_fn(n, n, |i, j| {
         let product = deviation[i] * deviation[j];
         if product > 0.0 {
             covariance(i, j) / product
@@ -101,10 +100,10 @@ fn square_root(n: usize, covariance: impl Fn(usize, usize) -> f64) -> Mat<f64> {
         }
     });
     let Some(eigen) = symmetric_eigen(&correlation) else {
-        return Mat::from_fn(n, n, |i, j| if i == j { deviation[i] } else { 0.0 });
+        return Matrix::from_fn(n, n, |i, j| if i == j { deviation[i] } else { 0.0 });
     };
     let scaled = eigen.scaled_vectors();
-    Mat::from_fn(n, n, |i, j| {
+    Matrix::from_fn(n, n, |i, j| {
         let root: f64 = (0..n).map(|k| scaled[(i, k)] * eigen.vectors[(j, k)]).sum();
         deviation[i] * root
     })

@@ -105,7 +105,7 @@ impl SumOfSquares for Expecting<'_, '_> {
             *sum += self.squares(point);
         }
         let local = Linearized {
-            jacobian: r.get(..n, ..n).to_owned(),
+            jacobian: r.view((0, 0), (n, n)).into_owned(),
             residual: (0..n).map(|row| r[(row, n)]).collect(),
             sum_of_squares: sums[around],
         };

@@ -1,11 +1,9 @@
-use faer::Mat;
-use faer::linalg::solvers::{Qr, SolveLstsqCore};
 use wiener::widest_vectors;
+
+use crate::dense::{Matrix, dot};
 
 /// Rows gathered before they are absorbed into the triangle.
 const ROWS: usize = 256;
-/// Partial sums of an inner product: enough for the widest vectors, and as many everywhere, so that the bits are equal.
-const SUMS: usize = 16;
 
 /// Triangular factor of a tall matrix that arrives row by row: memory does not grow with its length.
 ///
@@ -90,35 +88,12 @@ impl Triangle {
     }
 
     /// R, square and upper triangular.
-    pub(crate) fn r(mut self) -> Mat<f64> {
+    pub(crate) fn r(mut self) -> Matrix {
         self.absorb();
-        Mat::from_fn(self.columns, self.columns, |row, column| {
+        Matrix::from_fn(self.columns, self.columns, |row, column| {
             self.r[self.columns * column + row]
         })
     }
-}
-
-#[inline(always)]
-fn dot(one: &[f64], other: &[f64]) -> f64 {
-    let mut sums = [0.0; SUMS];
-    let (ones, others) = (one.chunks_exact(SUMS), other.chunks_exact(SUMS));
-    let (rest, other_rest) = (ones.remainder(), others.remainder());
-    for (one, other) in ones.zip(others) {
-        for k in 0..SUMS {
-            sums[k] += one[k] * other[k];
-        }
-    }
-    for (k, (one, other)) in rest.iter().zip(other_rest).enumerate() {
-        sums[k] += one * other;
-    }
-    sums.iter().sum()
-}
-
-/// Least-squares solution of a small full-rank system, by QR.
-pub(crate) fn solve(matrix: &Mat<f64>, right: &[f64]) -> Vec<f64> {
-    let mut solution = Mat::from_fn(right.len(), 1, |row, _| right[row]);
-    Qr::new(matrix.as_ref()).solve_lstsq_in_place_with_conj(faer::Conj::No, solution.as_mut());
-    (0..matrix.ncols()).map(|row| solution[(row, 0)]).collect()
 }
 
 #[cfg(test)]
@@ -152,14 +127,5 @@ mod tests {
         let r = triangle.r();
         assert!(r[(0, 0)].abs() + r[(1, 0)].abs() <= 0.0);
         assert!(r[(1, 1)].is_nan());
-    }
-
-    #[test]
-    fn a_small_system_is_solved() {
-        let matrix = Mat::from_fn(3, 2, |row, column| {
-            [[1.0, 0.0], [0.0, 2.0], [0.0, 0.0]][row][column]
-        });
-        let solution = solve(&matrix, &[3.0, 4.0, 9.0]);
-        assert!((solution[0] - 3.0).abs() < 1e-14 && (solution[1] - 2.0).abs() < 1e-14);
     }
 }

@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use faer::Mat;
-
+use crate::dense::{Matrix, singular};
 use crate::problem::Problem;
 use crate::residual_noise::ResidualNoise;
 use crate::{IdentifyError, Scale};
@@ -82,16 +81,16 @@ pub(crate) fn unfixed_directions(
             Scale::Linear => point[j] - problem.bounds()[j].lower,
         }
     };
-    let scaled = Mat::from_fn(n, n, |row, j| local.jacobian[(row, j)] * size(j));
-    let Ok(svd) = scaled.svd() else {
+    let scaled = Matrix::from_fn(n, n, |row, j| local.jacobian[(row, j)] * size(j));
+    let Some(found) = singular(&scaled) else {
         return Ok(Vec::new());
     };
     // Slow changes meet the slow part of the residuals: their variance, times how few count.
     let slow = noise.variance * noise.n_samples as f64 / noise.n_effective.max(1.0);
     let directions = (0..n).filter_map(|i| {
-        let deviation = slow.sqrt() / svd.S().column_vector()[i];
+        let deviation = slow.sqrt() / found.values[i];
         (deviation > UNFIXED || !deviation.is_finite()).then(|| {
-            let part = |j: usize| svd.V()[(j, i)];
+            let part = |j: usize| found.directions[(i, j)];
             let largest = (0..n)
                 .map(part)
                 .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });

@@ -1,12 +1,11 @@
 //! Bounded Levenberg-Marquardt on the triangular factor of the Jacobian.
 
-use faer::Mat;
 use pso::Bound;
 use serde::{Deserialize, Serialize};
 use wiener::NARROW;
 
 use crate::IdentifyError;
-use crate::factor::solve;
+use crate::dense::{Matrix, least_squares};
 
 /// Settings of the least-squares search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +71,7 @@ impl Termination {
 #[derive(Debug, Clone)]
 pub(crate) struct Linearized {
     /// Triangular factor of the Jacobian, square.
-    pub(crate) jacobian: Mat<f64>,
+    pub(crate) jacobian: Matrix,
     /// The residual in the same frame.
     pub(crate) residual: Vec<f64>,
     /// Sum of squares of the whole residual.
@@ -156,7 +155,7 @@ pub(crate) fn minimize(
         }
         let free = free_coordinates(&local, bounds, &point);
         for &j in &free {
-            weights[j] = weights[j].max(local.jacobian.col(j).norm_l2());
+            weights[j] = weights[j].max(local.jacobian.column(j).norm());
         }
         let relative_offset = relative_offset(&local, &free);
         if local.sum_of_squares <= problem.rounding() {
@@ -219,7 +218,7 @@ fn free_coordinates(local: &Linearized, bounds: &[Bound], point: &[f64]) -> Vec<
             let gradient: f64 = (0..=j)
                 .map(|row| local.jacobian[(row, j)] * local.residual[row])
                 .sum();
-            let moves = local.jacobian.col(j).norm_l2() > 0.0;
+            let moves = local.jacobian.column(j).norm() > 0.0;
             let at_lower = point[j] <= bounds[j].lower && gradient >= 0.0;
             let at_upper = point[j] >= bounds[j].upper && gradient <= 0.0;
             moves && !at_lower && !at_upper
@@ -233,7 +232,7 @@ fn relative_offset(local: &Linearized, free: &[usize]) -> f64 {
         return 0.0;
     }
     let n = local.residual.len();
-    let norms: Vec<f64> = (0..n).map(|j| local.jacobian.col(j).norm_l2()).collect();
+    let norms: Vec<f64> = (0..n).map(|j| local.jacobian.column(j).norm()).collect();
     // A trace of damping: along directions that the data do not fix there is nothing to explain, and
     // without it rounding would be taken for it.
     let step = damped_step(local, free, &norms, 1e-10);
@@ -252,7 +251,7 @@ fn relative_offset(local: &Linearized, free: &[usize]) -> f64 {
 
 fn damped_step(local: &Linearized, free: &[usize], weights: &[f64], damping: f64) -> Vec<f64> {
     let n = local.residual.len();
-    let matrix = Mat::from_fn(n + free.len(), free.len(), |row, k| {
+    let matrix = Matrix::from_fn(n + free.len(), free.len(), |row, k| {
         if row < n {
             local.jacobian[(row, free[k])]
         } else if row - n == k {
@@ -267,7 +266,7 @@ fn damped_step(local: &Linearized, free: &[usize], weights: &[f64], damping: f64
         .map(|residual| -residual)
         .chain(free.iter().map(|_| 0.0))
         .collect();
-    solve(&matrix, &right)
+    least_squares(&matrix, &right)
 }
 
 fn moved(point: &[f64], free: &[usize], step: &[f64], bounds: &[Bound]) -> Vec<f64> {
@@ -312,7 +311,7 @@ mod tests {
             let r = triangle.r();
             let sums = self.sums(points)?;
             let linearized = Linearized {
-                jacobian: r.get(..2, ..2).to_owned(),
+                jacobian: r.view((0, 0), (2, 2)).into_owned(),
                 residual: vec![r[(0, 2)], r[(1, 2)]],
                 sum_of_squares: sums[around],
             };

@@ -3,12 +3,12 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use faer::Mat;
 use pso::Bound;
 use rayon::prelude::*;
 use recording::Recording;
 use wiener::Block;
 
+use crate::dense::Matrix;
 use crate::difference::{Batch, Sides};
 use crate::factor::Triangle;
 use crate::least_squares::{Linearized, SumOfSquares};
@@ -490,7 +490,9 @@ impl<'a> Problem<'a> {
         }
         let r = whole.r();
         let linearized = Linearized {
-            jacobian: r.get(linear..last, linear..last).to_owned(),
+            jacobian: r
+                .view((linear, linear), (coordinates, coordinates))
+                .into_owned(),
             residual: (linear..last).map(|row| r[(row, last)]).collect(),
             sum_of_squares: sums[around],
         };
@@ -548,7 +550,7 @@ impl<'a> Problem<'a> {
 struct Seen {
     moments: [Moments; BATCH],
     /// Triangular factors of the weighted rows of output and temperature: linear parameters, coordinates, residual.
-    triangles: [Mat<f64>; 2],
+    triangles: [Matrix; 2],
 }
 
 impl SumOfSquares for Problem<'_> {

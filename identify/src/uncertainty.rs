@@ -1,9 +1,8 @@
 //! How far a fit can be trusted: covariance of its parameters, corrected for residuals that are not
 //! independent.
 
-use faer::Mat;
-
 use crate::IdentifyError;
+use crate::dense::{Matrix, singular};
 use crate::factor::Triangle;
 use crate::moments::Solved;
 use crate::problem::{Channel, Problem, Residuals};
@@ -19,7 +18,7 @@ pub(crate) struct Covariance {
     /// Which columns of the Jacobian it covers: linear ones first, coordinates on a bound left out.
     pub(crate) columns: Vec<usize>,
     /// In the columns' units; infinite where the data say nothing.
-    pub(crate) matrix: Mat<f64>,
+    pub(crate) matrix: Matrix,
     /// What the output's residuals are like.
     pub(crate) noise: ResidualNoise,
     /// Factor on a standard error for a 95 % interval.
@@ -71,15 +70,15 @@ pub(crate) fn covariance(
         })?;
     }
     let inverse = pseudo_inverse(&bread.r());
-    let mut matrix = Mat::zeros(columns.len(), columns.len());
+    let mut matrix = Matrix::zeros(columns.len(), columns.len());
     for (noise, meat) in noises.iter().zip(meat) {
         // B S with SᵀS the meat: BᵀB keeps the sum positive.
-        let half = meat.r() * &inverse.matrix * faer::Scale(noise.innovation_variance.sqrt());
+        let half = meat.r() * &inverse.matrix * noise.innovation_variance.sqrt();
         matrix += half.transpose() * &half;
     }
     let [noise, _] = noises;
     let taken = taken_by_fit(&matrix, &inverse, &noise);
-    matrix *= faer::Scale(1.0 + taken);
+    matrix *= 1.0 + taken;
     for k in inverse.unfixed {
         matrix[(k, k)] = f64::INFINITY;
     }
@@ -145,44 +144,44 @@ impl Filter {
 
 /// (RᵀR)⁻¹ over the directions that the data fix.
 struct Inverse {
-    matrix: Mat<f64>,
+    matrix: Matrix,
     /// RᵀR.
-    information: Mat<f64>,
+    information: Matrix,
     /// Columns with a part in a direction that the data do not fix.
     unfixed: Vec<usize>,
 }
 
-fn pseudo_inverse(r: &Mat<f64>) -> Inverse {
+fn pseudo_inverse(r: &Matrix) -> Inverse {
     let n = r.ncols();
     let information = r.transpose() * r;
     let scales: Vec<f64> = (0..n)
         .map(|k| {
-            Some(r.col(k).norm_l2())
+            Some(r.column(k).norm())
                 .filter(|&norm| norm > 0.0)
                 .unwrap_or(1.0)
         })
         .collect();
-    let scaled = Mat::from_fn(n, n, |row, k| r[(row, k)] / scales[k]);
+    let scaled = Matrix::from_fn(n, n, |row, k| r[(row, k)] / scales[k]);
     let nothing = Inverse {
-        matrix: Mat::zeros(n, n),
+        matrix: Matrix::zeros(n, n),
         information: information.clone(),
         unfixed: (0..n).collect(),
     };
-    let Ok(svd) = scaled.svd() else {
+    let Some(found) = singular(&scaled) else {
         return nothing;
     };
-    let singular = svd.S().column_vector();
-    let largest = (0..n).map(|i| singular[i]).fold(0.0, f64::max);
-    let fixed = |i: usize| singular[i] > SMALLEST_SINGULAR * largest;
-    let matrix = Mat::from_fn(n, n, |row, column| {
+    let (values, directions) = (found.values, found.directions);
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let fixed = |i: usize| values[i] > SMALLEST_SINGULAR * largest;
+    let matrix = Matrix::from_fn(n, n, |row, column| {
         let sum: f64 = (0..n)
             .filter(|&i| fixed(i))
-            .map(|i| svd.V()[(row, i)] * svd.V()[(column, i)] / (singular[i] * singular[i]))
+            .map(|i| directions[(i, row)] * directions[(i, column)] / (values[i] * values[i]))
             .sum();
         sum / (scales[row] * scales[column])
     });
     let unfixed = (0..n)
-        .filter(|&k| (0..n).any(|i| !fixed(i) && svd.V()[(k, i)].abs() > 1e-3))
+        .filter(|&k| (0..n).any(|i| !fixed(i) && directions[(i, k)].abs() > 1e-3))
         .collect();
     Inverse {
         matrix,
@@ -192,7 +191,7 @@ fn pseudo_inverse(r: &Mat<f64>) -> Inverse {
 }
 
 /// Share of the residuals' variance that the fit has taken: tr(P Γ)/(N γ_0).
-fn taken_by_fit(covariance: &Mat<f64>, inverse: &Inverse, noise: &ResidualNoise) -> f64 {
+fn taken_by_fit(covariance: &Matrix, inverse: &Inverse, noise: &ResidualNoise) -> f64 {
     let n = covariance.ncols();
     let trace: f64 = (0..n)
         .map(|i| {

@@ -161,9 +161,12 @@ impl Path {
 /// or 0/0, and the natural branch, factor 1, then misses the point by no more than rounding.
 #[inline(always)]
 fn factor(quotient: f64) -> f64 {
-    let is_within = (quotient >= 0.0) & (quotient <= 1.0);
     let nearest = if quotient < 0.0 { 0.0 } else { 1.0 };
-    if is_within { quotient } else { nearest }
+    if (0.0..=1.0).contains(&quotient) {
+        quotient
+    } else {
+        nearest
+    }
 }
 
 /// Where a branch leads.

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use faer::Mat;
-use identify::dense::{product, solved};
+use identify::dense::{Matrix, solved, transposed_product};
 
 /// Blocks of time that are left out in turn.
 const N_BLOCKS: usize = 8;
@@ -14,27 +13,27 @@ const PENALTIES: std::ops::RangeInclusive<i32> = -8..=3;
 /// Products of columns and target in a block of time.
 #[derive(Debug, Clone)]
 struct Products {
-    gram: Mat<f64>,
-    along: Mat<f64>,
+    gram: Matrix,
+    along: Matrix,
     square: f64,
 }
 
 impl Products {
     fn of(columns: &[Vec<f64>], target: &[f64], block: Range<usize>) -> Self {
         let (n, start) = (block.len(), block.start);
-        let own = Mat::from_fn(n, columns.len(), |k, j| columns[j][start + k]);
-        let target = Mat::from_fn(n, 1, |k, _| target[start + k]);
+        let own = Matrix::from_fn(n, columns.len(), |k, j| columns[j][start + k]);
+        let target = Matrix::from_fn(n, 1, |k, _| target[start + k]);
         Self {
-            gram: product(own.transpose(), own.as_ref()),
-            along: product(own.transpose(), target.as_ref()),
-            square: target.squared_norm_l2(),
+            gram: transposed_product(&own, &own, 0..n),
+            along: transposed_product(&own, &target, 0..n),
+            square: target.norm_squared(),
         }
     }
 
     /// (X'X + λ I)⁻¹ X'y.
-    fn coefficients(&self, penalty: f64) -> Mat<f64> {
+    fn coefficients(&self, penalty: f64) -> Matrix {
         let n = self.gram.nrows();
-        let penalized = &self.gram + Mat::<f64>::identity(n, n) * faer::Scale(penalty);
+        let penalized = &self.gram + Matrix::identity(n, n) * penalty;
         solved(&penalized, &self.along)
     }
 
@@ -47,10 +46,9 @@ impl Products {
     }
 
     /// ‖y - X a‖².
-    fn left(&self, coefficients: &Mat<f64>) -> f64 {
-        let shown =
-            product(self.gram.as_ref(), coefficients.as_ref()) - &self.along * faer::Scale(2.0);
-        let moved = product(coefficients.transpose(), shown.as_ref());
+    fn left(&self, coefficients: &Matrix) -> f64 {
+        let shown = &self.gram * coefficients - &self.along * 2.0;
+        let moved = coefficients.transpose() * shown;
         self.square + moved[(0, 0)]
     }
 }

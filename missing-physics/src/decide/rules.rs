@@ -92,7 +92,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Describes,
         name: "describes",
-        statistic: "share of the output's variance that the best model without drifts predicts on blocks it has not seen",
+        statistic: "share of the output's variance that is predicted on blocks left out: by the plain model if nothing is named, else by the best without drifts",
         comparison: Comparison::AtLeast,
         threshold: 0.8,
         basis: Basis::Chosen,

@@ -197,7 +197,7 @@ fn around(population: &Population, id: RuleId, set: impl Fn(&mut Known, f64)) ->
 }
 
 #[test]
-fn a_model_that_predicts_less_than_half_describes_nothing() {
+fn a_plain_model_that_predicts_too_little_describes_nothing() {
     let population = nothing();
     let left = population.plain().evidence.squares()[0];
     let found = around(&population, RuleId::Describes, |known, share| {

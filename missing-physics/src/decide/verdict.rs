@@ -3,7 +3,7 @@
 use crate::decide::known::Known;
 use crate::decide::leading::leading;
 use crate::decide::names::{Belief, Named, names};
-use crate::decide::rules::RuleId;
+use crate::decide::rules::{RuleId, rule};
 use crate::decide::said::Verdict;
 use crate::decide::trace::Traces;
 use crate::evidence::{Audit, Model, Population, UNLISTED, masses};
@@ -30,13 +30,20 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     let mut traces = Traces::default();
     let model = leading(population);
     let belief = Belief::of(population, model, known.seed);
-    let describes = traces.ask(RuleId::Describes, "", described(population, known));
+    let mut of_names = Traces::default();
+    let [mut named, mut suspects] = names(population, model, &belief, known, &mut of_names);
+    let described = if named.is_empty() {
+        described_plainly(population, known)
+    } else {
+        described(population, known)
+    };
+    let describes = traces.ask(RuleId::Describes, "", described);
     let is_missing = traces.ask(
         RuleId::Missing,
         "",
         plain(population, model, &belief, known.seed),
     );
-    let [mut named, mut suspects] = names(population, model, &belief, known, &mut traces);
+    traces.0.append(&mut of_names.0);
     let more_is_left = is_left(population, model, known, &mut traces);
     let is_odd = is_odd(known, named.is_empty(), &mut traces);
     let verdict = if !describes {
@@ -67,7 +74,8 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
         known,
         &mut Traces::default(),
     );
-    let nameless = if !describes || plain_is_left || is_odd {
+    let plain_describes = rule(RuleId::Describes).passes(described_plainly(population, known));
+    let nameless = if !plain_describes || plain_is_left || is_odd {
         Verdict::Unexplained
     } else {
         Verdict::Adequate
@@ -107,9 +115,17 @@ fn described(population: &Population, known: &Known) -> f64 {
         let with_curve = model.anonymous.as_ref();
         with_curve.map_or(own, |curve| curve.evidence.squares()[0].min(own))
     });
-    let least = squares.fold(f64::INFINITY, f64::min);
+    share_described(squares.fold(f64::INFINITY, f64::min), known)
+}
+
+/// The same by the plain model: where nothing is named, it is what is said to describe the rig.
+fn described_plainly(population: &Population, known: &Known) -> f64 {
+    share_described(population.plain().evidence.squares()[0], known)
+}
+
+fn share_described(left: f64, known: &Known) -> f64 {
     if known.output_squares > 0.0 {
-        1.0 - least / known.output_squares
+        1.0 - left / known.output_squares
     } else {
         0.0
     }

@@ -1,7 +1,6 @@
 //! Predictions of blocks from a regression on all others.
 
-use faer::Mat;
-use identify::dense::{product, symmetric_solved};
+use identify::dense::{Matrix, symmetric_solved, transposed_product};
 
 use crate::evidence::blocks::Block;
 
@@ -25,12 +24,12 @@ pub(crate) struct Columns<'a> {
 #[derive(Debug)]
 pub(crate) struct LeftOut<'a> {
     blocks: &'a [Block],
-    columns: Mat<f64>,
+    columns: Matrix,
     n_free: usize,
-    gram: Mat<f64>,
-    along: Mat<f64>,
-    removed: Vec<(Mat<f64>, Mat<f64>)>,
-    target: Mat<f64>,
+    gram: Matrix,
+    along: Matrix,
+    removed: Vec<(Matrix, Matrix)>,
+    target: Matrix,
 }
 
 impl<'a> LeftOut<'a> {
@@ -44,18 +43,19 @@ impl<'a> LeftOut<'a> {
             })
             .collect();
         let n = target.len();
-        let matrix = Mat::from_fn(n, all.len(), |k, j| per[j] * all[j][k]);
-        let target = Mat::from_fn(n, 1, |k, _| target[k]);
+        let matrix = Matrix::from_fn(n, all.len(), |k, j| per[j] * all[j][k]);
+        let target = Matrix::from_fn(n, 1, |k, _| target[k]);
         let products = |rows: &std::ops::Range<usize>| {
-            let part = matrix.get(rows.clone(), ..);
-            let own = target.get(rows.clone(), ..);
             (
-                product(part.transpose(), part),
-                product(part.transpose(), own),
+                transposed_product(&matrix, &matrix, rows.clone()),
+                transposed_product(&matrix, &target, rows.clone()),
             )
         };
         let removed = blocks.iter().map(|block| {
-            let mut sums = (Mat::zeros(all.len(), all.len()), Mat::zeros(all.len(), 1));
+            let mut sums = (
+                Matrix::zeros(all.len(), all.len()),
+                Matrix::zeros(all.len(), 1),
+            );
             for (gram, along) in block.removed.iter().map(&products) {
                 sums = (sums.0 + gram, sums.1 + along);
             }
@@ -80,7 +80,7 @@ impl<'a> LeftOut<'a> {
         for (block, removed) in self.blocks.iter().zip(&self.removed) {
             let own = self.coefficients(penalty, removed);
             for rows in block.scored() {
-                let shown = product(self.columns.get(rows.clone(), ..), own.as_ref());
+                let shown = self.columns.rows(rows.start, rows.len()) * &own;
                 for (place, k) in rows.clone().enumerate() {
                     predicted[k] = shown[(place, 0)];
                 }
@@ -104,10 +104,10 @@ impl<'a> LeftOut<'a> {
         best.map(|(_, predicted)| predicted).unwrap_or_default()
     }
 
-    fn coefficients(&self, penalty: f64, (gram, along): &(Mat<f64>, Mat<f64>)) -> Mat<f64> {
+    fn coefficients(&self, penalty: f64, (gram, along): &(Matrix, Matrix)) -> Matrix {
         let n = self.gram.ncols();
         let is_free = |i: usize| i < self.n_free;
-        let penalized = Mat::from_fn(n, n, |i, j| {
+        let penalized = Matrix::from_fn(n, n, |i, j| {
             let anchor = if is_free(i) && is_free(j) {
                 ANCHOR * self.gram[(i, j)]
             } else {

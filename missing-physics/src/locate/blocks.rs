@@ -1,7 +1,7 @@
 //! Which block of the cascade lacks something: the one whose local terms predict the residual best.
 
-use faer::Mat;
 use identify::ResidualNoise;
+use identify::dense::Matrix;
 
 use crate::EffectBlock;
 use crate::locate::located::Located;
@@ -137,8 +137,8 @@ impl Pulled {
     }
 
     /// The penalty with which some terms predict best, and the sum of squares that they leave.
-    fn best(&self, terms: &[usize]) -> (Mat<f64>, f64) {
-        let penalty = Mat::identity(terms.len(), terms.len());
+    fn best(&self, terms: &[usize]) -> (Matrix, f64) {
+        let penalty = Matrix::identity(terms.len(), terms.len());
         self.folded.best_penalty(terms, &penalty, PENALTIES)
     }
 

@@ -1,7 +1,6 @@
 //! The missing term as a curve.
 
-use faer::Mat;
-use identify::dense::{product, symmetric_eigen};
+use identify::dense::{Matrix, symmetric_eigen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -48,13 +47,12 @@ pub(crate) fn shape(located: &Located<'_>, pulled: &Pulled, block: EffectBlock) 
     let per_length = |(coefficient, &j): (f64, &usize)| coefficient / pulled.lengths[j];
     let visible = pulled.folded.visible(&terms, SEEN);
     let found = pulled.folded.coefficients(&terms, &penalty);
-    let found = Mat::from_fn(terms.len(), 1, |i, _| found[i]);
-    let found = product(visible.as_ref(), found.as_ref());
+    let found = Matrix::from_fn(terms.len(), 1, |i, _| found[i]);
+    let found = &visible * found;
     let found = (0..terms.len()).map(|i| found[(i, 0)]);
     let sizes: Vec<f64> = found.zip(&terms).map(per_length).collect();
     let covariance = pulled.folded.covariance(&terms, &penalty);
-    let covariance = product(visible.as_ref(), covariance.as_ref());
-    let covariance = product(covariance.as_ref(), visible.as_ref());
+    let covariance = &visible * covariance * &visible;
     let halves = band(&covariance, dispersion, located.seed);
     let halves: Vec<f64> = halves.into_iter().zip(&terms).map(per_length).collect();
     let unit = Unit::of(located, block);
@@ -124,12 +122,12 @@ impl Unit {
 }
 
 /// Penalty of second differences along each curve, of coefficients in units of their columns.
-fn bends(pulled: &Pulled, terms: &[usize]) -> Mat<f64> {
+fn bends(pulled: &Pulled, terms: &[usize]) -> Matrix {
     let n = terms.len();
     let mean = terms.iter().map(|&j| pulled.lengths[j]).sum::<f64>() / n as f64;
     // A coefficient is the size times its length: back to sizes, in units of the mean length.
     let per = |i: usize| mean / pulled.lengths[terms[i]];
-    let mut penalty = Mat::zeros(n, n);
+    let mut penalty = Matrix::zeros(n, n);
     for i in 0..n {
         penalty[(i, i)] += SIZE;
     }
@@ -149,7 +147,7 @@ fn bends(pulled: &Pulled, terms: &[usize]) -> Mat<f64> {
 }
 
 /// Half widths within which all coefficients are at once in 95 % of draws.
-fn band(covariance: &Mat<f64>, dispersion: f64, seed: u64) -> Vec<f64> {
+fn band(covariance: &Matrix, dispersion: f64, seed: u64) -> Vec<f64> {
     let n = covariance.nrows();
     let deviations: Vec<f64> = (0..n)
         .map(|i| (dispersion * covariance[(i, i)].max(0.0)).sqrt())

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use faer::Mat;
-use identify::dense::{self, symmetric_eigen};
+use identify::dense::{self, Matrix, symmetric_eigen};
 
 use crate::model::projection::dot;
 use crate::model::series::{Channel, Layout};
@@ -14,7 +13,7 @@ const N_FOLDS: usize = 10;
 /// Products of columns and a target in each block of time, from which every fit follows.
 #[derive(Debug, Clone)]
 pub(crate) struct Folded {
-    grams: Vec<Mat<f64>>,
+    grams: Vec<Matrix>,
     alongs: Vec<Vec<f64>>,
     squares: Vec<f64>,
 }
@@ -28,7 +27,7 @@ impl Folded {
         };
         let n = columns.len();
         let gram = |fold: &Vec<Range<usize>>| {
-            let mut gram = Mat::zeros(n, n);
+            let mut gram = Matrix::zeros(n, n);
             for i in 0..n {
                 for j in 0..=i {
                     let entry = product(&columns[i], &columns[j], fold);
@@ -64,7 +63,7 @@ impl Folded {
     }
 
     /// Sum of squares of what some columns leave of each block, fitted to the others.
-    pub(crate) fn held_out(&self, columns: &[usize], penalty: &Mat<f64>) -> f64 {
+    pub(crate) fn held_out(&self, columns: &[usize], penalty: &Matrix) -> f64 {
         (0..self.grams.len())
             .map(|fold| {
                 let own = self.fit(columns, penalty, Some(fold));
@@ -81,25 +80,25 @@ impl Folded {
     }
 
     /// Coefficients of some columns, fitted to all blocks.
-    pub(crate) fn coefficients(&self, columns: &[usize], penalty: &Mat<f64>) -> Vec<f64> {
+    pub(crate) fn coefficients(&self, columns: &[usize], penalty: &Matrix) -> Vec<f64> {
         self.fit(columns, penalty, None)
     }
 
     /// Covariance of the coefficients for a target of variance 1, the penalty as a prior.
-    pub(crate) fn covariance(&self, columns: &[usize], penalty: &Mat<f64>) -> Mat<f64> {
+    pub(crate) fn covariance(&self, columns: &[usize], penalty: &Matrix) -> Matrix {
         dense::inverse(&(self.gram(columns, None) + penalty))
     }
 
     /// Projector on the coefficients of columns, of length 1 before the model's share was taken out, of whose
     /// squares at least a share is left.
-    pub(crate) fn visible(&self, columns: &[usize], share: f64) -> Mat<f64> {
+    pub(crate) fn visible(&self, columns: &[usize], share: f64) -> Matrix {
         let n = columns.len();
         let Some(eigen) = symmetric_eigen(&self.gram(columns, None)) else {
-            return Mat::identity(n, n);
+            return Matrix::identity(n, n);
         };
         let (vectors, values) = (eigen.vectors, eigen.values);
         let seen: Vec<usize> = (0..n).filter(|&k| values[k] >= share).collect();
-        Mat::from_fn(n, n, |i, j| {
+        Matrix::from_fn(n, n, |i, j| {
             let parts = seen.iter().map(|&k| vectors[(i, k)] * vectors[(j, k)]);
             parts.sum()
         })
@@ -109,12 +108,13 @@ impl Folded {
     pub(crate) fn best_penalty(
         &self,
         columns: &[usize],
-        penalty: &Mat<f64>,
+        penalty: &Matrix,
         scales: impl IntoIterator<Item = f64>,
-    ) -> (Mat<f64>, f64) {
-        let mut best = (Mat::zeros(columns.len(), columns.len()), f64::INFINITY);
+    ) -> (Matrix, f64) {
+        let mut best = (Matrix::zeros(columns.len(), columns.len()), f64::INFINITY);
         for scale in scales {
-            let scaled = Mat::from_fn(columns.len(), columns.len(), |i, j| scale * penalty[(i, j)]);
+            let scaled =
+                Matrix::from_fn(columns.len(), columns.len(), |i, j| scale * penalty[(i, j)]);
             let left = self.held_out(columns, &scaled);
             if left < best.1 {
                 best = (scaled, left);
@@ -123,8 +123,8 @@ impl Folded {
         best
     }
 
-    fn fit(&self, columns: &[usize], penalty: &Mat<f64>, without: Option<usize>) -> Vec<f64> {
-        let along = Mat::from_fn(columns.len(), 1, |i, _| {
+    fn fit(&self, columns: &[usize], penalty: &Matrix, without: Option<usize>) -> Vec<f64> {
+        let along = Matrix::from_fn(columns.len(), 1, |i, _| {
             let folds = self.alongs.iter().enumerate();
             let others = folds.filter(|(fold, _)| Some(*fold) != without);
             others.map(|(_, along)| along[columns[i]]).sum()
@@ -133,8 +133,8 @@ impl Folded {
         (0..columns.len()).map(|i| solution[(i, 0)]).collect()
     }
 
-    fn gram(&self, columns: &[usize], without: Option<usize>) -> Mat<f64> {
-        let mut gram = Mat::zeros(columns.len(), columns.len());
+    fn gram(&self, columns: &[usize], without: Option<usize>) -> Matrix {
+        let mut gram = Matrix::zeros(columns.len(), columns.len());
         for (fold, own) in self.grams.iter().enumerate() {
             if Some(fold) == without {
                 continue;
@@ -186,11 +186,11 @@ mod tests {
             .map(|fold| std::iter::once(10 * fold..10 * (fold + 1)).collect())
             .collect();
         let folded = Folded::of(&[line, wave], &target, &folds);
-        let none = Mat::zeros(2, 2);
+        let none = Matrix::zeros(2, 2);
         let found = folded.coefficients(&[0, 1], &none);
         assert!((found[0] - 2.0).abs() < 1e-12 && found[1].abs() < 1e-9);
         assert!(folded.held_out(&[0, 1], &none) < 1e-9 * folded.square());
         // The wave alone predicts nothing.
-        assert!(folded.held_out(&[1], &Mat::zeros(1, 1)) > 0.9 * folded.square());
+        assert!(folded.held_out(&[1], &Matrix::zeros(1, 1)) > 0.9 * folded.square());
     }
 }

@@ -1,7 +1,6 @@
 //! Score tests: how much of a residual lies along the trace of each effect.
 
-use faer::Mat;
-use identify::dense::{self, symmetric_eigen};
+use identify::dense::{self, Matrix, symmetric_eigen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -211,7 +210,7 @@ impl Tested<'_> {
 
     /// The score of products b with covariance V, given its inverse: b/√V, or of several the square root of
     /// bᵀV⁻¹b as unlikely.
-    fn strength(&self, inverse: &Mat<f64>, along: &[f64]) -> f64 {
+    fn strength(&self, inverse: &Matrix, along: &[f64]) -> f64 {
         if let [along] = along {
             let score = along * inverse[(0, 0)].max(0.0).sqrt();
             return if self.one_sided() { score } else { score.abs() };
@@ -233,19 +232,19 @@ pub(crate) fn as_one(chi_squared: f64, degrees: usize) -> f64 {
     root.max(0.0).powi(3).sqrt()
 }
 
-fn gram(columns: &[Vec<f64>]) -> Mat<f64> {
-    Mat::from_fn(columns.len(), columns.len(), |i, j| {
+fn gram(columns: &[Vec<f64>]) -> Matrix {
+    Matrix::from_fn(columns.len(), columns.len(), |i, j| {
         dot(&columns[i], &columns[j])
     })
 }
 
 /// Inverse of a covariance, with a trace of damping for directions that nothing fixes; zeros for what has no
 /// variance.
-fn inverse(covariance: &Mat<f64>) -> Mat<f64> {
+fn inverse(covariance: &Matrix) -> Matrix {
     let n = covariance.ncols();
     let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
     let per = |i: usize| if scale[i] > 0.0 { 1.0 / scale[i] } else { 0.0 };
-    let damped = Mat::from_fn(n, n, |i, j| {
+    let damped = Matrix::from_fn(n, n, |i, j| {
         let trace = if i == j { 1.0 + 1e-9 } else { 1.0 };
         let correlation = covariance[(i, j)] * per(i) * per(j);
         if i == j && scale[i] <= 0.0 {
@@ -255,10 +254,10 @@ fn inverse(covariance: &Mat<f64>) -> Mat<f64> {
         }
     });
     let inverse = dense::inverse(&damped);
-    Mat::from_fn(n, n, |i, j| inverse[(i, j)] * per(i) * per(j))
+    Matrix::from_fn(n, n, |i, j| inverse[(i, j)] * per(i) * per(j))
 }
 
-fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
+fn times(matrix: &Matrix, vector: &[f64]) -> Vec<f64> {
     (0..vector.len())
         .map(|i| (0..vector.len()).map(|j| matrix[(i, j)] * vector[j]).sum())
         .collect()
@@ -272,7 +271,7 @@ fn critical(tests: &[Tested<'_>], seed: u64) -> f64 {
         return f64::INFINITY;
     }
     let lengths: Vec<f64> = columns.iter().map(|column| norm(column)).collect();
-    let cosines = Mat::from_fn(n, n, |i, j| {
+    let cosines = Matrix::from_fn(n, n, |i, j| {
         let product = lengths[i] * lengths[j];
         if product > 0.0 {
             dot(columns[i], columns[j]) / product
@@ -289,12 +288,12 @@ fn critical(tests: &[Tested<'_>], seed: u64) -> f64 {
         .collect();
     // Inverse covariance of each test of several sizes.
     let mut first = 0;
-    let blocks: Vec<(usize, Mat<f64>)> = tests
+    let blocks: Vec<(usize, Matrix)> = tests
         .iter()
         .map(|test| {
             let (at, m) = (first, test.white.len());
             first += m;
-            let block = Mat::from_fn(m, m, |i, j| cosines[(at + i, at + j)]);
+            let block = Matrix::from_fn(m, m, |i, j| cosines[(at + i, at + j)]);
             (at, inverse(&block))
         })
         .collect();
