@@ -20,6 +20,8 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 /// | `resistance` | `resistance_ohm`, if it is there and neither drive nor output |
 /// | `then` | nothing |
 ///
+/// `skip`, `decimal` and `strict` say how the file is written, not which column is what.
+///
 /// # Examples
 ///
 /// ```
@@ -32,7 +34,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 /// };
 /// # assert!(columns.time.is_none());
 /// ```
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Columns {
     /// Time; must rise.
@@ -52,13 +54,19 @@ pub struct Columns {
     /// Columns whose rows follow the last row of these, of static data whose ways up and down stand side by
     /// side; the same ones in the same units.
     pub then: Option<Box<Columns>>,
+    /// Lines at the head of the file that are left out, whatever stands there.
+    pub skip: usize,
+    /// The decimal mark, `.` or `,`; `None` takes it from the numbers.
+    pub decimal: Option<char>,
+    /// Whether a file must be as the format says, with nothing adapted; see [`read_csv`](crate::read_csv).
+    pub strict: bool,
 }
 
 /// Where the resistance of the actuator is found.
 ///
 /// Deserializes from a column, as [`ColumnSpec`], or from two (`{ voltage = "voltage_v", current = 2 }`), either
 /// of which may be the drive, too.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ResistanceSpec {
     /// In a column of its own.
     Column(ColumnSpec),
@@ -74,22 +82,27 @@ pub enum ResistanceSpec {
 /// One column: where it stands and, if its name does not say it, its unit.
 ///
 /// Deserializes from a name (`"duty"`), a number counted from 1 (`3`), or a table
-/// (`{ name = "Temperature", unit = "degc" }`, `{ number = 3, unit = "mm" }`).
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// (`{ name = "Temperature", unit = "degc" }`, `{ number = 3, unit = "mm" }`, `{ name = "pwm", unit = "counts", full_scale =
+/// 255 }`; of time without a column `{ every_s = 0.01 }`).
+#[derive(Debug, Clone, PartialEq)]
 pub struct ColumnSpec {
     /// Where the column stands.
     pub key: ColumnKey,
     /// Its unit; `None`: the one at the end of its name.
     pub unit: Option<String>,
+    /// Counts of a duty that is always on, for one in `counts`: 255 or 1023, > 0.
+    pub full_scale: Option<f64>,
 }
 
 /// Where a column stands in a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ColumnKey {
     /// Under this name in the header, matched without case.
     Name(String),
     /// At this place in the row, counted from 1; needs no header.
     Number(usize),
+    /// Nowhere: of time only, one row every so many seconds, > 0.
+    EveryS(f64),
 }
 
 impl ColumnSpec {
@@ -99,6 +112,7 @@ impl ColumnSpec {
         Self {
             key: ColumnKey::Name(name.into()),
             unit: None,
+            full_scale: None,
         }
     }
 
@@ -108,6 +122,17 @@ impl ColumnSpec {
         Self {
             key: ColumnKey::Number(number),
             unit: None,
+            full_scale: None,
+        }
+    }
+
+    /// A time that no column holds: a row every `every_s` seconds, > 0.
+    #[must_use]
+    pub fn every_s(every_s: f64) -> Self {
+        Self {
+            key: ColumnKey::EveryS(every_s),
+            unit: None,
+            full_scale: None,
         }
     }
 
@@ -128,14 +153,22 @@ struct Table {
     name: Option<String>,
     number: Option<usize>,
     unit: Option<String>,
+    every_s: Option<f64>,
+    full_scale: Option<f64>,
 }
 
 impl Table {
     fn spec<E: Error>(self) -> Result<ColumnSpec, E> {
-        let spec = match (self.name, self.number) {
-            (Some(name), None) => ColumnSpec::name(name),
-            (None, Some(number)) if number >= 1 => ColumnSpec::number(number),
-            (None, Some(number)) => {
+        for (key, value) in [("every_s", self.every_s), ("full_scale", self.full_scale)] {
+            if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
+                return Err(E::custom(format!("{key} = {value}: expected a number > 0")));
+            }
+        }
+        let spec = match (self.name, self.number, self.every_s) {
+            (Some(name), None, None) => ColumnSpec::name(name),
+            (None, Some(number), None) if number >= 1 => ColumnSpec::number(number),
+            (None, None, Some(every_s)) => ColumnSpec::every_s(every_s),
+            (None, Some(number), None) => {
                 let text = format!("column number {number}: columns are counted from 1");
                 return Err(E::custom(text));
             }
@@ -143,6 +176,7 @@ impl Table {
         };
         Ok(ColumnSpec {
             unit: self.unit,
+            full_scale: self.full_scale,
             ..spec
         })
     }
@@ -232,9 +266,15 @@ impl<'de> Visitor<'de> for ResistanceVisitor {
             current,
         } = ResistanceTable::deserialize(MapAccessDeserializer::new(map))?;
         match (voltage, current) {
-            (None, None) => Table { name, number, unit }
-                .spec()
-                .map(ResistanceSpec::Column),
+            (None, None) => Table {
+                name,
+                number,
+                unit,
+                every_s: None,
+                full_scale: None,
+            }
+            .spec()
+            .map(ResistanceSpec::Column),
             (Some(voltage), Some(current)) if (&name, number, &unit) == (&None, None, &None) => {
                 Ok(ResistanceSpec::VoltageOverCurrent { voltage, current })
             }

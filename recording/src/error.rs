@@ -79,6 +79,31 @@ pub enum RecordingError {
         max_bytes: usize,
     },
 
+    /// A file of another program.
+    #[error("{file}: {what}; expected {expected}")]
+    NotText {
+        /// The file.
+        file: String,
+        /// What it is.
+        what: &'static str,
+        /// What to save instead.
+        expected: &'static str,
+    },
+
+    /// A duty in counts without its full scale.
+    #[error(
+        "{file}:{line}: drive = {column}: in counts; expected full_scale beside unit under [columns]: drive = {{ name = \"{column}\", \
+         unit = \"counts\", full_scale = 255 }}"
+    )]
+    MissingFullScale {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// The column.
+        column: String,
+    },
+
     /// A line is not UTF-8.
     #[error("{file}:{line}: byte {byte} of the line is not UTF-8; expected text in UTF-8")]
     NotUtf8 {
@@ -247,7 +272,7 @@ pub enum RecordingError {
     },
 
     /// A row has another number of fields than the first line.
-    #[error("{file}:{line}: fields: {n_fields}; expected {n_columns}, as in the first line")]
+    #[error("{file}:{line}: fields: {n_fields}; expected {n_columns}, as in the first line{}", too_many(*n_fields, *n_columns))]
     FieldCount {
         /// The file.
         file: String,
@@ -261,8 +286,9 @@ pub enum RecordingError {
 
     /// A field is not a number.
     #[error(
-        "{file}:{line}: {column} = \"{value}\": not a number; expected a finite number in {unit}{}",
-        decimal_comma(value)
+        "{file}:{line}: {column} = \"{value}\": not a number; expected a finite number in {unit}{}{}",
+        decimal_comma(value),
+        header_again(value, column)
     )]
     NotANumber {
         /// The file.
@@ -294,7 +320,8 @@ pub enum RecordingError {
 
     /// Time falls or stands still.
     #[error(
-        "{file}{at}: {column} = {value} after {previous} in the row before; expected time to rise"
+        "{file}{at}: {column} = {value} after {previous} in the row before; expected time to rise{}",
+        starts_anew(*value, *previous)
     )]
     TimeNotRising {
         /// The recording.
@@ -311,8 +338,8 @@ pub enum RecordingError {
 
     /// A duty is outside 0..1.
     #[error(
-        "{file}{at}: {column} = {value}: outside 0..{full_scale}; expected a duty of 0..1, or of \
-         0..100 in a column with unit %"
+        "{file}{at}: {column} = {value}: outside 0..{full_scale}; expected a duty of 0..1, of 0..100 in a column \
+         with unit %, or counts: unit = \"counts\", full_scale = 255"
     )]
     DutyOutOfRange {
         /// The recording.
@@ -426,12 +453,54 @@ pub enum RecordingError {
     },
 }
 
+impl RecordingError {
+    /// Whether it may be of how the file is written, not of what it says.
+    pub(crate) fn is_of_format(&self) -> bool {
+        !matches!(
+            self,
+            Self::Unreadable { .. }
+                | Self::TooManySamples { .. }
+                | Self::TwoTemperatures { .. }
+                | Self::UnequalColumns { .. }
+                | Self::MissingFullScale { .. }
+                | Self::WrongUnit { .. }
+        )
+    }
+}
+
+/// What to say of a clock that falls far.
+fn starts_anew(value: f64, previous: f64) -> &'static str {
+    if value < 0.5 * previous {
+        "; a clock that starts anew begins another recording: save its rows as a file of their own"
+    } else {
+        ""
+    }
+}
+
+/// What to say of a row with too many fields.
+fn too_many(n_fields: usize, n_columns: usize) -> &'static str {
+    if n_fields > n_columns {
+        "; if commas stand both between fields and in numbers, save with semicolons or tabs between fields"
+    } else {
+        ""
+    }
+}
+
+/// What to say of a header among the rows.
+fn header_again(value: &str, column: &str) -> &'static str {
+    if value == column {
+        "; a second header begins another recording: save its rows as a file of their own"
+    } else {
+        ""
+    }
+}
+
 /// What to say of a number with a decimal comma.
 fn decimal_comma(value: &str) -> &'static str {
     let is_number =
         value.matches(',').count() == 1 && value.replace(',', ".").parse::<f64>().is_ok();
     if is_number {
-        ", with a decimal point instead of a comma"
+        ", with a decimal point instead of a comma, or decimal = \",\" under [columns]"
     } else {
         ""
     }

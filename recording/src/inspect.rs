@@ -1,5 +1,6 @@
 //! What is in a recording.
 
+use crate::adapt::Adaptation;
 use crate::clipping::{Clipping, clipping};
 use crate::cycles::{Cycle, Repeats, cycles, repeats};
 use crate::holds::{Hold, holds, range};
@@ -69,6 +70,8 @@ impl Channel {
 pub struct Inspection {
     /// What the recording is called.
     pub name: String,
+    /// What was done to the file so that it could be read.
+    pub adaptations: Vec<Adaptation>,
     /// Its samples.
     pub n_samples: usize,
     /// From the first time stamp to the last, s; `None` for static data.
@@ -159,6 +162,7 @@ pub fn inspect(recording: &Recording) -> Inspection {
     );
     Inspection {
         name: recording.name().to_owned(),
+        adaptations: recording.adaptations().to_vec(),
         n_samples: recording.len(),
         duration_s,
         sampling: recording.sampling(),

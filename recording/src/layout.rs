@@ -21,11 +21,15 @@ pub(crate) struct Column {
     pub(crate) unit: Unit,
     /// What errors call its unit.
     pub(crate) unit_text: String,
+    /// Counts of a duty that is always on.
+    pub(crate) full_scale: f64,
 }
 
 /// The wanted columns of a file.
 pub(crate) struct Layout {
     pub(crate) n_columns: usize,
+    /// Seconds from row to row, where no column says it.
+    pub(crate) every_s: Option<f64>,
     pub(crate) time: Option<Column>,
     pub(crate) drive: Column,
     /// `None` where only the drive is wanted.
@@ -62,16 +66,16 @@ pub(crate) struct Header<'a> {
 }
 
 /// What a column can be.
-struct Role {
+pub(crate) struct Role {
     /// Key in the `[columns]` table.
-    key: &'static str,
+    pub(crate) key: &'static str,
     /// Normalized names, one of which is taken if the caller names none.
     defaults: &'static [&'static str],
     /// Stems that will do too, followed by anything.
     default_stems: &'static [&'static str],
     /// Units that suit, and the same in words.
     units: &'static [Unit],
-    units_text: &'static str,
+    pub(crate) units_text: &'static str,
     /// Whether any other unit will do, kept as data.
     own_unit: bool,
 }
@@ -94,12 +98,21 @@ impl Role {
         }
     }
 
-    const TIME: Self = Self::new(
+    pub(crate) const TIME: Self = Self::new(
         "time",
-        &["time_s", "time_ms"],
-        (&[Unit::Second, Unit::Millisecond], "s or ms"),
+        &["time_s", "time_ms", "time_us", "time_min", "time_h"],
+        (
+            &[
+                Unit::Second,
+                Unit::Millisecond,
+                Unit::Microsecond,
+                Unit::Minute,
+                Unit::Hour,
+            ],
+            "s, ms, us, min or h",
+        ),
     );
-    const OUTPUT: Self = Self {
+    pub(crate) const OUTPUT: Self = Self {
         default_stems: &["displacement", "position"],
         own_unit: true,
         ..Self::new("output", &["displacement_mm"], (&[], ""))
@@ -129,21 +142,46 @@ impl Role {
         (&[Unit::Ampere, Unit::Milliampere], "a or ma"),
     );
 
-    const fn drive(quantity: Quantity) -> Self {
+    /// Whether a column without a unit says nothing.
+    pub(crate) fn needs_unit(&self) -> bool {
+        !self.own_unit && !self.units.contains(&Unit::One)
+    }
+
+    /// The one column of a default name.
+    pub(crate) fn default_in(&self, names: &[String]) -> Option<usize> {
+        let fits_exactly = |name: &str| self.defaults.contains(&name);
+        let fits_by_stem = |name: &str| {
+            self.default_stems.iter().any(|stem| {
+                let rest = name.strip_prefix(stem);
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+            })
+        };
+        let place =
+            |fits: &dyn Fn(&str) -> bool| names.iter().position(|name| fits(&normalized(name)));
+        place(&fits_exactly).or_else(|| place(&fits_by_stem))
+    }
+
+    pub(crate) const fn drive(quantity: Quantity) -> Self {
         let (defaults, units): (&'static [&'static str], _) = match quantity {
             Quantity::Current => {
                 let units: &[Unit] = &[Unit::Ampere, Unit::Milliampere];
                 (&["current_a", "current_ma"], (units, "a or ma"))
             }
             Quantity::Duty => {
-                let units: &[Unit] = &[Unit::One, Unit::Percent];
+                let units: &[Unit] = &[Unit::One, Unit::Percent, Unit::Counts];
                 (
                     &["duty", "duty_1", "duty_%", "duty_percent"],
-                    (units, "1 or %"),
+                    (units, "1, %, or counts with full_scale"),
                 )
             }
-            Quantity::Voltage => (&["voltage_v"], (&[Unit::Volt] as &[Unit], "v")),
-            Quantity::Power => (&["power_w"], (&[Unit::Watt] as &[Unit], "w")),
+            Quantity::Voltage => {
+                let units: &[Unit] = &[Unit::Volt, Unit::Millivolt];
+                (&["voltage_v", "voltage_mv"], (units, "v or mv"))
+            }
+            Quantity::Power => {
+                let units: &[Unit] = &[Unit::Watt, Unit::Milliwatt];
+                (&["power_w", "power_mw"], (units, "w or mw"))
+            }
             Quantity::Temperature => (Self::TEMPERATURE.defaults, TEMPERATURE_UNITS),
         };
         Self {
@@ -195,7 +233,10 @@ impl Layout {
         let output_unit = |layout: &Self| layout.output.as_ref().map(|c| c.unit_text.clone());
         let is_ohm = |layout: &Self| layout.resistance.as_ref().map(|r| r.own().is_some());
         [
-            ("time", self.time.is_none() && then.time.is_none()),
+            (
+                "time",
+                self.time.is_none() && then.time.is_none() && self.every_s.is_none(),
+            ),
             ("drive", drive_unit(self) == drive_unit(then)),
             ("output", output_unit(self) == output_unit(then)),
             (
@@ -220,7 +261,13 @@ impl Layout {
         let drive_is_temperature = options.drive_quantity == Quantity::Temperature;
         let drive = Role::drive(options.drive_quantity);
 
-        let time = match header.column(&Role::TIME, columns.time.as_ref())? {
+        let every_s = columns.time.as_ref().and_then(|spec| match spec.key {
+            ColumnKey::EveryS(every_s) => Some(every_s),
+            _ => None,
+        });
+        let time_spec = columns.time.as_ref().filter(|_| every_s.is_none());
+        let time = match header.column(&Role::TIME, time_spec)? {
+            _ if every_s.is_some() => None,
             None if !(options.allow_untimed || drive_is_temperature) => {
                 return Err(header.missing_default(&Role::TIME));
             }
@@ -257,6 +304,7 @@ impl Layout {
         };
         let layout = Self {
             n_columns: header.n_columns,
+            every_s,
             time,
             temperature,
             ambient: header.column(&Role::AMBIENT, columns.ambient.as_ref())?,
@@ -327,7 +375,17 @@ impl Header<'_> {
             .and_then(|spec| spec.unit.as_deref())
             .or_else(|| name.and_then(|name| split_name(name).1));
         let (file, line) = (self.file.to_owned(), self.line);
+        let full_scale = spec.and_then(|spec| spec.full_scale);
         let (unit, unit_text) = match (unit_text, unit_text.and_then(Unit::parse)) {
+            (_, Some(Unit::Counts))
+                if full_scale.is_none() && role.units.contains(&Unit::Counts) =>
+            {
+                return Err(RecordingError::MissingFullScale {
+                    file,
+                    line,
+                    column: label,
+                });
+            }
             (_, Some(unit)) if role.units.contains(&unit) => (unit, unit.symbol().to_owned()),
             (Some(text), _) if role.own_unit => (Unit::Own, output_symbol(text)),
             (None, _) if role.own_unit && role.units.is_empty() => (Unit::Own, output_symbol("")),
@@ -359,6 +417,7 @@ impl Header<'_> {
             label,
             unit,
             unit_text,
+            full_scale: full_scale.unwrap_or(1.0),
         }))
     }
 
@@ -373,10 +432,17 @@ impl Header<'_> {
                 Some(index) if index < self.n_columns => Ok(Some(index)),
                 _ => Err(self.missing(role, number.to_string())),
             },
+            (Some(ColumnKey::EveryS(every_s)), _) => {
+                Err(self.missing(role, format!("{{ every_s = {every_s} }}")))
+            }
             (Some(ColumnKey::Name(name)), None) => Err(self.no_header(role, name)),
             (Some(ColumnKey::Name(name)), Some(names)) => {
                 let wanted = normalized(name);
-                match self.only(role, name, names, |present| present == wanted)? {
+                let found = match self.only(role, name, names, |present| present == wanted)? {
+                    None => self.only_stem(role, name, names)?,
+                    found => found,
+                };
+                match found {
                     None => Err(self.missing(role, format!("\"{}\"", shown(name)))),
                     found => Ok(found),
                 }
@@ -398,6 +464,19 @@ impl Header<'_> {
                 })
             }
         }
+    }
+
+    /// The one column that is called `wanted` and has its unit behind that, if any.
+    fn only_stem(
+        &self,
+        role: &Role,
+        wanted: &str,
+        names: &[String],
+    ) -> Result<Option<usize>, RecordingError> {
+        let lower = wanted.trim().to_lowercase();
+        self.only(role, wanted, names, |present| {
+            split_name(present).1.is_some() && split_name(present).0 == lower
+        })
     }
 
     /// The one column whose normalized name `fits`, if any.

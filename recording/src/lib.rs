@@ -25,6 +25,22 @@
 //! * Every row has as many fields as the first line (empty ones at the end do not count); columns
 //!   that are not asked for may hold anything.
 //!
+//! This is what [`parse_csv`] takes from any reader. [`read_csv`] reads a file that is not so as loggers write it, unless
+//! [`Columns::strict`] is set, and [`Recording::adaptations`] says what was done:
+//!
+//! | in the file | is read |
+//! | --- | --- |
+//! | UTF-16 with its mark, windows-1252, `\r` between lines | yes |
+//! | lines before the table (LabVIEW, banners, `sep=`), a footer of up to 20 lines, a last line that was cut off | left out |
+//! | a header in a comment, a row of units under it, `24.0 °C` or `I=0.5` in each field | yes |
+//! | other names (`Zeit [s]`, `Wire Current (Amps)`) | if one column alone fits, and has a unit |
+//! | decimal commas, thousands set apart, Fortran's exponents, `\|` between fields | yes; `1,234` alone needs `decimal` |
+//! | stamps (`2024-05-02 10:00:00.1`, `10:00:00.1`), epochs, a counter that runs over | seconds from the first row |
+//! | a row that stands twice; rows of one stamp; a row too late | left out; spread up to the next stamp; moved |
+//! | up to five numbers in a row missing (empty, `--`, `NaN`), 5 % in all | a drive is held, all else interpolated |
+//! | counts of a converter | with `full_scale` |
+//! | two recordings in a file, JSON, workbooks and other binary files | no: the error says what to save |
+//!
 //! # Samples
 //!
 //! Row k holds the drive from t_k to t_(k+1); the output of row k is measured at t_k, before that
@@ -61,6 +77,7 @@
 //! # Ok::<(), recording::RecordingError>(())
 //! ```
 
+mod adapt;
 mod check;
 mod clipping;
 mod columns;
@@ -83,6 +100,7 @@ mod unit;
 mod warning;
 mod write;
 
+pub use adapt::Adaptation;
 pub use clipping::{Clipping, Side, clipping};
 pub use columns::{ColumnKey, ColumnSpec, Columns, ResistanceSpec};
 pub use cycles::{Cycle, Repeats, cycles, repeats, split_by_cycles};

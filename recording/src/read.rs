@@ -1,10 +1,11 @@
 //! CSV to a checked recording, in one pass.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
+use crate::adapt::adapted;
 use crate::check::{Place, check_duty, check_rising};
 use crate::columns::Columns;
 use crate::error::{Position, RecordingError};
@@ -25,7 +26,7 @@ use crate::unit::Unit;
 /// let options = ReadOptions { max_samples: 100_000, ..ReadOptions::new(Quantity::Duty) };
 /// # assert!(!options.allow_untimed);
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
     /// Which column is what.
     pub columns: Columns,
@@ -60,6 +61,10 @@ impl Default for ReadOptions {
 
 /// Reads a recording from a file; its name is `path` as given.
 ///
+/// A file that [`parse_csv`] refuses is read as loggers write it, unless [`Columns::strict`] is set: text in UTF-16 or
+/// windows-1252, lines before and behind the table, a row of units, units or labels in each field, decimal commas, stamps, clocks
+/// that run over, a few numbers that are missing. [`Recording::adaptations`] says what was done.
+///
 /// # Errors
 ///
 /// [`RecordingError`], naming file, line, column, value and what would be accepted.
@@ -67,8 +72,7 @@ pub fn read_csv(
     path: impl AsRef<Path>,
     options: &ReadOptions,
 ) -> Result<Recording, RecordingError> {
-    let (file, name) = open(path.as_ref())?;
-    parse_csv(file, &name, options)
+    read(path.as_ref(), options, Wanted::DriveAndOutput)
 }
 
 /// Reads a drive to simulate with from a file: time and ambient as they are there, but no output. That of
@@ -81,8 +85,62 @@ pub fn read_drive_csv(
     path: impl AsRef<Path>,
     options: &ReadOptions,
 ) -> Result<Recording, RecordingError> {
-    let (file, name) = open(path.as_ref())?;
-    parse(file, &name, options, Wanted::Drive)
+    read(path.as_ref(), options, Wanted::Drive)
+}
+
+/// Largest file that is adapted, bytes: it is held in memory as a whole.
+const LARGEST_ADAPTED: u64 = 1 << 29;
+
+fn read(path: &Path, options: &ReadOptions, wanted: Wanted) -> Result<Recording, RecordingError> {
+    let columns = &options.columns;
+    let as_written = || {
+        let (file, name) = open(path)?;
+        parse(file, &name, options, wanted)
+    };
+    if columns.strict {
+        return as_written();
+    }
+    let written = match columns.skip == 0 && columns.decimal != Some(',') {
+        false => None,
+        true => match as_written() {
+            // Without its end the last line may have lost digits.
+            Ok(recording) if ends_with_a_line(path) => return Ok(recording),
+            Err(fault) if !fault.is_of_format() => return Err(fault),
+            written => Some(written),
+        },
+    };
+    let (mut file, name) = open(path)?;
+    let unreadable = |source| RecordingError::Unreadable {
+        file: name.clone(),
+        source,
+    };
+    let length = file.metadata().map_err(unreadable)?.len();
+    let mut bytes = Vec::new();
+    if length <= LARGEST_ADAPTED {
+        file.read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    match (
+        adapted(&bytes, &name, columns, options.drive_quantity)?,
+        written,
+    ) {
+        (Some((_, adaptations)), Some(Ok(recording))) if adaptations.is_empty() => Ok(recording),
+        (Some((text, adaptations)), _) => {
+            parse(text.as_bytes(), &name, options, wanted).map(|one| one.adapted_by(adaptations))
+        }
+        (None, written) => written.unwrap_or_else(as_written),
+    }
+}
+
+/// Whether the last byte of a file ends a line, as far as it can be seen.
+fn ends_with_a_line(path: &Path) -> bool {
+    let last = || {
+        let mut file = File::open(path)?;
+        file.seek(SeekFrom::End(-1))?;
+        let mut last = [0];
+        file.read_exact(&mut last)?;
+        Ok::<u8, std::io::Error>(last[0])
+    };
+    last().map_or(true, |last| matches!(last, b'\n' | b'\r'))
 }
 
 fn open(path: &Path) -> Result<(File, String), RecordingError> {
@@ -255,9 +313,13 @@ impl<'a> Rows<'a> {
         match column.unit {
             Unit::One => check_duty(raw, 1.0, &row.place(column))?,
             Unit::Percent => check_duty(raw, 100.0, &row.place(column))?,
+            Unit::Counts => check_duty(raw, column.full_scale, &row.place(column))?,
             _ => {}
         }
-        self.drive.push(column.unit.to_base(raw));
+        self.drive.push(match column.unit {
+            Unit::Counts => raw / column.full_scale,
+            unit => unit.to_base(raw),
+        });
         self.output.push(match &self.layout.output {
             Some(column) => row.number(column)?,
             None => 0.0,
@@ -313,11 +375,16 @@ impl<'a> Rows<'a> {
             ambient,
             stress,
             resistance,
+            every_s,
             n_columns: _,
         } = self.layout;
+        let counted_s = every_s.map(|every_s| {
+            let samples = 0..self.drive.len();
+            samples.map(|k| every_s * k as f64).collect()
+        });
         Recording::from_checked(RecordingParts {
             name: self.file.to_owned(),
-            time_s: time.map(|_| self.time_s),
+            time_s: time.map(|_| self.time_s).or(counted_s),
             drive_quantity,
             drive: self.drive,
             drive_unit: match drive.unit {

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::adapt::Adaptation;
 use crate::check::{Place, check_duty, check_rising};
 use crate::error::{Position, RecordingError};
 use crate::layout::shown;
@@ -41,6 +42,7 @@ use crate::unit::output_symbol;
 pub struct Recording {
     parts: RecordingParts,
     sampling: Sampling,
+    adaptations: Vec<Adaptation>,
 }
 
 /// What a [`Recording`] is made of; all slices of one length.
@@ -72,6 +74,20 @@ pub struct RecordingParts {
 }
 
 impl Recording {
+    /// What was done to the file so that it could be read; nothing if it is as the format says, or of a part of a recording.
+    #[must_use]
+    pub fn adaptations(&self) -> &[Adaptation] {
+        &self.adaptations
+    }
+
+    /// The same, made of a file that was adapted.
+    pub(crate) fn adapted_by(self, adaptations: Vec<Adaptation>) -> Self {
+        Self {
+            adaptations,
+            ..self
+        }
+    }
+
     /// Checks samples in memory, as the reader checks those of a file.
     ///
     /// # Errors
@@ -170,7 +186,11 @@ impl Recording {
         ];
         optional.into_iter().flatten().for_each(Vec::shrink_to_fit);
         let sampling = Sampling::of(parts.time_s.as_deref().unwrap_or(&[]));
-        Ok(Self { parts, sampling })
+        Ok(Self {
+            parts,
+            sampling,
+            adaptations: Vec::new(),
+        })
     }
 
     /// What errors and reports call it: the path of a file, as it was given.

@@ -5,11 +5,18 @@
 pub(crate) enum Unit {
     Second,
     Millisecond,
+    Microsecond,
+    Minute,
+    Hour,
     Ampere,
     Milliampere,
     Volt,
+    Millivolt,
     Watt,
+    Milliwatt,
     Millimeter,
+    Centimeter,
+    Inch,
     Micrometer,
     Meter,
     DegreeCelsius,
@@ -20,6 +27,8 @@ pub(crate) enum Unit {
     Pascal,
     Ohm,
     Percent,
+    /// Of a converter, over its full scale.
+    Counts,
     One,
     /// Kept as data: values stay as they are.
     Own,
@@ -32,23 +41,31 @@ impl Unit {
     /// The unit written `text`, in either case, or `None`.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         Some(match text.trim().to_lowercase().as_str() {
-            "s" => Self::Second,
-            "ms" => Self::Millisecond,
-            "a" => Self::Ampere,
+            "s" | "sec" | "secs" | "second" | "seconds" => Self::Second,
+            "ms" | "msec" | "millis" | "milliseconds" => Self::Millisecond,
+            "us" | "\u{b5}s" | "\u{3bc}s" | "usec" | "micros" | "microseconds" => Self::Microsecond,
+            "min" | "minute" | "minutes" => Self::Minute,
+            "h" | "hr" | "hour" | "hours" => Self::Hour,
+            "a" | "amp" | "amps" | "ampere" | "amperes" => Self::Ampere,
             "ma" => Self::Milliampere,
-            "v" => Self::Volt,
-            "w" => Self::Watt,
+            "v" | "volt" | "volts" => Self::Volt,
+            "mv" => Self::Millivolt,
+            "w" | "watt" | "watts" => Self::Watt,
+            "mw" => Self::Milliwatt,
             "mm" => Self::Millimeter,
             // The micro sign and the Greek letter are different characters.
             "um" | "\u{b5}m" | "\u{3bc}m" => Self::Micrometer,
             "m" => Self::Meter,
+            "cm" => Self::Centimeter,
+            "in" | "inch" | "inches" => Self::Inch,
+            "counts" => Self::Counts,
             "degc" | "c" | "°c" => Self::DegreeCelsius,
             "k" => Self::Kelvin,
             "deg" | "°" => Self::Degree,
             "n" => Self::Newton,
             "mpa" => Self::Megapascal,
             "pa" => Self::Pascal,
-            "ohm" => Self::Ohm,
+            "ohm" | "ohms" | "\u{3c9}" => Self::Ohm,
             "%" | "percent" => Self::Percent,
             "1" => Self::One,
             _ => return None,
@@ -60,13 +77,20 @@ impl Unit {
         match self {
             Self::Second => "s",
             Self::Millisecond => "ms",
+            Self::Microsecond => "us",
+            Self::Minute => "min",
+            Self::Hour => "h",
             Self::Ampere => "A",
             Self::Milliampere => "mA",
             Self::Volt => "V",
+            Self::Millivolt => "mV",
             Self::Watt => "W",
+            Self::Milliwatt => "mW",
             Self::Millimeter => "mm",
             Self::Micrometer => "um",
             Self::Meter => "m",
+            Self::Centimeter => "cm",
+            Self::Inch => "in",
             Self::DegreeCelsius => "degC",
             Self::Kelvin => "K",
             Self::Degree => "deg",
@@ -75,6 +99,7 @@ impl Unit {
             Self::Pascal => "Pa",
             Self::Ohm => "ohm",
             Self::Percent => "%",
+            Self::Counts => "counts",
             Self::One | Self::Own => "1",
         }
     }
@@ -84,7 +109,12 @@ impl Unit {
     /// Divides where it could multiply: 287 ms / 1000 is the number nearest to 0.287.
     pub(crate) fn to_base(self, value: f64) -> f64 {
         match self {
-            Self::Millisecond | Self::Milliampere => value / 1000.0,
+            Self::Millisecond | Self::Milliampere | Self::Millivolt | Self::Milliwatt => {
+                value / 1000.0
+            }
+            Self::Microsecond => value / 1e6,
+            Self::Minute => value * 60.0,
+            Self::Hour => value * 3600.0,
             Self::Percent => value / 100.0,
             Self::Megapascal => value * 1e6,
             Self::Kelvin => value - ZERO_CELSIUS_K,
@@ -108,18 +138,26 @@ pub(crate) fn split_name(name: &str) -> (&str, Option<&str>) {
         }
     }
     match name.rsplit_once('_') {
-        Some((stem, unit)) if !stem.is_empty() && unit != "1" && Unit::parse(unit).is_some() => {
-            (stem, Some(unit))
-        }
+        Some((stem, unit)) if !stem.is_empty() && is_suffix(unit) => (stem, Some(unit)),
         _ => (name, None),
     }
 }
 
-/// A column name as it is compared: lower case, a unit in brackets turned into a suffix.
+/// Whether a word after an underscore is a unit: others are words of their own in many names, as `plug_in`.
+pub(crate) fn is_suffix(word: &str) -> bool {
+    let is_word = ["1", "in", "h", "hour", "min", "minute", "second", "counts"];
+    !is_word.contains(&word.to_lowercase().as_str()) && Unit::parse(word).is_some()
+}
+
+/// A column name as it is compared: lower case, a unit turned into a suffix, in its usual spelling if it is known.
 pub(crate) fn normalized(name: &str) -> String {
     let (stem, unit) = split_name(name);
     match unit {
-        Some(unit) => format!("{stem}_{unit}").to_lowercase(),
+        Some(unit) => {
+            let symbol = Unit::parse(unit).map(Unit::symbol);
+            let symbol = symbol.unwrap_or(unit);
+            format!("{stem}_{symbol}").to_lowercase()
+        }
         None => stem.to_lowercase(),
     }
 }

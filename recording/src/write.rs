@@ -5,7 +5,7 @@ use std::num::FpCategory;
 
 use crate::recording::Recording;
 use crate::sampling::Sampling;
-use crate::unit::Unit;
+use crate::unit::is_suffix;
 
 /// Writes a recording as CSV that [`parse_csv`](crate::parse_csv) reads back exactly, with default
 /// columns and the same drive quantity (the column of an input in a unit of its own must be named; and
@@ -68,7 +68,7 @@ fn drive_column(recording: &Recording) -> String {
 
 /// Name of an output column in this unit.
 fn output_column(unit: &str) -> String {
-    if Unit::parse(unit).is_some() && unit.chars().all(char::is_alphabetic) {
+    if is_suffix(unit) && unit.chars().all(char::is_alphabetic) {
         return format!("displacement_{}", unit.to_lowercase());
     }
     quoted(format!("displacement [{unit}]"))

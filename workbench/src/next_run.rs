@@ -34,14 +34,16 @@ impl Column {
     fn of(spec: Option<&ColumnSpec>, default: &str) -> Self {
         let name = match spec.map(|spec| &spec.key) {
             Some(ColumnKey::Name(name)) => name.as_str(),
-            Some(ColumnKey::Number(_)) | None => default,
+            Some(ColumnKey::Number(_) | ColumnKey::EveryS(_)) | None => default,
         };
         let at_end = name
             .trim_end_matches([')', ']'])
             .rsplit(['_', '(', '['])
             .next();
         let unit = spec.and_then(|spec| spec.unit.as_deref()).or(at_end);
+        let counts = spec.and_then(|spec| spec.full_scale);
         let factor = match unit.unwrap_or("").trim().to_lowercase().as_str() {
+            "counts" => counts.unwrap_or(1.0),
             "ms" | "ma" => 1e3,
             "%" | "percent" => 1e2,
             _ => 1.0,

@@ -6,6 +6,7 @@ use identify::Rod;
 use recording::{ReadOptions, Recording, RecordingError};
 
 use crate::WorkbenchError;
+use crate::report::inspected::{MOST_GAPS, gaps_at_once};
 
 /// Reads recordings as a rod file describes them.
 ///
@@ -67,12 +68,21 @@ pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> 
         }
     }
     for recording in training.iter().chain(unseen) {
-        for gap in recording.gaps() {
+        let name = recording.name();
+        let adaptations = recording.adaptations().iter();
+        notes.extend(adaptations.map(|adaptation| format!("{name}: {adaptation}")));
+        let gaps = recording.gaps();
+        if gaps.len() > MOST_GAPS {
+            let gaps = gaps_at_once(&gaps);
+            notes.push(format!(
+                "{name}: gaps: {gaps}; the drive is taken to have stayed"
+            ));
+            continue;
+        }
+        for gap in gaps {
             notes.push(format!(
                 "{}: nothing recorded from {} s for {:.3} s; the drive is taken to have stayed",
-                recording.name(),
-                gap.start_s,
-                gap.dt_s
+                name, gap.start_s, gap.dt_s
             ));
         }
     }

@@ -230,7 +230,7 @@ fn missing_unit() {
     let csv = "t,current_a,displacement_mm\n0,0,0\n1,0,0\n";
     assert_eq!(
         fault_with(named(None), csv),
-        "run3.csv:1: time = t: no unit; expected s or ms at the end of its name, or as unit under \
+        "run3.csv:1: time = t: no unit; expected s, ms, us, min or h at the end of its name, or as unit under \
          [columns]"
     );
     assert!(fault_with(named(Some("s")), csv).starts_with("read:"));
@@ -255,7 +255,7 @@ fn wrong_unit() {
     };
     assert_eq!(
         fault_with(columns, "time_mm,current_a,displacement_mm\n"),
-        "run3.csv:1: time = time_mm: unit \"mm\"; expected s or ms at the end of its name, or as \
+        "run3.csv:1: time = time_mm: unit \"mm\"; expected s, ms, us, min or h at the end of its name, or as \
          unit under [columns]"
     );
     let columns = Columns {
@@ -281,7 +281,7 @@ fn wrong_unit() {
             "run3.csv",
             &options
         )),
-        "run3.csv:1: drive = duty_a: unit \"a\"; expected 1 or % at the end of its name, or as \
+        "run3.csv:1: drive = duty_a: unit \"a\"; expected 1, %, or counts with full_scale at the end of its name, or as \
          unit under [columns]"
     );
 }
@@ -394,7 +394,8 @@ fn field_count() {
     );
     assert_eq!(
         rows("0,0,0,5,0,0\n"),
-        "run3.csv:2: fields: 6; expected 3, as in the first line"
+        "run3.csv:2: fields: 6; expected 3, as in the first line; if commas stand both between fields and in numbers, save \
+         with semicolons or tabs between fields"
     );
     // Nothing is lost where nothing stands.
     assert!(rows("0,0,0,\n1,1,1,,\n").starts_with("read:"));
@@ -413,7 +414,7 @@ fn not_a_number() {
     assert_eq!(
         fault("time_s;current_ma;position_mm\n0,5;0;0\n"),
         "run3.csv:2: time_s = \"0,5\": not a number; expected a finite number in s, with a decimal point \
-         instead of a comma"
+         instead of a comma, or decimal = \",\" under [columns]"
     );
     assert_eq!(
         fault(&format!("time_s,current_a,tip [rad]\n{}", ""))
@@ -530,13 +531,13 @@ fn time_not_rising() {
 fn duty_out_of_range() {
     assert_eq!(
         fault_of(Quantity::Duty, "time_s,duty,position_mm\n0,0,0\n1,35,0\n"),
-        "run3.csv:3: duty = 35: outside 0..1; expected a duty of 0..1, or of 0..100 in a column \
-         with unit %"
+        "run3.csv:3: duty = 35: outside 0..1; expected a duty of 0..1, of 0..100 in a column with unit %, or \
+         counts: unit = \"counts\", full_scale = 255"
     );
     assert_eq!(
         fault_of(Quantity::Duty, "time_s,duty [%],position_mm\n0,-1,0\n"),
-        "run3.csv:2: duty [%] = -1: outside 0..100; expected a duty of 0..1, or of 0..100 in a \
-         column with unit %"
+        "run3.csv:2: duty [%] = -1: outside 0..100; expected a duty of 0..1, of 0..100 in a \
+         column with unit %, or counts: unit = \"counts\", full_scale = 255"
     );
     let parts = RecordingParts {
         drive_quantity: Quantity::Duty,
@@ -545,8 +546,8 @@ fn duty_out_of_range() {
     };
     assert_eq!(
         text(Recording::new(parts)),
-        "run, sample 1: duty = 1.5: outside 0..1; expected a duty of 0..1, or of 0..100 in a \
-         column with unit %"
+        "run, sample 1: duty = 1.5: outside 0..1; expected a duty of 0..1, of 0..100 in a \
+         column with unit %, or counts: unit = \"counts\", full_scale = 255"
     );
 }
 

@@ -5,6 +5,7 @@
 mod errors;
 mod held_drive;
 mod inspect;
+mod loggers;
 mod properties;
 mod reading;
 mod real;

@@ -97,6 +97,7 @@ fn columns_come_from_toml() {
         drive: Some(ColumnSpec {
             key: ColumnKey::Number(2),
             unit: None,
+            full_scale: None,
         }),
         output: Some(ColumnSpec::name("Load (N)").in_unit("kN")),
         temperature: Some(ColumnSpec::number(4).in_unit("K")),
@@ -199,11 +200,12 @@ fn columns_refuse_what_they_do_not_know() {
     };
     assert_eq!(
         fault("dirve = 2"),
-        "unknown field `dirve`, expected one of `time`, `drive`, `output`, `temperature`, `ambient`, `stress`, `resistance`, `then`"
+        "unknown field `dirve`, expected one of `time`, `drive`, `output`, `temperature`, `ambient`, `stress`, `resistance`, `then`, `skip`, `decimal`, \
+         `strict`"
     );
     assert_eq!(
         fault("drive = { name = \"a\", unti = \"mm\" }"),
-        "unknown field `unti`, expected one of `name`, `number`, `unit`"
+        "unknown field `unti`, expected one of `name`, `number`, `unit`, `every_s`, `full_scale`"
     );
     for text in [
         "drive = { unit = \"mm\" }",

@@ -221,7 +221,21 @@ fn tamu_muscle_repeats_a_time_stamp() {
     let Some(path) = real("tamu-muscle/P25_duty_phase_50_m25.csv") else {
         return;
     };
-    let fault = read_csv(&path, &options).unwrap_err().to_string();
+    let found = read_csv(&path, &options).unwrap();
+    let said: Vec<String> = found
+        .adaptations()
+        .iter()
+        .map(ToString::to_string)
+        .collect();
+    assert_eq!(said, ["left out: the row stands twice (7 lines, first 72)"]);
+    let strict = ReadOptions {
+        columns: Columns {
+            strict: true,
+            ..options.columns.clone()
+        },
+        ..options
+    };
+    let fault = read_csv(&path, &strict).unwrap_err().to_string();
     let expected = ":72: t_s = 7 after 7 in the row before; expected time to rise";
     assert_eq!(fault, format!("{}{expected}", path.display()));
 }
@@ -244,7 +258,7 @@ fn sma_react_cycles_read_by_number() {
 }
 
 #[test]
-fn text_of_a_test_machine_is_refused_at_its_first_line() {
+fn text_of_a_test_machine_is_refused_at_its_header() {
     let Some(path) = real("sma-react/mts_3cycle.txt") else {
         return;
     };
@@ -252,7 +266,7 @@ fn text_of_a_test_machine_is_refused_at_its_first_line() {
         .unwrap_err()
         .to_string();
     assert!(
-        fault.contains(":1: drive = \"temperature_degc\": no such column"),
+        fault.contains(":6: drive = \"temperature_degc\": no such column"),
         "{fault}"
     );
 }

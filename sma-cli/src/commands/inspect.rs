@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use identify::Rod;
-use recording::{Inspection, inspect, read_csv};
+use recording::{Inspection, ReadOptions, RecordingError, inspect, read_csv};
 use serde_json::json;
 
 use crate::outcome::Outcome;
@@ -33,12 +33,25 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
         Some(path) => Rod::read(path)?,
         None => Rod::parse("(no rod file)", "")?,
     };
-    let mut options = rod.read_options();
-    options.allow_untimed = true;
+    let timed = rod.read_options();
+    let untimed = ReadOptions {
+        allow_untimed: true,
+        ..timed.clone()
+    };
     let inspections = args
         .recordings
         .iter()
-        .map(|path| Ok(inspect(&read_csv(path, &options)?)))
+        .map(|path| {
+            let read = match read_csv(path, &timed) {
+                // What has no time is static data.
+                Err(
+                    RecordingError::MissingColumn { role: "time", .. }
+                    | RecordingError::NoHeader { role: "time", .. },
+                ) => read_csv(path, &untimed),
+                read => read,
+            };
+            Ok(inspect(&read?))
+        })
         .collect::<anyhow::Result<Vec<Inspection>>>()?;
     let text = if args.json {
         let document = json!({

@@ -69,7 +69,7 @@ fn units_that_do_not_suit() {
     assert_bad_input(
         &format!("{ROD}{columns}"),
         "t,current_a,displacement_mm\n0,0,0\n1,1,1\n",
-        "run.csv:1: time = t: no unit; expected s or ms at the end of its name, or as unit under [columns]",
+        "run.csv:1: time = t: no unit; expected s, ms, us, min or h at the end of its name, or as unit under [columns]",
     );
 }
 
@@ -98,11 +98,11 @@ fn text_and_numbers_that_are_none() {
 }
 
 #[test]
-fn decimal_commas_are_recognized() {
+fn commas_that_may_be_decimal_or_not_are_asked_about() {
     assert_bad_input(
         ROD,
-        "time_s;current_a;displacement_mm\n0;0;0\n0,1;1;0,1\n",
-        "run.csv:3: time_s = \"0,1\": not a number; expected a finite number in s, with a decimal point instead of a comma",
+        "time_s;current_a;displacement_mm\n0;0;0\n1;1,234;2\n",
+        "run.csv:3: current_a = \"1,234\": not a number; expected a finite number in A, with a decimal point instead of a comma, or decimal = \",\" under [columns]",
     );
 }
 
@@ -220,7 +220,7 @@ fn drives_that_lack_their_wiring() {
     assert_bad_input(
         &supplied,
         "time_s,duty,displacement_mm\n0,0,0\n0.1,50,0.1\n",
-        "run.csv:3: duty = 50: outside 0..1; expected a duty of 0..1, or of 0..100 in a column with unit %",
+        "run.csv:3: duty = 50: outside 0..1; expected a duty of 0..1, of 0..100 in a column with unit %, or counts: unit = \"counts\", full_scale = 255",
     );
 }
 

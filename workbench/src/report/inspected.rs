@@ -2,10 +2,28 @@
 
 use std::fmt::Write;
 
-use recording::{Channel, Inspection, NoiseFloor, Sampling};
+use recording::{Channel, Gap, Inspection, NoiseFloor, Sampling};
 use serde_json::{Value, json};
 
 use super::number::{count, significant};
+
+/// Gaps that are listed; more are summed up.
+pub(crate) const MOST_GAPS: usize = 3;
+
+/// Many gaps in a line.
+pub(crate) fn gaps_at_once(gaps: &[Gap]) -> String {
+    let longest = gaps.iter().max_by(|a, b| a.dt_s.total_cmp(&b.dt_s));
+    let sum_s: f64 = gaps.iter().map(|gap| gap.dt_s).sum();
+    longest.map_or(String::new(), |longest| {
+        format!(
+            "{}, {} s in all, the longest of {} s from {} s on",
+            gaps.len(),
+            significant(sum_s),
+            significant(longest.dt_s),
+            significant(longest.start_s)
+        )
+    })
+}
 
 /// For people: what is there, then what stands in the way.
 #[must_use]
@@ -14,6 +32,9 @@ pub fn text(inspection: &Inspection) -> String {
     let mut line = |what: &str, said: String| {
         let _ = writeln!(text, "  {what:<12}{said}");
     };
+    for adaptation in &inspection.adaptations {
+        line("read as", adaptation.to_string());
+    }
     line("samples", samples(inspection));
     for channel in channels(inspection) {
         line(channel.role, described(channel));
@@ -28,7 +49,14 @@ pub fn text(inspection: &Inspection) -> String {
             }),
     );
     line("cycles", cycles(inspection));
-    for gap in &inspection.gaps {
+    if inspection.gaps.len() > MOST_GAPS {
+        line("gaps", gaps_at_once(&inspection.gaps));
+    }
+    let few = match inspection.gaps.len() {
+        0..=MOST_GAPS => &inspection.gaps[..],
+        _ => &[],
+    };
+    for gap in few {
         line(
             "gap",
             format!(
@@ -162,6 +190,7 @@ pub fn json(inspection: &Inspection) -> Value {
         .collect();
     json!({
         "name": inspection.name,
+        "adaptations": inspection.adaptations.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "n_samples": inspection.n_samples,
         "duration_s": inspection.duration_s,
         "sampling": sampling,
