@@ -90,6 +90,13 @@ pub enum RecordingError {
         expected: &'static str,
     },
 
+    /// A file without rows of numbers.
+    #[error("{file}: no table; expected rows of at least two numbers")]
+    NoTable {
+        /// The file.
+        file: String,
+    },
+
     /// A duty in counts without its full scale.
     #[error(
         "{file}:{line}: drive = {column}: in counts; expected full_scale beside unit under [columns]: drive = {{ name = \"{column}\", \

@@ -51,6 +51,7 @@
 //! | question | answer |
 //! | --- | --- |
 //! | everything below at once, and what to do about it | [`inspect`], [`Inspection::warnings`] |
+//! | what could each column be? | [`survey`] |
 //! | is time uniform, are samples missing? | [`Recording::sampling`], [`Recording::gaps`] |
 //! | in what steps does the converter count? | [`quantization_step`] |
 //! | is a signal flat at its extreme? | [`clipping`] |
@@ -96,6 +97,7 @@ mod recording;
 mod resample;
 mod resistance;
 mod sampling;
+mod survey;
 mod unit;
 mod warning;
 mod write;
@@ -115,6 +117,7 @@ pub use recording::{Recording, RecordingParts};
 pub use resample::resample;
 pub use resistance::Resistance;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
+pub use survey::{Meaning, Survey, SurveyedColumn, survey};
 pub use warning::Warning;
 pub use write::write_csv;
 

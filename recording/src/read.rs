@@ -89,7 +89,7 @@ pub fn read_drive_csv(
 }
 
 /// Largest file that is adapted, bytes: it is held in memory as a whole.
-const LARGEST_ADAPTED: u64 = 1 << 29;
+const LARGEST_ADAPTED: u64 = 1 << 27;
 
 fn read(path: &Path, options: &ReadOptions, wanted: Wanted) -> Result<Recording, RecordingError> {
     let columns = &options.columns;

@@ -17,6 +17,7 @@ use clap::Parser;
 use commands::demo::DemoArgs;
 use commands::diagnose::DiagnoseArgs;
 use commands::identify::IdentifyArgs;
+use commands::init::InitArgs;
 use commands::inspect::InspectArgs;
 use commands::shell::{CompletionsArgs, ManArgs};
 use commands::simulate::SimulateArgs;
@@ -35,6 +36,7 @@ struct Cli {
 #[derive(Debug, clap::Subcommand)]
 enum Command {
     Demo(DemoArgs),
+    Init(InitArgs),
     Inspect(InspectArgs),
     Identify(IdentifyArgs),
     Simulate(SimulateArgs),
@@ -51,6 +53,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Demo(args) => commands::demo::run(args),
+        Command::Init(args) => commands::init::run(args),
         Command::Inspect(args) => commands::inspect::run(args),
         Command::Identify(args) => commands::identify::run(args),
         Command::Simulate(args) => commands::simulate::run(args),

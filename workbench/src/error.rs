@@ -56,6 +56,20 @@ pub enum WorkbenchError {
         /// The file.
         path: PathBuf,
     },
+    /// A result would take the place of a file that the user may have written.
+    #[error("{}: is there already; expected a new file, or --force to write over it", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Files that one rod file is to describe differ in their columns.
+    #[error("{file}: other columns than {first}; expected the same ones, or a rod file for each")]
+    OtherColumns {
+        /// The file.
+        file: String,
+        /// The one that it differs from.
+        first: String,
+    },
     /// The folder of a result is not there.
     #[error("{}: cannot be {action}: there is no folder {}", path.display(), folder.display())]
     NoFolder {
@@ -122,6 +136,8 @@ impl WorkbenchError {
                 | Self::Wiener(_)
                 | Self::Tune(_)
                 | Self::Task(_)
+                | Self::Exists { .. }
+                | Self::OtherColumns { .. }
         )
     }
 }

@@ -2,6 +2,7 @@
 
 mod error;
 pub mod figure;
+mod first_rod;
 mod inputs;
 pub mod kept;
 mod known_to_a_range;
@@ -16,6 +17,7 @@ mod tuning;
 mod turned;
 
 pub use error::WorkbenchError;
+pub use first_rod::{FirstRod, first_rod};
 pub use inputs::hashed;
 pub use known_to_a_range::{carry_resistivity, carry_specific_heat};
 pub use place::Place;

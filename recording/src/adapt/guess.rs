@@ -15,7 +15,7 @@ pub(super) struct Roles {
     pub(super) drive: Option<usize>,
 }
 
-const TIME: [&str; 8] = [
+pub(crate) const TIME: [&str; 8] = [
     "time",
     "t",
     "zeit",
@@ -25,7 +25,7 @@ const TIME: [&str; 8] = [
     "temps",
     "tiempo",
 ];
-const OUTPUT: [&str; 8] = [
+pub(crate) const OUTPUT: [&str; 8] = [
     "displacement",
     "position",
     "weg",
@@ -36,8 +36,40 @@ const OUTPUT: [&str; 8] = [
     "lvdt",
 ];
 
+/// Words for outputs that are no displacement.
+pub(crate) const OTHER_OUTPUT: [&str; 8] = [
+    "angle",
+    "winkel",
+    "force",
+    "kraft",
+    "load",
+    "strain",
+    "dehnung",
+    "extension",
+];
+pub(crate) const TEMPERATURE: [&str; 5] =
+    ["temperature", "temperatur", "temp", "thermocouple", "tc"];
+pub(crate) const AMBIENT: [&str; 7] = [
+    "ambient",
+    "ambiente",
+    "room",
+    "air",
+    "surroundings",
+    "umgebung",
+    "raum",
+];
+/// Words for a drive of whatever kind.
+pub(crate) const ANY_DRIVE: [&str; 4] = ["drive", "input", "command", "control"];
+
+/// Whether a column's name, without its unit, holds one of some words; a letter is a name only by itself.
+pub(crate) fn is_called(name: &str, words: &[&str]) -> bool {
+    let stem = split_name(name).0.to_lowercase();
+    let mut own = stem.split(|c: char| !c.is_alphanumeric());
+    own.any(|word| words.contains(&word) && (word.len() > 1 || word == stem))
+}
+
 /// Words for a drive of a quantity.
-fn of_drive(quantity: Quantity) -> &'static [&'static str] {
+pub(crate) fn of_drive(quantity: Quantity) -> &'static [&'static str] {
     match quantity {
         Quantity::Current => &["current", "strom", "i", "courant", "corriente"],
         Quantity::Duty => &["duty", "pwm"],
@@ -104,13 +136,7 @@ fn taken(
     if let Some(index) = role.default_in(names) {
         return Ok(Some(index));
     }
-    let fits = |present: &String| {
-        let stem = split_name(present).0.to_lowercase();
-        let mut own = stem.split(|c: char| !c.is_alphanumeric());
-        // A letter is a name only by itself.
-        own.any(|word| words.contains(&word) && (word.len() > 1 || word == stem))
-    };
-    let mut fitting = (0..names.len()).filter(|&k| fits(&names[k]));
+    let mut fitting = (0..names.len()).filter(|&k| is_called(&names[k], words));
     let (Some(index), None) = (fitting.next(), fitting.next()) else {
         return Ok(None);
     };

@@ -7,7 +7,7 @@
 
 mod clock;
 mod gaps;
-mod guess;
+pub(crate) mod guess;
 mod number;
 mod table;
 mod text;
@@ -42,7 +42,7 @@ impl fmt::Display for Adaptation {
 
 /// What was done so far.
 #[derive(Debug, Default)]
-struct Done(Vec<Adaptation>);
+pub(crate) struct Done(Vec<Adaptation>);
 
 impl Done {
     fn of_file(&mut self, what: impl Into<String>) {
@@ -64,6 +64,25 @@ impl Done {
             }),
         }
     }
+}
+
+/// The table of a file whose columns nobody has named yet, and what was done to it; `None` if there is none.
+///
+/// # Errors
+///
+/// [`RecordingError::NotText`].
+pub(crate) fn tabled(
+    bytes: &[u8],
+    file: &str,
+) -> Result<Option<(Table, Vec<Adaptation>)>, RecordingError> {
+    text::check(bytes, file)?;
+    let mut done = Done::default();
+    let lines = text::lines(bytes, &mut done);
+    let table = Table::of(&lines, &Columns::default(), &mut done);
+    Ok(table.map(|mut table| {
+        table.take_units_from_values(&mut done);
+        (table, done.0)
+    }))
 }
 
 /// A file as text that the reader takes, and what was done to it; `None` if it holds no table of numbers.

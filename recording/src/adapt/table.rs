@@ -13,6 +13,9 @@ use crate::unit::{Unit, split_name};
 /// Lines behind the rows that may be a footer.
 const LONGEST_FOOTER: usize = 20;
 
+/// Lines at the head of a file, and of the others, that tell how it is written.
+const LOOKED_AT: usize = 2000;
+
 /// Delimiters, the likelier first.
 const DELIMITERS: [Delimiter; 5] = [
     Delimiter::Character('\t'),
@@ -24,17 +27,17 @@ const DELIMITERS: [Delimiter; 5] = [
 
 /// The rows of a file.
 #[derive(Debug)]
-pub(super) struct Table {
-    pub(super) names: Option<Vec<String>>,
-    pub(super) header_line: usize,
-    pub(super) rows: Vec<Row>,
+pub(crate) struct Table {
+    pub(crate) names: Option<Vec<String>>,
+    pub(crate) header_line: usize,
+    pub(crate) rows: Vec<Row>,
 }
 
 /// A row, and its line, counted from 1.
 #[derive(Debug)]
-pub(super) struct Row {
-    pub(super) line: usize,
-    pub(super) fields: Vec<String>,
+pub(crate) struct Row {
+    pub(crate) line: usize,
+    pub(crate) fields: Vec<String>,
     /// Units that stood behind its numbers.
     units: Vec<Option<String>>,
 }
@@ -69,7 +72,7 @@ impl Style {
         for (delimiter, decimal) in styles {
             // Rows and numbers in them, for each number of fields.
             let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-            for line in lines {
+            for line in looked_at(lines) {
                 let fields = split(line, delimiter);
                 let n_numbers = fields
                     .iter()
@@ -118,11 +121,19 @@ fn split(line: &str, delimiter: Delimiter) -> Vec<&str> {
     places.into_iter().map(|place| &line[place]).collect()
 }
 
+/// The lines from which the style is taken: the first, and some of all others.
+fn looked_at(lines: &[String]) -> impl Iterator<Item = &String> {
+    let (first, rest) = lines.split_at(lines.len().min(LOOKED_AT));
+    first
+        .iter()
+        .chain(rest.iter().step_by(rest.len() / LOOKED_AT + 1))
+}
+
 /// Which columns hold numbers, in most of the rows.
 fn columns_of_numbers(lines: &[String], style: Style) -> Vec<bool> {
     let mut counts = vec![0_usize; style.n_fields];
     let mut n_rows = 0;
-    for line in lines {
+    for line in looked_at(lines) {
         let fields = split(line, style.delimiter);
         if fields.len() == style.n_fields {
             n_rows += 1;
@@ -144,7 +155,7 @@ fn is_value(field: &str, decimal: char) -> bool {
 
 impl Table {
     /// The table in some lines; `None` if there is none that could be meant.
-    pub(super) fn of(lines: &[String], columns: &Columns, done: &mut Done) -> Option<Self> {
+    pub(crate) fn of(lines: &[String], columns: &Columns, done: &mut Done) -> Option<Self> {
         let skipped = columns.skip.min(lines.len());
         let style = Style::of(&lines[skipped..], columns)?;
         let Style {
@@ -255,7 +266,7 @@ impl Table {
     }
 
     /// Takes units that stand behind the numbers of a column into its name.
-    pub(super) fn take_units_from_values(&mut self, done: &mut Done) {
+    pub(crate) fn take_units_from_values(&mut self, done: &mut Done) {
         let Some(names) = &mut self.names else { return };
         for (k, name) in names.iter_mut().enumerate() {
             let mut units = self
@@ -272,13 +283,13 @@ impl Table {
     }
 
     /// Whether a column holds stamps, as its first rows do.
-    pub(super) fn holds_stamps(&self, column: usize) -> bool {
+    pub(crate) fn holds_stamps(&self, column: usize) -> bool {
         let mut first = self.rows.iter().take(3);
         first.all(|row| row.fields.get(column).is_some_and(|field| is_stamp(field)))
     }
 
     /// The table as text, with as many lines as the file.
-    pub(super) fn text(&self, n_lines: usize) -> String {
+    pub(crate) fn text(&self, n_lines: usize) -> String {
         let mut lines = vec![String::new(); n_lines];
         if let Some(names) = &self.names {
             lines[self.header_line - 1] = names.join("\t");
@@ -353,7 +364,7 @@ fn is_unit(field: &str) -> bool {
 
 impl Row {
     /// The number in a column.
-    pub(super) fn value(&self, column: usize) -> Option<f64> {
+    pub(crate) fn value(&self, column: usize) -> Option<f64> {
         self.fields
             .get(column)?
             .parse()
@@ -362,7 +373,7 @@ impl Row {
     }
 
     /// Whether a column says that there is no number.
-    pub(super) fn lacks(&self, column: usize) -> bool {
+    pub(crate) fn lacks(&self, column: usize) -> bool {
         self.fields
             .get(column)
             .is_some_and(|field| is_missing(field))

@@ -5,6 +5,7 @@ use crate::outcome::Outcome;
 pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod identify;
+pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod shell;
 pub(crate) mod simulate;

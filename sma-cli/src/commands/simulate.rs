@@ -90,7 +90,10 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
 
 /// What to know before believing a prediction; `met` says how it compares, or where it starts.
 fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> {
-    let mut notes = Vec::new();
+    let adaptations = recording.adaptations().iter();
+    let mut notes: Vec<String> = adaptations
+        .map(|adaptation| format!("{}: {adaptation}", recording.name()))
+        .collect();
     if !saved.scores().converged {
         notes.push(
             "the model was NOT CONVERGED when it was identified: do not trust this".to_owned(),

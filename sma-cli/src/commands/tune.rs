@@ -437,6 +437,8 @@ impl Job<'_> {
                 time: columns.time.clone(),
                 drive: Some(ColumnSpec::name(format!("reference_{unit}")).in_unit(unit)),
                 output: columns.output.clone(),
+                // A reference is written, not logged.
+                strict: true,
                 ..Columns::default()
             },
             ..ReadOptions::new(Quantity::Temperature)

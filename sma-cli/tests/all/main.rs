@@ -9,6 +9,7 @@ mod docs;
 #[path = "../../examples/generate_recording.rs"]
 mod generate_recording;
 mod identify;
+mod init;
 mod inspect;
 mod reports;
 mod resume;
