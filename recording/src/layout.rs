@@ -273,15 +273,11 @@ impl Layout {
             }
             time => time,
         };
-        let temperature = match (&columns.temperature, drive_is_temperature) {
-            (Some(_), true) => {
-                return Err(RecordingError::TwoTemperatures {
-                    file: header.file.to_owned(),
-                });
-            }
-            (None, true) => None,
-            (spec, false) => header.column(&Role::TEMPERATURE, spec.as_ref())?,
-        };
+        if columns.temperature.is_some() && drive_is_temperature {
+            return Err(RecordingError::TwoTemperatures {
+                file: header.file.to_owned(),
+            });
+        }
         let drive = header
             .column(&drive, columns.drive.as_ref())?
             .ok_or_else(|| header.missing_default(&drive))?;
@@ -293,7 +289,7 @@ impl Layout {
                     .ok_or_else(|| header.missing_default(&Role::OUTPUT))?,
             ),
         };
-        // A drive or an output may be a stress or a resistance itself.
+        // A drive or an output may be a temperature, a stress or a resistance itself.
         let is_taken = |column: &Column| {
             let taken = [Some(&drive), output.as_ref()].into_iter().flatten();
             taken.into_iter().any(|other| other.index == column.index)
@@ -306,7 +302,10 @@ impl Layout {
             n_columns: header.n_columns,
             every_s,
             time,
-            temperature,
+            temperature: match drive_is_temperature {
+                true => None,
+                false => beside(&Role::TEMPERATURE, columns.temperature.as_ref())?,
+            },
             ambient: header.column(&Role::AMBIENT, columns.ambient.as_ref())?,
             stress: beside(&Role::STRESS, columns.stress.as_ref())?,
             resistance: match &columns.resistance {

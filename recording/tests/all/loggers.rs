@@ -362,6 +362,20 @@ fn what_cannot_be_read_says_what_can() {
 }
 
 #[test]
+fn an_output_may_be_the_temperature() {
+    let text = rows("time_s,current_a,temperature_degc\n", plain);
+    let columns = Columns {
+        output: Some(ColumnSpec::name("temperature_degc")),
+        ..Columns::default()
+    };
+    let found = read_with(columns, Quantity::Current, text.as_bytes()).unwrap();
+    assert_eq!(
+        (found.output_unit(), found.temperature_degc()),
+        ("degC", None)
+    );
+}
+
+#[test]
 fn strict_files_are_as_the_format_says() {
     let text = rows("Ready.\ntime_s,current_a,displacement_mm\n", plain);
     let strict = Columns {
