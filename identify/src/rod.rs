@@ -54,6 +54,8 @@ pub struct Rod {
     pub columns: Columns,
     /// What the user says of the model's parameters.
     pub model: Vec<ModelEntry>,
+    /// From when to when recordings are used, s, by the names of their files.
+    pub windows_s: BTreeMap<String, [f64; 2]>,
 }
 
 /// Mechanics of the load.
@@ -105,6 +107,13 @@ pub(crate) struct RodFile {
     pub(crate) limits: LimitsTable,
     pub(crate) columns: Columns,
     pub(crate) model: BTreeMap<Spanned<String>, ModelTable>,
+    pub(crate) recordings: BTreeMap<String, RecordingTable>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RecordingTable {
+    window_s: Option<[Spanned<f64>; 2]>,
 }
 
 #[derive(Deserialize, Default)]
@@ -271,6 +280,7 @@ impl Rod {
                 duration_s: source.positive("limits.duration_s", &limits.duration_s)?,
             },
             columns: parsed.columns,
+            windows_s: windows(source, &parsed.recordings)?,
             model: parsed
                 .model
                 .iter()
@@ -288,6 +298,14 @@ impl Rod {
         let mut tables: toml::Table = toml::from_str(&self.text).unwrap_or_default();
         tables.retain(|key, _| TABLES.contains(&key));
         tables
+    }
+
+    /// From when to when a recording is used, s, if not as a whole.
+    #[must_use]
+    pub fn window_s(&self, recording: &Path) -> Option<[f64; 2]> {
+        let name = recording.file_name().and_then(|name| name.to_str());
+        let by = |name: Option<&str>| self.windows_s.get(name?).copied();
+        by(recording.to_str()).or_else(|| by(name))
     }
 
     /// Name of the file, as errors name it.
@@ -491,6 +509,21 @@ fn ambient(
         }
         (known, _) => Ok(known),
     }
+}
+
+fn windows(
+    source: &Source<'_>,
+    recordings: &BTreeMap<String, RecordingTable>,
+) -> Result<BTreeMap<String, [f64; 2]>, IdentifyError> {
+    let mut windows_s = BTreeMap::new();
+    for (name, table) in recordings {
+        if let Some(range) = &table.window_s {
+            let key = format!("recordings.\"{name}\".window_s");
+            let Bounds { lower, upper } = source.rising(&key, range)?;
+            windows_s.insert(name.clone(), [lower, upper]);
+        }
+    }
+    Ok(windows_s)
 }
 
 fn model_entry(

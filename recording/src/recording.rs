@@ -355,6 +355,30 @@ impl Recording {
         })
     }
 
+    /// The samples from one time to another, s, both included, as a recording of their own, which says so among its
+    /// [`Recording::adaptations`].
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::NoTime`] for static data, [`RecordingError::RangeOutside`] for fewer than two samples.
+    pub fn within(&self, start_s: f64, end_s: f64) -> Result<Self, RecordingError> {
+        let time_s = self.time_s();
+        if time_s.is_empty() {
+            return Err(RecordingError::NoTime {
+                file: self.parts.name.clone(),
+            });
+        }
+        let start = time_s.partition_point(|time_s| *time_s < start_s);
+        let end = time_s.partition_point(|time_s| *time_s <= end_s);
+        let mut adaptations = self.adaptations.clone();
+        adaptations.push(Adaptation {
+            what: format!("{start_s} to {end_s} s of it are used"),
+            n_lines: 0,
+            first_line: 0,
+        });
+        Ok(self.slice(start..end.max(start))?.adapted_by(adaptations))
+    }
+
     /// Whether there is anything to identify: both drive and output change.
     ///
     /// Not part of reading, so that a recording of nothing can still be inspected.

@@ -17,8 +17,27 @@ pub fn read_all(rod: &Rod, paths: &[PathBuf]) -> Result<Vec<Recording>, Workbenc
     let options = rod.read_options();
     paths
         .iter()
-        .map(|path| Ok(recording::read_csv(path, &options)?))
+        .map(|path| {
+            let read = recording::read_csv(path, &options)?;
+            Ok(in_its_window(rod, path, read)?)
+        })
         .collect()
+}
+
+/// What a rod file uses of a recording.
+///
+/// # Errors
+///
+/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`].
+pub fn in_its_window(
+    rod: &Rod,
+    path: &Path,
+    recording: Recording,
+) -> Result<Recording, RecordingError> {
+    match rod.window_s(path) {
+        Some([start_s, end_s]) => recording.within(start_s, end_s),
+        None => Ok(recording),
+    }
 }
 
 /// Reads a recording, or a drive alone where there is no output; whether there is.

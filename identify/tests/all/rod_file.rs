@@ -79,7 +79,7 @@ fn unknown_keys_are_errors_with_their_place() {
     assert_eq!(
         refused("\n[rods]\n"),
         "rod.toml:2:2: unknown field `rods`, expected one of `rod`, `surroundings`, `drive`, `load`, \
-         `limits`, `columns`, `model`"
+         `limits`, `columns`, `model`, `recordings`"
     );
 }
 

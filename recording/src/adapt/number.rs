@@ -96,9 +96,10 @@ fn without_thousands(text: &str, mark: char, decimal: char) -> Option<String> {
         .next()
         .is_some_and(|first| (1..=3).contains(&first.len()));
     let are_groups = groups.all(|group| group.len() == 3);
-    let is_behind = text.rfind(mark) > text.find(decimal).filter(|_| true);
-    let has_mark_behind = text.contains(decimal) && is_behind;
-    (is_first && are_groups && !has_mark_behind).then(|| text.replace(mark, ""))
+    let is_behind = text
+        .find(decimal)
+        .is_some_and(|point| text.rfind(mark) > Some(point));
+    (is_first && are_groups && !is_behind).then(|| text.replace(mark, ""))
 }
 
 /// Whether a number without a point is one with thousands set apart by a comma as well as one with a decimal comma, or has none.
@@ -130,6 +131,7 @@ mod tests {
             ("149,600", '.', 149_600.0),
             ("1,234,567.25", '.', 1_234_567.25),
             ("1.234,5", ',', 1234.5),
+            ("1,234.5", '.', 1234.5),
             ("0.35 A", '.', 0.35),
             ("24°C", '.', 24.0),
             ("I=0.5", '.', 0.5),
@@ -138,7 +140,8 @@ mod tests {
             assert_eq!(read(field, decimal), Some(expected), "{field}");
         }
         for field in [
-            "", "abc", "1,23", "12:30", "1 2", "inf", "nan", "1e999", "=", "a1", "1,2345",
+            "1.5,234", "", "abc", "1,23", "12:30", "1 2", "inf", "nan", "1e999", "=", "a1",
+            "1,2345",
         ] {
             assert_eq!(read(field, '.'), None, "{field}");
         }

@@ -265,19 +265,39 @@ impl Table {
         Some(())
     }
 
-    /// Takes units that stand behind the numbers of a column into its name.
+    /// Takes the unit that stands behind the numbers of a column into its name. Where numbers have several, or another than the name
+    /// says, they are none: an instrument that changes its range writes 350 mA after 0.4 A.
     pub(crate) fn take_units_from_values(&mut self, done: &mut Done) {
-        let Some(names) = &mut self.names else { return };
-        for (k, name) in names.iter_mut().enumerate() {
-            let mut units = self
-                .rows
-                .iter()
-                .filter_map(|row| row.units.get(k)?.as_ref());
-            let Some(first) = units.next() else { continue };
-            let is_one = units.all(|unit| unit == first);
-            if is_one && split_name(name).1.is_none() {
+        let n_columns = self.rows.first().map_or(0, |row| row.fields.len());
+        for k in 0..n_columns {
+            let unit_of = |row: &'_ Row| row.units.get(k).cloned().flatten();
+            let Some(first) = self.rows.iter().find_map(unit_of) else {
+                continue;
+            };
+            let name = self.names.as_ref().and_then(|names| names.get(k)).cloned();
+            let named = name.as_deref().and_then(|name| split_name(name).1);
+            let is_same = |one: &str, other: &str| match (Unit::parse(one), Unit::parse(other)) {
+                (Some(one), Some(other)) => one == other,
+                _ => one == other,
+            };
+            let is_zero = |row: &Row| row.value(k).is_none_or(|value| value.abs() <= 0.0);
+            let is_one = self.rows.iter().all(|row| match unit_of(row) {
+                Some(unit) => is_same(&unit, &first),
+                None => is_zero(row),
+            });
+            if !is_one || named.is_some_and(|named| !is_same(named, &first)) {
+                for row in &mut self.rows {
+                    if let Some(unit) = row.units.get_mut(k).and_then(Option::take) {
+                        row.fields[k] = format!("{} {unit}", row.fields[k]);
+                    }
+                }
+                continue;
+            }
+            if let (None, Some(name)) = (named, &name) {
                 done.of_file(format!("\"{name}\" is in {first}, as its values say"));
-                *name = format!("{name} [{first}]");
+                if let Some(names) = &mut self.names {
+                    names[k] = format!("{name} [{first}]");
+                }
             }
         }
     }

@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::outcome::Outcome;
 use crate::terminal::write_stdout;
+use workbench::in_its_window;
 use workbench::report::inspected;
 
 /// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
@@ -50,7 +51,7 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
                 ) => read_csv(path, &untimed),
                 read => read,
             };
-            Ok(inspect(&read?))
+            Ok(inspect(&in_its_window(&rod, path, read?)?))
         })
         .collect::<anyhow::Result<Vec<Inspection>>>()?;
     let text = if args.json {

@@ -51,6 +51,29 @@ fn from_a_file_to_a_fit_in_two_commands() {
 }
 
 #[test]
+fn a_window_leaves_the_rest_out_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("run.csv"), as_german("train.csv")).unwrap();
+    let (code, ..) = sma(folder, "init run.csv");
+    assert_eq!(code, 0);
+    let rod = fs::read_to_string(folder.join("rod.toml")).unwrap();
+    let window = "[recordings.\"run.csv\"]\nwindow_s = [10, 110]\n";
+    fs::write(folder.join("rod.toml"), format!("{rod}\n{window}")).unwrap();
+    let (code, said, stderr) = sma(folder, "inspect run.csv --rod rod.toml");
+    assert_eq!(code, 0, "{stderr}");
+    assert!(said.contains("10 to 110 s of it are used"), "{said}");
+    assert!(said.contains(" over 100.0 s"), "{said}");
+    fs::write(folder.join("rod.toml"), window.replace("110", "5")).unwrap();
+    let (code, _, stderr) = sma(folder, "inspect run.csv --rod rod.toml");
+    assert_eq!(code, 3);
+    assert!(
+        stderr.contains("recordings.\"run.csv\".window_s"),
+        "{stderr}"
+    );
+}
+
+#[test]
 fn nothing_is_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
