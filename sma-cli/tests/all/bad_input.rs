@@ -204,7 +204,7 @@ fn kelvins_and_files_of_another_kind() {
     assert_bad_input(
         "schema_version = 1\n[[parameter]]\nname = \"tau_s\"\n",
         &recording,
-        "rod.toml:2:3: unknown field `parameter`, expected one of `rod`, `surroundings`, `drive`, `load`, `limits`, `columns`, `model`; this is a model from --save-model",
+        "rod.toml:2:3: unknown field `parameter`, expected one of `rod`, `surroundings`, `drive`, `load`, `limits`, `columns`, `model`, `recordings`; this is a model from --save-model",
     );
 }
 
