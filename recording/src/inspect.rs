@@ -9,6 +9,7 @@ use crate::quantization::quantization_step;
 use crate::recording::Recording;
 use crate::sampling::{Gap, Sampling};
 use crate::warning::Warning;
+use crate::wild::{Wild, wild};
 
 /// A hold that tells of noise and drift is longer than this, s.
 pub const LONG_HOLD_S: f64 = 60.0;
@@ -104,6 +105,8 @@ pub struct Inspection {
     pub cycles: Vec<Cycle>,
     /// Cycles that the drive repeats.
     pub repeats: Option<Repeats>,
+    /// Samples that do not belong to their series.
+    pub wild: Vec<Wild>,
     /// Noise of the output; `None` for static data and for fewer than three neighboring samples.
     pub noise_floor: Option<NoiseFloor>,
 }
@@ -162,6 +165,7 @@ pub fn inspect(recording: &Recording) -> Inspection {
     );
     Inspection {
         name: recording.name().to_owned(),
+        wild: wild(recording),
         adaptations: recording.adaptations().to_vec(),
         n_samples: recording.len(),
         duration_s,

@@ -55,6 +55,7 @@
 //! | is time uniform, are samples missing? | [`Recording::sampling`], [`Recording::gaps`] |
 //! | in what steps does the converter count? | [`quantization_step`] |
 //! | is a signal flat at its extreme? | [`clipping`] |
+//! | which samples do not belong to the series? | [`wild`] |
 //! | where is the drive constant? | [`holds`] |
 //! | which are its whole cycles, which repeat? | [`cycles`], [`repeats`] |
 //! | how large is the noise, at least and at most? | [`noise_floor`] |
@@ -100,6 +101,7 @@ mod sampling;
 mod survey;
 mod unit;
 mod warning;
+mod wild;
 mod write;
 
 pub use adapt::Adaptation;
@@ -119,6 +121,7 @@ pub use resistance::Resistance;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
 pub use survey::{Meaning, Survey, SurveyedColumn, survey};
 pub use warning::Warning;
+pub use wild::{Wild, wild};
 pub use write::write_csv;
 
 #[cfg(doctest)]

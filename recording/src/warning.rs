@@ -5,6 +5,7 @@ use std::fmt;
 use crate::clipping::{Clipping, Side};
 use crate::inspect::{Channel, Inspection, LONG_HOLD_S, MOVING, SETTLE_S};
 use crate::sampling::Sampling;
+use crate::wild::Wild;
 
 /// Fewest samples at rest, from which an offset is taken. Our choice.
 const FEWEST_AT_REST: usize = 10;
@@ -67,6 +68,8 @@ pub enum Warning {
         /// Its unit.
         unit: String,
     },
+    /// Single samples do not belong to their series.
+    Wild(Wild),
     /// The output or the temperature is flat at an extreme, other than at rest before the drive rises.
     Flat {
         /// `output` or `temperature`.
@@ -115,6 +118,7 @@ impl Warning {
         let still = changing.into_iter().filter(|channel| is_still(channel));
         found.extend(still.map(|channel| Self::NeverChanges { role: channel.role }));
         found.extend(Self::of_sampling(inspection));
+        found.extend(inspection.wild.iter().cloned().map(Self::Wild));
         if !is_still(&inspection.drive) && !untimed {
             found.extend(Self::of_drive(inspection));
         }
@@ -222,7 +226,7 @@ fn is_still(channel: &Channel) -> bool {
 }
 
 /// Number and unit, without a unit of one.
-fn quantity(f: &mut fmt::Formatter<'_>, value: f64, unit: &str) -> fmt::Result {
+pub(crate) fn quantity(f: &mut fmt::Formatter<'_>, value: f64, unit: &str) -> fmt::Result {
     match unit {
         "1" => write!(f, "{}", Short(value)),
         _ => write!(f, "{} {unit}", Short(value)),
@@ -316,6 +320,7 @@ impl fmt::Display for Warning {
                     Short(100.0 * share)
                 )
             }
+            Self::Wild(wild) => write!(f, "{wild}"),
             Self::Flat {
                 role,
                 clipping,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use identify::Rod;
-use recording::{ReadOptions, Recording, RecordingError};
+use recording::{ReadOptions, Recording, RecordingError, wild};
 
 use crate::WorkbenchError;
 use crate::report::inspected::{MOST_GAPS, gaps_at_once};
@@ -90,6 +90,7 @@ pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> 
         let name = recording.name();
         let adaptations = recording.adaptations().iter();
         notes.extend(adaptations.map(|adaptation| format!("{name}: {adaptation}")));
+        notes.extend(wild(recording).iter().map(|wild| format!("{name}: {wild}")));
         let gaps = recording.gaps();
         if gaps.len() > MOST_GAPS {
             let gaps = gaps_at_once(&gaps);
