@@ -71,11 +71,13 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
         ("drive", recording.drive_unit(), recording.drive()),
         ("output", recording.output_unit(), recording.output()),
     ];
+    let large = A_STEP * Ordered::new(recording.drive()).range();
     let found = series.into_iter().filter_map(|(role, unit, values)| {
-        let mut samples = wild_in(values);
+        let ordered = Ordered::new(values);
+        let mut samples = wild_in(values, ordered.range());
         match role {
-            "drive" => samples.retain(|&k| !is_a_level(values, k)),
-            _ => samples.retain(|&k| !is_after_a_step(recording.drive(), k)),
+            "drive" => samples.retain(|&k| !ordered.has_level(values[k])),
+            _ => samples.retain(|&k| !is_after_a_step(recording.drive(), large, k)),
         }
         let &first = samples.first()?;
         Some(Wild {
@@ -89,32 +91,38 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
     found.collect()
 }
 
-/// Whether a drive stands at the value of a sample again and again: one that switches may do so for a sample.
-fn is_a_level(values: &[f64], k: usize) -> bool {
-    let near = LEAST * range(values);
-    let n_near = values
-        .iter()
-        .filter(|value| (*value - values[k]).abs() <= near)
-        .count();
-    n_near as f64 > A_LEVEL * values.len() as f64
+/// The values of a series in ascending order.
+struct Ordered(Vec<f64>);
+
+impl Ordered {
+    fn new(values: &[f64]) -> Self {
+        let mut ordered = values.to_vec();
+        ordered.sort_by(f64::total_cmp);
+        Self(ordered)
+    }
+
+    /// From the first to the last hundredth: wild ones would stretch the range itself.
+    fn range(&self) -> f64 {
+        let at = |share: f64| self.0[(share * (self.0.len() - 1) as f64) as usize];
+        at(0.99) - at(0.01)
+    }
+
+    /// Whether the series stands at a value again and again: a drive that switches may do so for a sample.
+    fn has_level(&self, value: f64) -> bool {
+        let near = LEAST * self.range();
+        let below = self.0.partition_point(|other| *other < value - near);
+        let up_to = self.0.partition_point(|other| *other <= value + near);
+        (up_to - below) as f64 > A_LEVEL * self.0.len() as f64
+    }
 }
 
-/// Whether the drive has just been switched.
-fn is_after_a_step(drive: &[f64], k: usize) -> bool {
-    let large = A_STEP * range(drive);
+/// Whether the drive has just been switched, by a step that is large.
+fn is_after_a_step(drive: &[f64], large: f64, k: usize) -> bool {
     let before = &drive[k.saturating_sub(2)..=k];
     before.windows(2).any(|two| (two[1] - two[0]).abs() > large)
 }
 
-/// From the first to the last hundredth: wild ones would stretch the range itself.
-fn range(values: &[f64]) -> f64 {
-    let mut ordered = values.to_vec();
-    ordered.sort_by(f64::total_cmp);
-    let at = |share: f64| ordered[(share * (ordered.len() - 1) as f64) as usize];
-    at(0.99) - at(0.01)
-}
-
-fn wild_in(values: &[f64]) -> Vec<usize> {
+fn wild_in(values: &[f64], range: f64) -> Vec<usize> {
     let bends: Vec<f64> = values
         .windows(3)
         .map(|three| three[1] - 0.5 * (three[0] + three[2]))
@@ -124,7 +132,7 @@ fn wild_in(values: &[f64]) -> Vec<usize> {
     }
     let mut sizes: Vec<f64> = bends.iter().map(|bend| bend.abs()).collect();
     sizes.sort_by(f64::total_cmp);
-    let usual = (1.4826 * sizes[sizes.len() / 2]).max(LEAST * range(values));
+    let usual = (1.4826 * sizes[sizes.len() / 2]).max(LEAST * range);
     if usual <= 0.0 {
         return Vec::new();
     }
@@ -143,6 +151,10 @@ fn wild_in(values: &[f64]) -> Vec<usize> {
 mod tests {
     use super::*;
 
+    fn found(values: &[f64]) -> Vec<usize> {
+        wild_in(values, Ordered::new(values).range())
+    }
+
     fn smooth() -> Vec<f64> {
         let noise = |k: usize| 0.001 * (((k * k) as f64) * 0.7).sin();
         (0..400)
@@ -152,19 +164,19 @@ mod tests {
 
     #[test]
     fn glitches_are_found_and_steps_are_not() {
-        assert_eq!(wild_in(&smooth()), []);
+        assert_eq!(found(&smooth()), []);
         let mut values = smooth();
         (values[50], values[301]) = (7.0, 0.0);
-        assert_eq!(wild_in(&values), [50, 301]);
+        assert_eq!(found(&values), [50, 301]);
         let mut drive = vec![0.0; 400];
         drive[100..200].fill(1.0);
-        assert_eq!(wild_in(&drive), []);
+        assert_eq!(found(&drive), []);
         drive[150] = 22.0;
         drive[300] = 0.5;
-        assert_eq!(wild_in(&drive), [150, 300]);
+        assert_eq!(found(&drive), [150, 300]);
         // A pulse every ten samples is a drive.
         let pulses: Vec<f64> = (0..400).map(|k| f64::from(u8::from(k % 10 == 0))).collect();
-        assert_eq!(wild_in(&pulses), []);
-        assert_eq!(wild_in(&[1.0, 1.0]), []);
+        assert_eq!(found(&pulses), []);
+        assert_eq!(found(&[1.0, 1.0]), []);
     }
 }

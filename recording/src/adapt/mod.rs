@@ -9,6 +9,7 @@ mod clock;
 mod gaps;
 pub(crate) mod guess;
 mod number;
+mod stamp;
 mod table;
 mod text;
 

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::adapt::Done;
-use crate::adapt::clock::is_stamp;
 use crate::adapt::number::{Number, could_be_thousands, is_missing, number};
+use crate::adapt::stamp::is_stamp;
 use crate::columns::Columns;
 use crate::lines::Delimiter;
 use crate::unit::{Unit, split_name};
@@ -188,9 +188,8 @@ impl Table {
         if decimal == ',' {
             done.of_file("numbers have a decimal comma");
         }
-        match delimiter {
-            Delimiter::Character('|') => done.of_file("a bar stands between fields"),
-            Delimiter::Character(';') | Delimiter::Character(_) | Delimiter::WhiteSpace => {}
+        if delimiter == Delimiter::Character('|') {
+            done.of_file("a bar stands between fields");
         }
         let (names, header_line) = header(&lines[skipped..first], skipped, style, done)?;
         for (k, line) in lines[skipped..first].iter().enumerate() {
