@@ -1,7 +1,6 @@
 //! What is to be expected of parameters before a recording is looked at, as squares beside those of the residual.
 
 use crate::IdentifyError;
-use crate::factor::Triangle;
 use crate::least_squares::{Linearized, SumOfSquares};
 use crate::parameter::ParameterVector;
 use crate::problem::Problem;
@@ -84,31 +83,15 @@ impl SumOfSquares for Expecting<'_, '_> {
         if self.rows.is_empty() {
             return Ok((sums, local));
         }
-        let point = &points[around];
-        let n = point.len();
-        let mut whole = Triangle::new(n + 1);
-        for row in 0..n {
-            whole.push(|column| match column < n {
-                true => local.jacobian[(row, column)],
-                false => local.residual[row],
-            });
-        }
-        for one in &self.rows {
-            let value = one.row(point);
-            whole.push(|column| match column < n {
-                true => one.derivative(column),
-                false => value,
-            });
-        }
-        let r = whole.r();
         for (sum, point) in sums.iter_mut().zip(points) {
             *sum += self.squares(point);
         }
-        let local = Linearized {
-            jacobian: r.view((0, 0), (n, n)).into_owned(),
-            residual: (0..n).map(|row| r[(row, n)]).collect(),
-            sum_of_squares: sums[around],
-        };
+        let point = &points[around];
+        let rows = self.rows.iter().map(|one| {
+            let derivatives = (0..point.len()).map(|column| one.derivative(column));
+            (derivatives.collect(), one.row(point))
+        });
+        let local = local.with_rows(rows, sums[around]);
         Ok((sums, local))
     }
 

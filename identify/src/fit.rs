@@ -13,8 +13,9 @@ use crate::identifiability::unfixed_directions;
 use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
 use crate::moments::BATCH;
 use crate::problem::{Problem, Residuals};
+use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
 use crate::uncertainty::covariance;
-use crate::{EndedStart, Fit, ForwardModel, IdentifyError, TrainedRecording};
+use crate::{EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording};
 
 /// What is made small.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -174,14 +175,23 @@ pub fn fit(
     let starts = search.ends.len() as u64;
     let agreed = 1.01 * search.lowest() + problem.rounding();
     let agrees = |end: &&Minimum| end.sum_of_squares <= agreed;
-    let agreeing_starts = search.ends.iter().filter(agrees).count() as u64;
+    let mut agreeing_starts = search.ends.iter().filter(agrees).count() as u64;
     // Before weights change it: the outputs' own spread.
     let spread = problem.spread();
     search
         .ends
         .sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    let held = held_within(&problem, &search.ends, &config.least_squares)?;
+    let wall = held
+        .as_ref()
+        .filter(|held| held.is_pressed)
+        .map(|_| search.lowest());
     let mut minima = distinct(&search.ends, problem.bounds());
-    let minimum = minima.remove(0);
+    let mut minimum = minima.remove(0);
+    if let Some(held) = held {
+        minima.insert(0, std::mem::replace(&mut minimum, held.minimum));
+        agreeing_starts = held.agreeing;
+    }
     let others: Vec<Vec<f64>> = minima.into_iter().map(|other| other.point).collect();
     let other_minima = problem
         .solve(&others)?
@@ -194,7 +204,8 @@ pub fn fit(
                 .collect()
         })
         .collect();
-    let minimum = reweighed(&mut problem, minimum, config)?;
+    let minimum = reweighed(&mut problem, minimum, wall, config)?;
+    let beyond = beyond_reach(&problem, &minimum.point)?;
     let solved = problem.solve_one(&minimum.point)?;
     let residuals = problem.residuals(&minimum.point, &solved)?;
     let covariance = covariance(&problem, &minimum.point, &solved, &residuals)?;
@@ -207,8 +218,13 @@ pub fn fit(
     // Twice the negative logarithm of the likelihood, but for a constant of the data.
     let deviance = n * covariance.noise.innovation_variance.ln();
     let n_temperatures = problem.n_temperatures();
+    let mut parameters = fitted_parameters(&problem, &minimum.point, &solved, &covariance);
+    if !beyond.is_empty() {
+        leave_unfixed(&mut parameters);
+    }
     Ok(Fit {
-        parameters: fitted_parameters(&problem, &minimum.point, &solved, &covariance),
+        parameters,
+        beyond_reach: beyond,
         train_rmse: (sum / n).sqrt(),
         temperature_rmse_k: (n_temperatures > 0)
             .then(|| (solved.temperature / n_temperatures as f64).sqrt()),
@@ -307,8 +323,6 @@ impl Search {
 /// Minima that are not one another's, of ends in the order of their height: the lowest, and what is near it in height
 /// but not in place.
 fn distinct(ends: &[Minimum], bounds: &[Bound]) -> Vec<Minimum> {
-    /// Mean square over the lowest one up to which a minimum counts.
-    const NEAR: f64 = 1.5;
     /// Share of a coordinate's range within which two ends are one.
     const SAME: f64 = 0.05;
     let is_same = |one: &Minimum, other: &Minimum| {
@@ -327,10 +341,25 @@ fn distinct(ends: &[Minimum], bounds: &[Bound]) -> Vec<Minimum> {
     minima
 }
 
-/// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays.
+/// Takes the intervals off what the place of a branch tells that no recording has seen.
+fn leave_unfixed(parameters: &mut [FittedParameter]) {
+    let placed = ["loop_center", "loop_half_width"];
+    for parameter in parameters {
+        if placed
+            .iter()
+            .any(|name| parameter.info.name.starts_with(name))
+        {
+            parameter.intervals.fill(None);
+        }
+    }
+}
+
+/// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays; with a wall for the lowest sum
+/// of squares of [`WithinReach`] if there is one.
 fn reweighed(
     problem: &mut Problem<'_>,
     mut minimum: Minimum,
+    wall: Option<f64>,
     config: &FitConfig,
 ) -> Result<Minimum, IdentifyError> {
     /// Weights converge linearly; with many outliers it takes tens of rounds, each from close by.
@@ -349,7 +378,11 @@ fn reweighed(
         if config.loss == Loss::Huber {
             problem.weigh_samples(huber_weights(&problem.residuals(&before, &solved)?));
         }
-        minimum = minimize(problem, problem.bounds(), &before, &config.least_squares)?;
+        let held = match wall {
+            Some(lowest) => WithinReach::held(problem, lowest),
+            None => WithinReach::free(problem),
+        };
+        minimum = minimize(&held, problem.bounds(), &before, &config.least_squares)?;
         let mut moves = before.iter().zip(&minimum.point).zip(problem.bounds());
         if moves.all(|((a, b), bound)| (a - b).abs() <= 1e-7 * (bound.upper - bound.lower)) {
             break;

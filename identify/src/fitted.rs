@@ -7,8 +7,8 @@ use crate::moments::Solved;
 use crate::problem::Problem;
 use crate::uncertainty::Covariance;
 use crate::{
-    Bounds, Enters, Loss, ParameterInfo, ParameterVector, ResidualNoise, Scale, Scope, Termination,
-    UnfixedDirection,
+    BeyondReach, Bounds, Enters, Loss, ParameterInfo, ParameterVector, ResidualNoise, Scale, Scope,
+    Termination, UnfixedDirection,
 };
 
 /// A parameter and what became of it.
@@ -23,6 +23,21 @@ pub struct FittedParameter {
     pub intervals: Vec<Option<Bounds>>,
     /// Whether a value ended on a bound: the data pull it further, or say nothing of it.
     pub at_bound: bool,
+}
+
+impl FittedParameter {
+    /// Whether it is shared and rests on a bound of its search that is no end of what can be.
+    fn is_held_by_a_bound(&self) -> bool {
+        /// Distance from a bound, as a share of the range.
+        const NEAR: f64 = 1e-6;
+        let Bounds { lower, upper } = self.info.bounds;
+        let near = NEAR * (upper - lower);
+        let held = |value: &f64| {
+            (*value <= lower + near && lower > self.info.admissible.lower)
+                || (*value >= upper - near && upper < self.info.admissible.upper)
+        };
+        self.at_bound && self.info.scope == Scope::Shared && self.values.iter().any(held)
+    }
 }
 
 /// How well one training recording is met.
@@ -93,6 +108,9 @@ pub struct Fit {
     pub bic: f64,
     /// Covariance of the estimates.
     pub covariance: ParameterCovariance,
+    /// Branches of the loop that lie beyond the temperatures reached: nothing tells where they are, so that center and half
+    /// width have no interval.
+    pub beyond_reach: Vec<BeyondReach>,
     /// Directions in which parameters can change together without showing.
     pub unfixed: Vec<UnfixedDirection>,
     /// Why the least-squares search of the best start ended.
@@ -125,6 +143,20 @@ impl Fit {
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination.is_minimum() && self.agreeing_starts >= self.starts.min(2)
+    }
+
+    /// Shared parameters that rest on a bound of the search which is no end of what can be: the recordings pull them further, or
+    /// say nothing of them.
+    pub fn held_by_bounds(&self) -> impl Iterator<Item = &FittedParameter> {
+        let parameters = self.parameters.iter();
+        parameters.filter(|parameter| parameter.is_held_by_a_bound())
+    }
+
+    /// Whether the result may be trusted as far as the search is concerned: it has converged, no bound of the search holds it, and
+    /// the loop lies where the recordings have been.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        self.converged() && self.held_by_bounds().next().is_none() && self.beyond_reach.is_empty()
     }
 
     /// Values of all parameters in a training recording, in the model's order: what

@@ -28,4 +28,10 @@ pub trait ForwardModel: fmt::Debug + Sync {
         recording: &Recording,
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError>;
+
+    /// Temperatures in the middle of the cooling and of the heating branch of the limiting loop at a point, on the scale of those
+    /// that [`ForwardModel::simulate`] shows, °C; `None` if the model has no such loop.
+    fn branches_degc(&self, _point: &[f64]) -> Option<[f64; 2]> {
+        None
+    }
 }

@@ -6,6 +6,7 @@ use wiener::NARROW;
 
 use crate::IdentifyError;
 use crate::dense::{Matrix, least_squares};
+use crate::factor::Triangle;
 
 /// Settings of the least-squares search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +77,32 @@ pub(crate) struct Linearized {
     pub(crate) residual: Vec<f64>,
     /// Sum of squares of the whole residual.
     pub(crate) sum_of_squares: f64,
+}
+
+impl Linearized {
+    /// The same with more rows below, each its derivatives and its value, and the sum of squares that this gives.
+    pub(crate) fn with_rows(
+        &self,
+        rows: impl Iterator<Item = (Vec<f64>, f64)>,
+        sum_of_squares: f64,
+    ) -> Self {
+        let n = self.residual.len();
+        let own = (0..n).map(|row| {
+            let derivatives = (0..n).map(|column| self.jacobian[(row, column)]);
+            (derivatives.collect(), self.residual[row])
+        });
+        let mut whole = Triangle::new(n + 1);
+        for (derivatives, value) in own.chain(rows) {
+            let derivatives: Vec<f64> = derivatives;
+            whole.push(|column| derivatives.get(column).copied().unwrap_or(value));
+        }
+        let r = whole.r();
+        Self {
+            jacobian: r.view((0, 0), (n, n)).into_owned(),
+            residual: (0..n).map(|row| r[(row, n)]).collect(),
+            sum_of_squares,
+        }
+    }
 }
 
 /// A sum of squares to be minimized.

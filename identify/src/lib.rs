@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod cascade;
+mod clocks;
 mod cross_check;
 pub mod dense;
 mod difference;
@@ -24,6 +25,7 @@ mod parameter;
 mod predict;
 mod problem;
 mod quantities;
+mod reach;
 mod refine;
 mod residual_noise;
 mod resistance_change;
@@ -39,6 +41,7 @@ mod uncertainty;
 mod validate;
 mod wiener_model;
 
+pub use clocks::{EarlyOutput, early_output};
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
 pub use ended::EndedStart;
@@ -56,6 +59,7 @@ pub use parameter::{
     Bounds, Enters, Ordinary, ParameterInfo, ParameterState, ParameterVector, Scale, Scope,
 };
 pub use predict::{Prediction, predict};
+pub use reach::BeyondReach;
 pub use refine::{RefineConfig, Refined, refine};
 pub use residual_noise::ResidualNoise;
 pub use rig_model::RigModel;

@@ -7,7 +7,7 @@ use wiener::{
     lockstep,
 };
 
-use crate::wiener_model::{start_share, zeta};
+use crate::wiener_model::{branches_degc, start_share, zeta};
 use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale};
 
 /// Narrowest loop that is searched, as a share of the input's range: below, a width is that of a sample.
@@ -219,6 +219,10 @@ impl ForwardModel for LoopModel {
         }
         let loops = Loops { rule: self.rule };
         Ok(lockstep(&loops, &members, &profile, visit)?)
+    }
+
+    fn branches_degc(&self, point: &[f64]) -> Option<[f64; 2]> {
+        Some(branches_degc(point[CENTER], point[HALF_WIDTH]))
     }
 }
 

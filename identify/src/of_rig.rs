@@ -1,7 +1,8 @@
 use recording::Recording;
 use wiener::Block;
 
-use crate::{ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope};
+use crate::wiener_model::START;
+use crate::{ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope, may_begin_warm};
 
 /// A model whose shared parameters are known; what is left to find is a recording's own.
 #[derive(Debug)]
@@ -22,6 +23,22 @@ impl<'a> OfRig<'a> {
             }
         }
         Self { model, parameters }
+    }
+
+    /// Leaves the start of a recording open that may begin warm ([`may_begin_warm`]), and has every other begin at rest. A start
+    /// that is fixed elsewhere stays.
+    pub fn begin_as(&mut self, recording: &Recording) {
+        let is_warm = may_begin_warm(recording);
+        for (name, at_rest) in START {
+            let Some(info) = self.parameters.iter_mut().find(|info| info.name == name) else {
+                continue;
+            };
+            match info.state {
+                ParameterState::Fixed(value) if value != at_rest => {}
+                _ if is_warm => info.state = ParameterState::Free,
+                _ => info.state = ParameterState::Fixed(at_rest),
+            }
+        }
     }
 }
 

@@ -264,6 +264,33 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
+    /// Lowest and highest temperature of the model over all recordings at each point, °C.
+    pub(crate) fn reached_degc(&self, points: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, IdentifyError> {
+        self.count(points.len() as u64);
+        let mut reached = vec![[f64::INFINITY, f64::NEG_INFINITY]; points.len()];
+        for (batch, reached) in points.chunks(BATCH).zip(reached.chunks_mut(BATCH)) {
+            for r in 0..self.recordings.len() {
+                let values: Vec<Vec<f64>> = batch
+                    .iter()
+                    .map(|point| self.vector.values(point, r))
+                    .collect();
+                self.simulate(r, &values, &mut |block| {
+                    for row in block.temperature_degc.chunks_exact(block.stride) {
+                        for ([lowest, highest], degc) in reached.iter_mut().zip(row) {
+                            (*lowest, *highest) = (lowest.min(*degc), highest.max(*degc));
+                        }
+                    }
+                })?;
+            }
+        }
+        Ok(reached)
+    }
+
+    /// See [`ForwardModel::branches_degc`].
+    pub(crate) fn branches_degc(&self, point: &[f64]) -> Option<[f64; 2]> {
+        self.model.branches_degc(&self.vector.values(point, 0))
+    }
+
     /// Simulates a recording at points of the model and holds the model to its promise: every block
     /// shows all points, and the blocks together all samples in their order.
     fn simulate(

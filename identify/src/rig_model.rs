@@ -32,6 +32,15 @@ impl RigModel {
         })
     }
 
+    /// See [`WienerModel::with_open_starts`]; the other models stay as they are.
+    #[must_use]
+    pub fn with_open_starts(self, training: &[Recording]) -> Self {
+        match self {
+            Self::Wiener(model) => Self::Wiener(model.with_open_starts(training)),
+            other => other,
+        }
+    }
+
     /// The parameters of the cascade at a point; `None` for a static loop.
     #[must_use]
     pub fn wiener_params(&self, point: &[f64]) -> Option<WienerParams> {
@@ -91,6 +100,14 @@ impl ForwardModel for RigModel {
             Self::Wiener(model) => model.simulate(points, recording, visit),
             Self::Sadeghi(model) => model.simulate(points, recording, visit),
             Self::Loop(model) => model.simulate(points, recording, visit),
+        }
+    }
+
+    fn branches_degc(&self, point: &[f64]) -> Option<[f64; 2]> {
+        match self {
+            Self::Wiener(model) => model.branches_degc(point),
+            Self::Sadeghi(model) => model.branches_degc(point),
+            Self::Loop(model) => model.branches_degc(point),
         }
     }
 }

@@ -423,6 +423,11 @@ impl Rod {
         .collect()
     }
 
+    /// Whether `[model]` says something of a parameter.
+    pub(crate) fn states(&self, name: &str) -> bool {
+        self.model.iter().any(|entry| entry.name == name)
+    }
+
     /// Puts what `[model]` says into the parameters of a model.
     ///
     /// # Errors

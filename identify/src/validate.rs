@@ -5,6 +5,7 @@ use crate::least_squares::{LeastSquaresConfig, minimize};
 use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
+use crate::wiener_model::START;
 use crate::{Fit, ForwardModel, IdentifyError};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
@@ -63,9 +64,9 @@ impl Validated {
 
 /// Predicts a recording with the shared parameters frozen.
 ///
-/// Only the recording's own parameters are set (its offset, and its start where that is free), by a
-/// rule that is the same for every model: from the samples before the drive first rises, or over the
-/// whole recording if there are fewer than ten. A fixed offset stays.
+/// Only the recording's own parameters are set, by a rule that is the same for every model: its offset from the
+/// samples before the drive first rises, or over the whole recording if there are fewer than ten; its start is at rest,
+/// unless it may begin warm ([`may_begin_warm`](crate::may_begin_warm)), where it is found over the whole recording. What is fixed at another value stays.
 ///
 /// # Errors
 ///
@@ -95,7 +96,8 @@ pub fn validate_at(
     point: &[f64],
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
-    let frozen = OfRig::at(model, point);
+    let mut frozen = OfRig::at(model, point);
+    frozen.begin_as(recording);
     let mut problem = Problem::new(&frozen, std::slice::from_ref(recording))?;
     let at_rest = samples_at_rest(recording.drive());
     let offset_source = if at_rest == recording.len() {
@@ -107,18 +109,15 @@ pub fn validate_at(
     } else {
         OffsetSource::WholeRecording { at_rest }
     };
-    let middle = problem.middle();
-    let point = if middle.is_empty() {
-        middle
-    } else {
-        minimize(
-            &problem,
-            problem.bounds(),
-            &middle,
-            &LeastSquaresConfig::default(),
-        )?
-        .point
-    };
+    let config = LeastSquaresConfig::default();
+    let ends = starts(&problem)
+        .iter()
+        .map(|start| minimize(&problem, problem.bounds(), start, &config))
+        .collect::<Result<Vec<_>, _>>()?;
+    let lowest = ends
+        .into_iter()
+        .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    let point = lowest.map_or_else(Vec::new, |end| end.point);
     let solved = problem.solve_one(&point)?;
     let residuals = problem.residuals(&point, &solved)?;
     let rmse = root_mean_square(&residuals[0].values);
@@ -135,6 +134,31 @@ pub fn validate_at(
         offset: solved.offsets[0],
         offset_source,
     })
+}
+
+/// Where to begin a search of what belongs to a recording: in the middle of the bounds, and on either branch as cold as its
+/// surroundings. Nowhere, if nothing is sought.
+fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
+    let vector = problem.vector();
+    let middle = problem.middle();
+    if middle.is_empty() {
+        return Vec::new();
+    }
+    let [(rise, no_rise_k), (share, _)] = START;
+    let cold = [1.0, 0.0].map(|branch| {
+        vector.coordinates(|parameter, _| match vector.infos()[parameter].name {
+            name if name == rise => Some(no_rise_k),
+            name if name == share => Some(branch),
+            _ => None,
+        })
+    });
+    let mut starts = vec![middle];
+    for start in cold {
+        if !starts.contains(&start) {
+            starts.push(start);
+        }
+    }
+    starts
 }
 
 /// Samples before the drive first rises from its lowest level by more than a hundredth of its range,

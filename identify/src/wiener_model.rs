@@ -30,11 +30,18 @@ const WIDTHS_K: Bounds = Bounds {
 /// 120 °C, high-temperature alloys need bounds of their own in `[model]`.
 const HIGHEST_CENTER_K: f64 = 150.0;
 
+/// Temperature above ambient up to which a recording may begin, K: a drive that completes the transformation of the hottest
+/// wire holds it some way above its loop.
+const HIGHEST_START_K: f64 = 250.0;
+
 /// Smallest ζ that is searched: below, branches from a limiting curve are thirty times its width long.
 const SMALLEST_ZETA: f64 = 0.05;
 
 /// Name of the parameter that says how much warmer than stated the surroundings of a recording were.
 pub(crate) const AMBIENT_LEVEL: &str = "ambient_level_k";
+
+/// Names of what says how a recording begins, and their values at rest: no warmer than its surroundings, on the cooling curve.
+pub(crate) const START: [(&str, f64); 2] = [("start_rise_k", 0.0), ("start_share", 1.0)];
 
 /// The plain Wiener model of a rig, with the parameters that its rod file leaves open.
 #[derive(Debug, Clone)]
@@ -44,6 +51,8 @@ pub struct WienerModel {
     specific_heat: Option<SpecificHeat>,
     rise_is_assumed: bool,
     parameters: Vec<ParameterInfo>,
+    /// Names of the parameters of which `[model]` says something.
+    stated: Vec<&'static str>,
     /// Name of the recording whose surroundings are those that the rod file states: the first of the training.
     reference: Option<String>,
 }
@@ -126,7 +135,9 @@ impl WienerModel {
         let assumed = parameters.get(RISE).map(|rise| rise.state);
         rod.apply_model(&mut parameters)?;
         let kept = parameters.get(RISE).map(|rise| rise.state);
+        let names = parameters.iter().map(|info| info.name);
         Ok(Self {
+            stated: names.filter(|name| rod.states(name)).collect(),
             // What the user fixes is known; what the data fix is, too.
             rise_is_assumed: kept == assumed && matches!(kept, Some(ParameterState::Fixed(_))),
             cascade,
@@ -156,6 +167,7 @@ impl WienerModel {
             specific_heat: None,
             rise_is_assumed,
             parameters,
+            stated: Vec::new(),
             reference: None,
         })
     }
@@ -266,23 +278,34 @@ impl WienerModel {
     #[must_use]
     pub fn with_unknowns<'a>(&self, recordings: impl IntoIterator<Item = &'a Recording>) -> Self {
         let recordings: Vec<&Recording> = recordings.into_iter().collect();
-        let mut model = self.clone();
-        let mut free = |index: usize| {
-            let info = &mut model.parameters[index];
-            let unsaid = if index == START_SHARE { 1.0 } else { 0.0 };
-            if info.state == ParameterState::Fixed(unsaid) {
-                info.state = ParameterState::Free;
-            }
-        };
+        let mut model = self.with_open_starts(recordings.iter().copied());
         // Recorded or not: a thermometer in the room is off by a few tenths, and stands elsewhere.
         if recordings.len() > 1 {
-            free(LEVEL);
-        }
-        if recordings.iter().any(|recording| may_begin_warm(recording)) {
-            free(START_RISE);
-            free(START_SHARE);
+            model.leave_open(LEVEL);
         }
         model
+    }
+
+    /// The same model with the start of each recording left open, temperature and place between the limiting curves, where one
+    /// of them may have begun warm ([`may_begin_warm`]). What `[model]` says of them stays.
+    #[must_use]
+    pub fn with_open_starts<'a>(
+        &self,
+        recordings: impl IntoIterator<Item = &'a Recording>,
+    ) -> Self {
+        let mut model = self.clone();
+        if recordings.into_iter().any(may_begin_warm) {
+            model.leave_open(START_RISE);
+            model.leave_open(START_SHARE);
+        }
+        model
+    }
+
+    fn leave_open(&mut self, index: usize) {
+        let info = &mut self.parameters[index];
+        if !self.stated.contains(&info.name) {
+            info.state = ParameterState::Free;
+        }
     }
 
     /// Temperature of a recording's surroundings above what is stated, K. Of the first training recording it is none: a level
@@ -318,6 +341,15 @@ impl ForwardModel for WienerModel {
                 (params, start)
             })
     }
+
+    fn branches_degc(&self, point: &[f64]) -> Option<[f64; 2]> {
+        Some(branches_degc(point[CENTER], point[HALF_WIDTH]))
+    }
+}
+
+/// Of a loop with its center and its half width in a point.
+pub(crate) fn branches_degc(center_degc: f64, half_width_k: f64) -> [f64; 2] {
+    [center_degc - half_width_k, center_degc + half_width_k]
 }
 
 fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<ParameterInfo> {
@@ -358,12 +390,12 @@ pub(crate) fn zeta() -> ParameterInfo {
 fn start_rise() -> ParameterInfo {
     let bounds = Bounds {
         lower: 0.0,
-        upper: 100.0,
+        upper: HIGHEST_START_K,
     };
     ParameterInfo {
         scope: Scope::PerRecording,
-        state: ParameterState::Fixed(0.0),
-        ..ParameterInfo::searched("start_rise_k", "K", Scale::Linear, bounds)
+        state: ParameterState::Fixed(START[0].1),
+        ..ParameterInfo::searched(START[0].0, "K", Scale::Linear, bounds)
     }
 }
 
@@ -376,8 +408,8 @@ pub(crate) fn start_share() -> ParameterInfo {
     ParameterInfo {
         admissible: bounds,
         scope: Scope::PerRecording,
-        state: ParameterState::Fixed(1.0),
-        ..ParameterInfo::searched("start_share", "1", Scale::Linear, bounds)
+        state: ParameterState::Fixed(START[1].1),
+        ..ParameterInfo::searched(START[1].0, "1", Scale::Linear, bounds)
     }
 }
 

@@ -9,6 +9,7 @@ mod locate;
 mod model;
 mod next;
 mod noise;
+mod other_loops;
 mod pullback;
 mod report;
 mod screen;
@@ -26,6 +27,7 @@ pub use model::extended_model::ExtendedModel;
 pub use model::rig::setting_of_rod;
 pub use next::run::{NextExperiment, Run};
 pub use noise::kind::{Floor, NoiseClass};
+pub use other_loops::{OtherLoop, carry_loop_shape, other_loops};
 pub use report::diagnosis::{
     Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Remainder, Rung, Stage, Status,
 };

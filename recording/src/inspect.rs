@@ -6,6 +6,7 @@ use crate::cycles::{Cycle, Repeats, cycles, repeats};
 use crate::holds::{Hold, holds, range};
 use crate::noise::{NoiseFloor, noise_floor_of};
 use crate::quantization::quantization_step;
+use crate::rates::has_one_rate;
 use crate::recording::Recording;
 use crate::sampling::{Gap, Sampling};
 use crate::warning::Warning;
@@ -105,6 +106,8 @@ pub struct Inspection {
     pub cycles: Vec<Cycle>,
     /// Cycles that the drive repeats.
     pub repeats: Option<Repeats>,
+    /// Whether the drive rises to one level at one rate only: [`has_one_rate`].
+    pub has_one_rate: bool,
     /// Samples that do not belong to their series.
     pub wild: Vec<Wild>,
     /// Noise of the output; `None` for static data and for fewer than three neighboring samples.
@@ -165,6 +168,7 @@ pub fn inspect(recording: &Recording) -> Inspection {
     );
     Inspection {
         name: recording.name().to_owned(),
+        has_one_rate: has_one_rate(std::slice::from_ref(recording)),
         wild: wild(recording),
         adaptations: recording.adaptations().to_vec(),
         n_samples: recording.len(),

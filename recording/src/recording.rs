@@ -355,6 +355,33 @@ impl Recording {
         })
     }
 
+    /// The same with a drive that acts `by_s` seconds earlier than it was recorded; after its last sample it is held. As it is for
+    /// static data.
+    ///
+    /// A sample's drive is the mean of what is held over its span then, so that no step is rounded to a sample.
+    #[must_use]
+    pub fn driven_earlier(&self, by_s: f64) -> Self {
+        let (time_s, drive) = (self.time_s(), self.drive());
+        let mut moved = self.clone();
+        if time_s.is_empty() {
+            return moved;
+        }
+        // Of the drive from the first sample on.
+        let mut integral = vec![0.0; time_s.len()];
+        for k in 1..time_s.len() {
+            integral[k] = integral[k - 1] + drive[k - 1] * (time_s[k] - time_s[k - 1]);
+        }
+        let up_to = |at_s: f64| {
+            let k = time_s.partition_point(|time_s| *time_s <= at_s).max(1) - 1;
+            integral[k] + drive[k] * (at_s - time_s[k])
+        };
+        for k in 0..time_s.len() - 1 {
+            let (from_s, to_s) = (time_s[k] + by_s, time_s[k + 1] + by_s);
+            moved.parts.drive[k] = (up_to(to_s) - up_to(from_s)) / (to_s - from_s);
+        }
+        moved
+    }
+
     /// The samples from one time to another, s, both included, as a recording of their own, which says so among its
     /// [`Recording::adaptations`].
     ///

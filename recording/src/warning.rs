@@ -59,6 +59,8 @@ pub enum Warning {
         /// Whole cycles.
         cycles: usize,
     },
+    /// The drive rises to one level at one rate only.
+    OneRate,
     /// At its highest the drive does not bring the output to an end.
     MovesAtHighestDrive {
         /// Change within the last fifth of the stretch, as a share of the output's range.
@@ -180,7 +182,12 @@ impl Warning {
                 drive: drive.highest,
                 unit: drive.unit.clone(),
             });
-        rest.into_iter().chain(cycles).chain(moves).collect()
+        let one_rate = inspection.has_one_rate.then_some(Self::OneRate);
+        rest.into_iter()
+            .chain(cycles)
+            .chain(one_rate)
+            .chain(moves)
+            .collect()
     }
 
     fn of_noise(inspection: &Inspection) -> Vec<Self> {
@@ -308,6 +315,12 @@ impl fmt::Display for Warning {
                 f,
                 "whole cycles: {cycles}: nothing can be held out, nor drift told from a slow \
                  response; record at least 2, better 3 equal ones"
+            ),
+            Self::OneRate => write!(
+                f,
+                "the drive rises to one level at one rate: the time constant, the loop's center and its width trade against \
+                 one another; record a second run at another rate or to another level, a slow ramp beside steps say, and \
+                 fit both together"
             ),
             Self::MovesAtHighestDrive { share, drive, unit } => {
                 write!(f, "at the highest drive, ")?;

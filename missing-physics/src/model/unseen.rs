@@ -5,7 +5,7 @@
 
 use identify::{
     Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterState,
-    ParameterVector, RefineConfig, Validated, may_begin_warm, predict, refine, validate_at,
+    ParameterVector, RefineConfig, Validated, predict, refine, validate_at,
 };
 use recording::Recording;
 
@@ -85,15 +85,10 @@ fn of_recording(
     recording: &Recording,
 ) -> Result<(Unseen, Vec<f64>), IdentifyError> {
     let mut of_rig = OfRig::at(model, point);
+    of_rig.begin_as(recording);
     for info in &mut of_rig.parameters {
         // Nobody wrote it down of this recording, whatever the training was like.
-        let (is_open, unsaid) = match info.name {
-            "ambient_level_k" => (true, 0.0),
-            "start_rise_k" => (may_begin_warm(recording), 0.0),
-            "start_share" => (may_begin_warm(recording), 1.0),
-            _ => continue,
-        };
-        if is_open && info.state == ParameterState::Fixed(unsaid) {
+        if info.name == "ambient_level_k" && info.state == ParameterState::Fixed(0.0) {
             info.state = ParameterState::Free;
         }
     }

@@ -23,8 +23,11 @@ const NEARLY: f64 = 4.0;
 /// Mean square of what is left over that of another loop from which a search with the first is in vain.
 const IN_VAIN: f64 = 2.0;
 
-/// Plain models of the families that come nearer than the paper's, the nearest first.
-pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
+/// Plain models of all other families, fitted, the nearest first.
+pub(crate) fn plain_fits(
+    case: &Case<'_>,
+    seed: u64,
+) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
     let fitted = OTHERS.into_iter().map(|family| {
         let model = case.of_family(family, case.fit).model(CandidateSet::EMPTY);
         let vector = ParameterVector::new(model.parameters(), case.training.len());
@@ -42,6 +45,12 @@ pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>,
     });
     let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;
     fits.sort_by(|(_, a), (_, b)| a.train_rmse.total_cmp(&b.train_rmse));
+    Ok(fits)
+}
+
+/// Those of the families that come nearer than the paper's.
+pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
+    let mut fits = plain_fits(case, seed)?;
     let nearest = fits[0].1.train_rmse;
     let most = (NEARLY * nearest).min(case.fit.train_rmse);
     fits.retain(|(_, fit)| fit.train_rmse < most);

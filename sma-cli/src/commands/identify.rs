@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use identify::{
     CrossVerdict, Fit, FitConfig, Identification, Loss, RigModel, Rod, SadeghiModel, SavedModel,
-    Validated, cross_check, fit, predict, validate,
+    Validated, cross_check, early_output, fit, predict, validate,
 };
-use recording::Recording;
+use missing_physics::{carry_loop_shape, other_loops, setting_of_rod};
+use recording::{Recording, has_one_rate};
 
 use crate::commands::on_threads;
 use crate::earlier::Earlier;
@@ -120,7 +121,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let unseen = read_all(&rod, &args.validate)?;
     let rule = args.memory.rule();
     let model = match args.preset {
-        Preset::Default => RigModel::new(&rod, rule, &training)?,
+        Preset::Default => RigModel::new(&rod, rule, &training)?.with_open_starts(&training),
         Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
     let earlier = Earlier::read(args.from_model.as_deref(), &model, &training)?;
@@ -131,6 +132,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         ..args.config(earlier.from)
     };
     let mut fit = fitted(args, &model, &training, &config, &starts)?;
+    let early_output = early_output(&model, &training, &fit)?;
+    let other_loops = in_doubt_of_the_loop(&rod, &model, &training, &mut fit)?;
     let heat_carried = model.carry_specific_heat(&mut fit);
     let validated = unseen
         .iter()
@@ -151,6 +154,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         cross_check: checked.as_ref(),
         knows_temperature: model.knows_temperature(),
         missing_for_temperature: rod.missing_for_temperature(),
+        early_output,
+        other_loops,
         specific_heat: rod.specific_heat_range.filter(|_| heat_carried),
         is_static: matches!(model, RigModel::Loop(_)),
         memory: args.memory.name(),
@@ -196,7 +201,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     deliver(&text, &identified.json(), json)?;
     starts.finish()?;
     let beaten = checked.is_some_and(|one| one.verdict == CrossVerdict::EndedLower);
-    Ok(if fit.converged() && !beaten {
+    Ok(if fit.is_found() && !beaten && early_output.is_none() {
         Outcome::Done
     } else {
         Outcome::NotConverged
@@ -250,6 +255,26 @@ fn fitted(
     })?;
     bar.finish_and_clear();
     Ok(fit)
+}
+
+/// The families of loops for which the intervals hold, too, where recordings of one rate tell the loop from the lag by the shape
+/// of its branches alone; `None` where they have more rates.
+fn in_doubt_of_the_loop(
+    rod: &Rod,
+    model: &RigModel,
+    training: &[Recording],
+    fit: &mut Fit,
+) -> anyhow::Result<Option<Vec<&'static str>>> {
+    let RigModel::Wiener(plain) = model else {
+        return Ok(None);
+    };
+    if !has_one_rate(training) {
+        return Ok(None);
+    }
+    let setting = setting_of_rod(rod, training[0].output_unit());
+    let others = other_loops(plain, fit, training, setting, fit.seed)?;
+    carry_loop_shape(fit, &others);
+    Ok(Some(others.iter().map(|one| one.family.id()).collect()))
 }
 
 /// The recording of the highest error, and the model's parameters in it.

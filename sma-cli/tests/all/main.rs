@@ -6,6 +6,7 @@ mod bad_input;
 mod demo;
 mod diagnose;
 mod docs;
+mod drawn_rigs;
 #[path = "../../examples/generate_recording.rs"]
 mod generate_recording;
 mod identify;

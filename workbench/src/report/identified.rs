@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
 use identify::{
-    Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, ParameterState, Scope,
-    Validated,
+    Bounds, CrossCheck, CrossVerdict, EarlyOutput, Fit, FittedParameter, OffsetSource,
+    ParameterState, Scope, Validated,
 };
 use serde_json::{Value, json};
 
@@ -40,6 +40,10 @@ pub struct Identified<'a> {
     pub missing_for_temperature: Vec<&'static str>,
     /// Whether temperatures are in kelvins.
     pub knows_temperature: bool,
+    /// Whether the output comes before the drive.
+    pub early_output: Option<EarlyOutput>,
+    /// Families of loops for which the intervals hold beside the paper's, where the recordings have one rate only.
+    pub other_loops: Option<Vec<&'static str>>,
     /// Range of the specific heat, J/(kg K), if the intervals hold for it.
     pub specific_heat: Option<Bounds>,
     /// Whether the model is a loop without heat.
@@ -109,18 +113,21 @@ impl Identified<'_> {
                 }
             }
         }
-        let at_bound: Vec<&str> = fit
-            .parameters
-            .iter()
-            .filter(|parameter| parameter.at_bound)
-            .map(|parameter| parameter.info.name)
-            .collect();
-        if !at_bound.is_empty() {
-            let _ = writeln!(
-                text,
-                "On a bound of its range: {}. The data pull it further, or say nothing of it.",
-                at_bound.join(", ")
+        if let Some(families) = &self.other_loops {
+            text.push_str(
+                "ONE RATE: the drive rises to one level at one rate, so that the time constant and the loop trade against one \
+                 another",
             );
+            if families.is_empty() {
+                text.push_str("; loops of other families come less near");
+            } else {
+                let _ = write!(
+                    text,
+                    ";\nthe intervals hold for loops of other families, too, which come as near: {}",
+                    families.join(", ")
+                );
+            }
+            text.push_str(". Record another rate, and fit both together.\n");
         }
         if let Some(check) = self.cross_check {
             let _ = writeln!(text, "{}", self.checked(check));
@@ -146,6 +153,39 @@ impl Identified<'_> {
                     "The search ended before it found a minimum; try another --seed."
                 )
             };
+        }
+        let held: Vec<String> = fit
+            .held_by_bounds()
+            .map(|one| {
+                let value = significant(one.values[0]);
+                match one.info.unit.as_str() {
+                    "1" => format!("{} {value}", one.info.name),
+                    unit => format!("{} {value} {unit}", one.info.name),
+                }
+            })
+            .collect();
+        if !held.is_empty() {
+            let _ = writeln!(
+                text,
+                "NOT CONVERGED: on a bound of the search: {}. The recordings pull it further, or say nothing of it.",
+                held.join(", ")
+            );
+        }
+        for beyond in &fit.beyond_reach {
+            let (name, side, of) = if beyond.is_heating {
+                ("heating", "above", "highest")
+            } else {
+                ("cooling", "below", "lowest")
+            };
+            let _ = writeln!(
+                text,
+                "NOT CONVERGED: the {name} branch of the loop, at {:.1} °C, lies {side} all temperatures reached \
+                 ({of}: {:.1} °C). These recordings do not tell where it is, nor how wide the loop is.",
+                beyond.branch_degc, beyond.reached_degc
+            );
+        }
+        if let Some(early) = self.early_output {
+            let _ = writeln!(text, "{}", early_output_said(early, fit, &self.unit()));
         }
         let peaks = fit.recordings.iter().map(|one| one.peak_temperature_degc);
         let peak_degc = peaks.fold(f64::NEG_INFINITY, f64::max);
@@ -356,7 +396,13 @@ impl Identified<'_> {
                 "train_rmse": self.fit.train_rmse,
                 "validate_rmse": self.validate_rmse(),
                 "fit_percent": 100.0 * self.fit.fit_fraction,
-                "converged": self.fit.converged(),
+                "converged": self.fit.is_found(),
+                "held_by_bounds": self.fit.held_by_bounds().map(|one| one.info.name).collect::<Vec<_>>(),
+                "beyond_reach": self.fit.beyond_reach.iter().map(|one| json!({
+                    "branch": if one.is_heating { "heating" } else { "cooling" },
+                    "branch_degc": one.branch_degc,
+                    "reached_degc": one.reached_degc,
+                })).collect::<Vec<_>>(),
                 "agreeing_starts": self.fit.agreeing_starts,
                 "starts": self.fit.starts,
                 "simulations": self.fit.simulations,
@@ -385,6 +431,8 @@ impl Identified<'_> {
                 },
                 "simulations": check.simulations,
             })),
+            "early_output_s": self.early_output.map(|early| early.by_s),
+            "other_loops_carried": self.other_loops,
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
             "memory": self.memory,
@@ -392,6 +440,18 @@ impl Identified<'_> {
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
     }
+}
+
+/// That an output comes before its drive, and what to do.
+#[must_use]
+pub fn early_output_said(early: EarlyOutput, fit: &Fit, unit: &str) -> String {
+    format!(
+        "TWO CLOCKS: the output comes {} s before the drive. With the drive that much earlier the error is {}{unit} instead of \
+         {}{unit}; time constant and loop below are wrong. Put both columns on one clock, and look for a filter that looks ahead.",
+        significant(early.by_s),
+        significant(early.rmse),
+        significant(fit.train_rmse)
+    )
 }
 
 /// The parameters of a fit for programs.

@@ -1,0 +1,88 @@
+//! What a fit says of the rod where its loop is of another family.
+
+use identify::{Bounds, Fit, FittedParameter, IdentifyError, Scope, WienerModel};
+use recording::Recording;
+
+use crate::model::case::Case;
+use crate::search::families::plain_fits;
+use crate::{LoopFamily, Setting};
+
+/// Mean square over the least of all families up to which a family counts: what is no nearer is no likelier.
+const NEAR: f64 = 1.5;
+
+/// A fit of the plain model with a loop of another family.
+#[derive(Debug, Clone)]
+pub struct OtherLoop {
+    /// Curves of its branches.
+    pub family: LoopFamily,
+    /// Where the fit ended.
+    pub fit: Fit,
+}
+
+/// Fits of the plain model with loops of the other families that come as near to the training recordings as the paper's loop in
+/// `fit`, or nearly as near as the nearest.
+///
+/// # Errors
+///
+/// What [`identify::fit`] refuses.
+pub fn other_loops(
+    base: &WienerModel,
+    fit: &Fit,
+    training: &[Recording],
+    setting: Setting,
+    seed: u64,
+) -> Result<Vec<OtherLoop>, IdentifyError> {
+    let case = Case::new(base, fit, training, setting);
+    let mut others: Vec<OtherLoop> = plain_fits(&case, seed)?
+        .into_iter()
+        .map(|(family, fit)| OtherLoop { family, fit })
+        .collect();
+    let squares = others.iter().map(|other| other.fit.train_rmse.powi(2));
+    let least = squares.fold(fit.train_rmse.powi(2), f64::min);
+    let most = (NEAR * least).max(fit.train_rmse.powi(2));
+    others.retain(|other| other.fit.train_rmse.powi(2) <= most);
+    Ok(others)
+}
+
+/// Widens the intervals of a fit to hold what loops of other families say: where recordings do not tell which family it is, they
+/// do not tell its parameters any better. Values stay. Shapes of branches mean another thing in another family, and keep their
+/// intervals. Returns the largest widening, as a factor; 1 if there is none.
+pub fn carry_loop_shape(fit: &mut Fit, others: &[OtherLoop]) -> f64 {
+    let mut most: f64 = 1.0;
+    for parameter in fit.parameters.iter_mut().filter(|one| is_common(one)) {
+        let Some(own) = parameter.intervals[0] else {
+            continue;
+        };
+        let widened = others.iter().fold(own, |hull, other| {
+            match other.fit.parameter(parameter.info.name) {
+                Some(other) => hull_of(hull, other),
+                None => hull,
+            }
+        });
+        let factor = (widened.upper - widened.lower) / (own.upper - own.lower);
+        if factor.is_finite() {
+            most = most.max(factor);
+        }
+        parameter.intervals[0] = Some(widened);
+    }
+    most
+}
+
+/// Whether a parameter is of the rod or of the limiting loop, which all families have.
+fn is_common(parameter: &FittedParameter) -> bool {
+    parameter.info.scope == Scope::Shared
+        && !matches!(parameter.info.name, "zeta" | "loop_spread_k")
+}
+
+/// An interval that holds another's, too; its value where it has none.
+fn hull_of(hull: Bounds, other: &FittedParameter) -> Bounds {
+    let value = other.values[0];
+    let own = other.intervals[0].unwrap_or(Bounds {
+        lower: value,
+        upper: value,
+    });
+    Bounds {
+        lower: hull.lower.min(own.lower),
+        upper: hull.upper.max(own.upper),
+    }
+}
