@@ -52,7 +52,7 @@ use workbench::{carry_resistivity, carry_specific_heat, input_notes, is_trained_
     typical = 0.02\n  \
     bounds = [0.0, 0.2]\n\n\
     Other places: drive, shift_k, displacement. Variables: T Ta xi drive t dir y.\n\n\
-    Effects: supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
+    Effects: supply-limit supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
     end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
     Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge, or is implausible, 130 interrupted")]

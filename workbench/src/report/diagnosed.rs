@@ -241,6 +241,7 @@ impl Diagnosed<'_> {
             Need::MassPerMeter => "diameter_mm and density_kg_per_m3 in rod.toml".to_owned(),
             Need::SurfacePerMeter => "diameter_mm in rod.toml".to_owned(),
             Need::RunLength => "a recording with time".to_owned(),
+            Need::LargestDrive => "a recording that is driven".to_owned(),
             Need::ElectricalDrive => {
                 "a drive that depends on the resistance, not a power".to_owned()
             }
