@@ -36,6 +36,7 @@ mod saved_model;
 mod source;
 mod specific_heat;
 mod static_effects;
+mod supply;
 mod surroundings;
 mod uncertainty;
 mod validate;
@@ -71,6 +72,7 @@ pub use saved_model::{
 pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
+pub use supply::Supply;
 pub use surroundings::in_warmer_surroundings;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::{WienerModel, may_begin_warm};

@@ -12,7 +12,8 @@ use wiener::Drive;
 use wiener::thermal::RodParams;
 
 use crate::source::{Source, read};
-use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState};
+use crate::supply::Supplied;
+use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState, Supply};
 
 /// Resistivity of NiTi, Ω m, that stands in for a resistance which is not given.
 pub const NITI_OHM_M: f64 = 0.8e-6;
@@ -32,6 +33,8 @@ pub struct Rod {
     pub drive_kind: Quantity,
     /// Supply voltage of a duty drive, V.
     pub supply_v: Option<f64>,
+    /// Where the supply saturates, and what leads take.
+    pub supply: Supply,
     /// Length between the contacts, m.
     pub length_m: Option<f64>,
     /// Diameter, m.
@@ -156,6 +159,10 @@ pub(crate) struct Surroundings {
 pub(crate) struct DriveTable {
     kind: Quantity,
     supply_v: Option<Spanned<f64>>,
+    pub(crate) limit: Option<Spanned<f64>>,
+    pub(crate) current_max_a: Option<Spanned<f64>>,
+    pub(crate) voltage_max_v: Option<Spanned<f64>>,
+    pub(crate) lead_resistance_ohm: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -261,20 +268,31 @@ impl Rod {
                 lever: source.positive("load.lever", &table.lever)?,
             }),
         };
+        let length_m = mm("rod.length_mm", &rod.length_mm)?;
+        let resistance_ohm_per_m =
+            source.positive("rod.resistance_ohm_per_m", &rod.resistance_ohm_per_m)?;
+        let supplied = Supplied {
+            drive_kind: drive.kind,
+            length_m,
+            resistance_ohm_per_m,
+        };
+        let supply = Supply::of(source, drive, &supplied)?;
+        let drive_max = source.positive("limits.drive_max", &limits.drive_max)?;
         Ok(Self {
             drive_kind: drive.kind,
             supply_v: source.positive("drive.supply_v", &drive.supply_v)?,
-            length_m: mm("rod.length_mm", &rod.length_mm)?,
+            supply,
+            length_m,
             diameter_m: mm("rod.diameter_mm", &rod.diameter_mm)?,
             density_kg_per_m3: source.positive("rod.density_kg_per_m3", &rod.density_kg_per_m3)?,
             specific_heat_j_per_kg_k: specific_heat,
             specific_heat_range,
-            resistance_ohm_per_m: source
-                .positive("rod.resistance_ohm_per_m", &rod.resistance_ohm_per_m)?,
+            resistance_ohm_per_m,
             ambient_degc: ambient(source, &parsed.surroundings.ambient_degc)?,
             load,
             limits: Limits {
-                drive_max: source.positive("limits.drive_max", &limits.drive_max)?,
+                // What the supply does not give no rig gets.
+                drive_max: drive_max.map(|most| supply.limited(most)),
                 temperature_max_degc: source
                     .finite("limits.temperature_max_degc", &limits.temperature_max_degc)?,
                 duration_s: source.positive("limits.duration_s", &limits.duration_s)?,
@@ -308,6 +326,12 @@ impl Rod {
         by(recording.to_str()).or_else(|| by(name))
     }
 
+    /// Whether `[model]` fixes a parameter or gives it bounds.
+    #[must_use]
+    pub fn says_of(&self, parameter: &str) -> bool {
+        self.model.iter().any(|entry| entry.name == parameter)
+    }
+
     /// Name of the file, as errors name it.
     #[must_use]
     pub fn file(&self) -> &str {
@@ -319,17 +343,24 @@ impl Rod {
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
             columns: self.columns.clone(),
+            drive_limit: self.supply.limit,
             ..ReadOptions::new(self.drive_kind)
         }
     }
 
     /// The drive with its wiring; lengths that do not matter for ratios are 1 m.
     ///
+    /// Leads count as the length of rod that has their resistance, by which the power in the rod is the same:
+    ///
+    /// ```text
+    /// V² R/(R l + R_lead)² = V²/(R (l + R_lead/R)²)     R per meter
+    /// ```
+    ///
     /// # Errors
     ///
     /// [`IdentifyError::Missing`] if a duty drive has no supply voltage.
     pub fn drive(&self) -> Result<Drive, IdentifyError> {
-        let length_m = self.length_m.unwrap_or(1.0);
+        let length_m = self.length_m.unwrap_or(1.0) + self.leads_as_rod_m();
         match (self.drive_kind, self.supply_v) {
             (Quantity::Current, _) => Ok(Drive::Current),
             (Quantity::Duty, Some(supply_v)) => Ok(Drive::Duty { supply_v, length_m }),
@@ -344,6 +375,22 @@ impl Rod {
                 file: self.file.clone(),
             }),
         }
+    }
+
+    /// Length of rod that has the resistance of the leads, m; 0 without leads.
+    fn leads_as_rod_m(&self) -> f64 {
+        let leads = self
+            .supply
+            .lead_resistance_ohm
+            .zip(self.resistance_ohm_per_m);
+        leads.map_or(0.0, |(lead_ohm, ohm_per_m)| lead_ohm / ohm_per_m)
+    }
+
+    /// Share of the resistance between the supply's terminals that is the leads', 0 to 1.
+    #[must_use]
+    pub fn lead_share(&self) -> f64 {
+        let leads_m = self.leads_as_rod_m();
+        leads_m / (self.length_m.unwrap_or(1.0) + leads_m)
     }
 
     /// Heat capacity per meter, J/(m K), where diameter, density and specific heat are given.
@@ -421,11 +468,6 @@ impl Rod {
         .into_iter()
         .filter_map(|(key, missing)| missing.then_some(key))
         .collect()
-    }
-
-    /// Whether `[model]` says something of a parameter.
-    pub(crate) fn states(&self, name: &str) -> bool {
-        self.model.iter().any(|entry| entry.name == name)
     }
 
     /// Puts what `[model]` says into the parameters of a model.

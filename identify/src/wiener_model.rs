@@ -137,7 +137,7 @@ impl WienerModel {
         let kept = parameters.get(RISE).map(|rise| rise.state);
         let names = parameters.iter().map(|info| info.name);
         Ok(Self {
-            stated: names.filter(|name| rod.states(name)).collect(),
+            stated: names.filter(|name| rod.says_of(name)).collect(),
             // What the user fixes is known; what the data fix is, too.
             rise_is_assumed: kept == assumed && matches!(kept, Some(ParameterState::Fixed(_))),
             cascade,

@@ -120,7 +120,7 @@ fn from_baseline(
     let fine_case = Case::new(base, plain, training, config.setting).watched_by(caller);
     caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
     let few = coarse(base, plain, training)?;
-    let case = Case::new(base, plain, &few, config.setting).watched_by(caller);
+    let case = Case::new(base, plain, &few, fine_case.setting).watched_by(caller);
     let few_noise = measured(&few, tau_s);
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
     let catalogue_set = testable(&fine_case, &fine_case.baseline()?, all)?;

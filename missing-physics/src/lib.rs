@@ -39,7 +39,7 @@ pub use sma_effects::{
     FunctionalFatigue, Hypothesis, LatentHeat, Literature, LoopAsymmetry, LoopShape, Member,
     NaturalConvection, Need, Occurrence, OutputLag, PhaseDependentResistance, PhysicsError, RPhase,
     Radiation, ReturnPointMemory, Role, SensorDrift, SensorNonlinearity, Setting, Sign, Smoothness,
-    StressCoupling, SupplyLag, ThermalExpansion, ThermocoupleLag,
+    StressCoupling, SupplyLag, SupplyLimit, ThermalExpansion, ThermocoupleLag,
 };
 pub use watch::DiagnoseProgress;
 pub use wiener::hysteresis::LoopFamily;

@@ -444,6 +444,17 @@ pub enum RecordingError {
         n_samples: usize,
     },
 
+    /// The limit of a supply is no magnitude.
+    #[error("{file}: drive limit = {limit} {unit}: must be finite and > 0")]
+    DriveLimit {
+        /// The recording.
+        file: String,
+        /// Limit wanted.
+        limit: f64,
+        /// Unit of the drive.
+        unit: String,
+    },
+
     /// A recording cannot be resampled to this step.
     #[error(
         "{file}: dt_s = {dt_s} s; expected {min_dt_s} s, its own step, to {max_dt_s} s, its duration"
@@ -471,6 +482,7 @@ impl RecordingError {
                 | Self::UnequalColumns { .. }
                 | Self::MissingFullScale { .. }
                 | Self::WrongUnit { .. }
+                | Self::DriveLimit { .. }
         )
     }
 }

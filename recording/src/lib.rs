@@ -89,6 +89,7 @@ mod error;
 mod holds;
 mod inspect;
 mod layout;
+mod limited;
 mod lines;
 mod noise;
 mod quantity;

@@ -36,6 +36,9 @@ pub struct ReadOptions {
     /// data only, such as a loop measured point by point in steady state: the recording then has no
     /// time ([`Sampling::Untimed`](crate::Sampling::Untimed)).
     pub allow_untimed: bool,
+    /// Magnitude beyond which the supply gives no more of the drive, in the unit of its quantity, > 0: what is above counts as
+    /// it, see [`Recording::limited`]. `None` where the drive acts as it is.
+    pub drive_limit: Option<f64>,
     /// Samples that a recording may have; 20 million by default, half a gigabyte in three columns.
     pub max_samples: usize,
 }
@@ -48,6 +51,7 @@ impl ReadOptions {
             columns: Columns::default(),
             drive_quantity,
             allow_untimed: false,
+            drive_limit: None,
             max_samples: 20_000_000,
         }
     }
@@ -210,7 +214,11 @@ fn parse(
     let Some(rows) = whole else {
         unreachable!("[columns] itself is the first of the ways");
     };
-    rows.finish(options.drive_quantity)
+    let recording = rows.finish(options.drive_quantity)?;
+    match options.drive_limit {
+        Some(limit) => recording.limited(limit),
+        None => Ok(recording),
+    }
 }
 
 /// The names in the first line, or `None` if it holds a number.

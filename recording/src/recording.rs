@@ -40,9 +40,9 @@ use crate::unit::output_symbol;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    parts: RecordingParts,
+    pub(crate) parts: RecordingParts,
     sampling: Sampling,
-    adaptations: Vec<Adaptation>,
+    pub(crate) adaptations: Vec<Adaptation>,
 }
 
 /// What a [`Recording`] is made of; all slices of one length.
@@ -80,8 +80,9 @@ impl Recording {
         &self.adaptations
     }
 
-    /// The same, made of a file that was adapted.
-    pub(crate) fn adapted_by(self, adaptations: Vec<Adaptation>) -> Self {
+    /// The same, made of a file that was adapted before all else.
+    pub(crate) fn adapted_by(self, mut adaptations: Vec<Adaptation>) -> Self {
+        adaptations.extend(self.adaptations);
         Self {
             adaptations,
             ..self

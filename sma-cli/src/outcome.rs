@@ -21,12 +21,15 @@ pub(crate) enum Outcome {
     Done,
     /// Done, but the search did not converge.
     NotConverged,
+    /// Done, but no rig can be what came out.
+    Implausible,
 }
 
 const DONE: u8 = 0;
 const FAILED: u8 = 1;
 const BAD_INPUT: u8 = 3;
-const NOT_CONVERGED: u8 = 4;
+/// What came out is not to be used.
+const NOT_TO_BE_USED: u8 = 4;
 /// Interrupted by Ctrl-C, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -52,7 +55,7 @@ pub(crate) fn with_sources(error: &dyn Error) -> String {
 fn code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
         Ok(Outcome::Done) => DONE,
-        Ok(Outcome::NotConverged) => NOT_CONVERGED,
+        Ok(Outcome::NotConverged | Outcome::Implausible) => NOT_TO_BE_USED,
         Err(error) if is_closed_pipe(error) => DONE,
         Err(error) if is_bad_input(error.as_ref()) => BAD_INPUT,
         Err(_) => FAILED,
@@ -92,6 +95,7 @@ mod tests {
         assert_eq!(code(&Err(anyhow::anyhow!("no space left"))), 1);
         assert_eq!(code(&Err(IdentifyError::NoRecordings.into())), 3);
         assert_eq!(code(&Ok(Outcome::NotConverged)), 4);
+        assert_eq!(code(&Ok(Outcome::Implausible)), 4);
         let closed = io::Error::from(io::ErrorKind::BrokenPipe);
         assert_eq!(code(&Err(closed.into())), 0);
     }

@@ -73,6 +73,14 @@ pub enum PhysicsError {
         /// Unit of `value`.
         unit: &'static str,
     },
+    /// A share of the setting is none.
+    #[error("{name} = {value}: must be from 0 to 1")]
+    Share {
+        /// Name of the share.
+        name: &'static str,
+        /// Rejected value.
+        value: f64,
+    },
     /// A temperature of the setting is infinite or NaN.
     #[error("{name} = {value} °C: must be finite")]
     NotFinite {

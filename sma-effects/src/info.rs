@@ -166,6 +166,8 @@ pub enum Need {
     SurfacePerMeter,
     /// [`Setting::run_length_s`](crate::Setting::run_length_s).
     RunLength,
+    /// [`Setting::largest_drive`](crate::Setting::largest_drive).
+    LargestDrive,
     /// A drive that depends on the resistance: not a power.
     ElectricalDrive,
     /// A recorded temperature of the rod.
@@ -213,7 +215,7 @@ impl Presence {
     /// | presence | odds | basis |
     /// | --- | --- | --- |
     /// | every rod | 1 | nothing speaks for or against its being large enough |
-    /// | seldom | e⁻³, 1 to 20 | chosen: one of the twenty-one effects is expected in a rig that something is wrong with |
+    /// | seldom | e⁻³, 1 to 20 | chosen: one of the twenty-two effects is expected in a rig that something is wrong with |
     #[must_use]
     pub const fn ln_odds(self) -> f64 {
         match self {
@@ -226,6 +228,8 @@ impl Presence {
 /// What happens to a rod in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Occurrence {
+    /// It is heated at more levels than one, in one recording or in two.
+    DriveLevels,
     /// It transforms while it cools.
     Cooling,
     /// It transforms while it heats and while it cools, in one recording or in two.
@@ -243,6 +247,7 @@ impl Occurrence {
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
+            Self::DriveLevels => "drive-levels",
             Self::Cooling => "cooling",
             Self::BothBranches => "both-branches",
             Self::Reversal => "reversal",

@@ -34,7 +34,7 @@ pub use effects::{
     AmbientDrift, Backlash, DeadTime, EffectId, EffectValues, EndConduction, EndStop,
     FunctionalFatigue, LatentHeat, LoopAsymmetry, LoopShape, NaturalConvection, OutputLag,
     PhaseDependentResistance, RPhase, Radiation, ReturnPointMemory, SensorDrift,
-    SensorNonlinearity, StressCoupling, SupplyLag, ThermalExpansion, ThermocoupleLag,
+    SensorNonlinearity, StressCoupling, SupplyLag, SupplyLimit, ThermalExpansion, ThermocoupleLag,
 };
 pub use error::PhysicsError;
 pub use extended_plant::{ExtendedPlant, ExtendedState};

@@ -350,6 +350,7 @@ fn provided(setting: &Setting, effect: EffectId) -> Result<(), PhysicsError> {
             Need::MassPerMeter if setting.mass_kg_per_m.is_none() => "mass_kg_per_m",
             Need::SurfacePerMeter if setting.surface_m2_per_m.is_none() => "surface_m2_per_m",
             Need::RunLength if setting.run_length_s.is_none() => "run_length_s",
+            Need::LargestDrive if setting.largest_drive.is_none() => "largest_drive",
             // The others are for those who interpret the output: it can be computed without.
             _ => continue,
         };

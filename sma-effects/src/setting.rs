@@ -35,6 +35,11 @@ pub struct Setting {
     pub length_output: Option<f64>,
     /// Length of the run over which drifts are spread, s; > 0.
     pub run_length_s: Option<f64>,
+    /// Largest magnitude of the drive in the recordings that decide, in its unit; > 0. Limits of the supply are shares of it.
+    pub largest_drive: Option<f64>,
+    /// Share of the resistance between the supply's terminals that is that of leads, 0 to 1, the rod cold. It counts where the
+    /// rod's resistance changes under a voltage or a duty; the drive itself has it in its length.
+    pub lead_share: f64,
     /// Time on the clock of the drifts at which the recording starts, s; ≥ 0.
     pub start_s: f64,
     /// Temperature at which the rod has its length, °C. It moves only the offset. 20 °C by default,
@@ -58,6 +63,8 @@ impl Default for Setting {
             surface_m2_per_m: None,
             length_output: None,
             run_length_s: None,
+            largest_drive: None,
+            lead_share: 0.0,
             start_s: 0.0,
             reference_degc: 20.0,
             sub_steps: 1,
@@ -90,6 +97,7 @@ impl Setting {
             ("surface_m2_per_m", self.surface_m2_per_m, "m²/m"),
             ("length_output", self.length_output, "(output unit)"),
             ("run_length_s", self.run_length_s, "s"),
+            ("largest_drive", self.largest_drive, "(drive unit)"),
         ] {
             match value {
                 Some(value) if !(value > 0.0 && value.is_finite()) => {
@@ -97,6 +105,12 @@ impl Setting {
                 }
                 _ => {}
             }
+        }
+        if !(0.0..=1.0).contains(&self.lead_share) {
+            return Err(PhysicsError::Share {
+                name: "lead_share",
+                value: self.lead_share,
+            });
         }
         if !(self.start_s >= 0.0 && self.start_s.is_finite()) {
             return Err(PhysicsError::Negative {

@@ -12,6 +12,7 @@ mod place;
 mod recordings;
 pub mod report;
 mod rig;
+pub mod sanity;
 mod track;
 mod tuning;
 mod turned;

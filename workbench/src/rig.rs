@@ -150,7 +150,8 @@ impl Rig {
         let drive_max = match drive_max {
             Some(value) if value > 0.0 && value.is_finite() => value,
             Some(value) => return Err(RigError::DriveMaxValue { value }.into()),
-            None => match rod.limits.drive_max {
+            // A supply that saturates is a limit as well.
+            None => match rod.limits.drive_max.or(rod.supply.limit) {
                 Some(value) => value,
                 None => {
                     let largest = saved.largest_drive();
@@ -159,6 +160,7 @@ impl Rig {
                 }
             },
         };
+        let drive_max = rod.supply.limited(drive_max);
         if rod.drive_kind == Quantity::Duty && drive_max > 1.0 {
             let largest = saved.largest_drive();
             let value = drive_max;

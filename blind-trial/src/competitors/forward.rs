@@ -5,7 +5,7 @@ use identify::{
     Validated, refine, validate_at,
 };
 use missing_physics::{
-    Candidate, EffectId, EffectSet, ExtendedModel, Role, ScreenConfig, Sign, screen,
+    Candidate, EffectId, EffectSet, ExtendedModel, Role, ScreenConfig, Setting, Sign, screen,
 };
 use rayon::prelude::*;
 use recording::Recording;
@@ -184,8 +184,18 @@ impl<'a> Bench<'a> {
     }
 
     fn model(&self, effects: EffectSet) -> ExtendedModel {
-        let Opened { base, config, .. } = self.files;
-        ExtendedModel::new(base, self.plain, config.setting, effects)
+        let Opened {
+            base,
+            config,
+            training,
+            ..
+        } = self.files;
+        let drives = training.iter().map(Recording::largest_drive);
+        let setting = Setting {
+            largest_drive: Some(drives.fold(0.0, f64::max)).filter(|largest| *largest > 0.0),
+            ..config.setting
+        };
+        ExtendedModel::new(base, self.plain, setting, effects)
     }
 
     fn fitted(

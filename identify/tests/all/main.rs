@@ -13,3 +13,4 @@ mod saved_model;
 mod specific_heat;
 mod static_effects;
 mod static_loop;
+mod supply;

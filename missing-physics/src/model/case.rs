@@ -73,12 +73,18 @@ impl<'a> Case<'a> {
             _ => 0.0,
         };
         let layout = Layout::of(training, per_k);
+        let drives = training.iter().map(Recording::largest_drive);
+        let largest = drives.fold(0.0, f64::max);
         Self {
             recorded: layout.recorded(training),
             base,
             fit,
             training,
-            setting,
+            setting: Setting {
+                // Of parts of a case it is that of the whole.
+                largest_drive: setting.largest_drive.or((largest > 0.0).then_some(largest)),
+                ..setting
+            },
             layout,
             watch: &Unwatched,
         }
@@ -352,6 +358,7 @@ impl<'a> Case<'a> {
         effect.info().needs.iter().copied().find(|need| match need {
             Need::MassPerMeter => setting.mass_kg_per_m.is_none(),
             Need::SurfacePerMeter => setting.surface_m2_per_m.is_none(),
+            Need::LargestDrive => setting.largest_drive.is_none(),
             Need::ElectricalDrive => !electrical,
             Need::TemperatureChannel => !self.has_thermometer(),
             // Each recording has its length, and without a load the loop shifts all the same.

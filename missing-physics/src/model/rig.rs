@@ -7,7 +7,7 @@ use identify::Rod;
 use crate::Setting;
 
 /// What effects need to know of a rig, from its rod file: mass and surface per meter where diameter and
-/// density are given, and the length in the unit of the output where a lever is given, without which
+/// density are given, the share of leads, and the length in the unit of the output where a lever is given, without which
 /// coefficients per length are for an assumed strain.
 #[must_use]
 pub fn setting_of_rod(rod: &Rod, output_unit: &str) -> Setting {
@@ -24,6 +24,7 @@ pub fn setting_of_rod(rod: &Rod, output_unit: &str) -> Setting {
             .zip(rod.density_kg_per_m3)
             .map(|(section_m2, density)| section_m2 * density),
         surface_m2_per_m: rod.diameter_m.map(|diameter_m| PI * diameter_m),
+        lead_share: rod.lead_share(),
         length_output: rod
             .length_m
             .zip(lever)

@@ -126,6 +126,7 @@ impl<'a> RestoredModel<'a> {
         };
         let setting = &mut restored.fleet.setting;
         setting.rule = saved.rule();
+        setting.largest_drive = Some(saved.largest_drive()).filter(|largest| *largest > 0.0);
         if rod.drive_kind != Quantity::Temperature {
             setting.drive = rod.drive()?;
         }

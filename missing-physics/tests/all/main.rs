@@ -15,4 +15,5 @@ mod saved;
 mod smaller_effect;
 mod spoiled_unseen;
 mod stopped;
+mod supply_limit;
 mod unrelated;

@@ -5,6 +5,7 @@
 mod errors;
 mod held_drive;
 mod inspect;
+mod limited;
 mod loggers;
 mod properties;
 mod reading;

@@ -14,7 +14,7 @@ use pid_tune::{
 };
 use truth_plant::{Shape, Traces, TruthPlant};
 
-use crate::commands::diagnose::{Rig as Files, before_and_after, show};
+use crate::commands::diagnose::{Rig as Files, before_and_after, implausible, show};
 use crate::commands::on_threads;
 use crate::demo_rig::{self, DT_S};
 use crate::memory::Memory;
@@ -264,6 +264,7 @@ impl Known {
             resistivity: None,
             memory: MEMORY.name(),
             missing_for_temperature: Vec::new(),
+            implausible: implausible(&self.files, self.plain(), diagnosis),
             input_notes: vec![demo_rig::CONCEALED.to_owned()],
         };
         let (recording, models) = before_and_after(self.plain(), diagnosis, &self.files)?;

@@ -27,6 +27,7 @@ use workbench::page;
 use workbench::report::diagnosed::Diagnosed;
 use workbench::report::plot::{self, Left};
 use workbench::report::static_diagnosed::StaticDiagnosed;
+use workbench::sanity::{Facts, Implausible};
 use workbench::{carry_resistivity, carry_specific_heat, input_notes, is_trained_on, read_all};
 
 /// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
@@ -51,10 +52,10 @@ use workbench::{carry_resistivity, carry_specific_heat, input_notes, is_trained_
     typical = 0.02\n  \
     bounds = [0.0, 0.2]\n\n\
     Other places: drive, shift_k, displacement. Variables: T Ta xi drive t dir y.\n\n\
-    Effects: supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
+    Effects: supply-limit supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
     end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge, 130 interrupted")]
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge, or is implausible, 130 interrupted")]
 pub(crate) struct DiagnoseArgs {
     /// What is known of the rig.
     rod: PathBuf,
@@ -225,6 +226,7 @@ fn with_time(
         specific_heat,
         resistivity,
         memory: args.memory.name(),
+        implausible: implausible(&rig, plain, &diagnosis),
         missing_for_temperature: if plain.knows_temperature() {
             Vec::new()
         } else {
@@ -264,11 +266,24 @@ fn with_time(
     }
     deliver(&text, &diagnosed.json(), places.json)?;
     starts.finish()?;
-    Ok(if has_converged {
+    Ok(if !has_converged {
+        Outcome::NotConverged
+    } else if diagnosed.implausible.is_empty() {
         Outcome::Done
     } else {
-        Outcome::NotConverged
+        Outcome::Implausible
     })
+}
+
+/// Why the last model of a diagnosis cannot be, if it cannot.
+pub(crate) fn implausible(
+    rig: &Rig,
+    plain: &WienerModel,
+    diagnosis: &Diagnosis,
+) -> Vec<Implausible> {
+    let extended = diagnosis.extended.as_ref();
+    let fit = extended.map_or(&diagnosis.baseline.fit, |extended| &extended.stage.fit);
+    Facts::of(&rig.rod, fit, &rig.training, plain.knows_temperature()).implausible()
 }
 
 fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result<Outcome> {

@@ -23,6 +23,7 @@ use workbench::figure::Compared;
 use workbench::page;
 use workbench::report::identified::Identified;
 use workbench::report::plot::{self, Left};
+use workbench::sanity::Facts;
 use workbench::{input_notes, is_trained_on, read_all};
 
 /// Fit the grey-box model to recordings, and check it on recordings it has not seen.
@@ -32,7 +33,7 @@ use workbench::{input_notes, is_trained_on, read_all};
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma identify rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-model model.toml\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged, 130 interrupted")]
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged or implausible, 130 interrupted")]
 pub(crate) struct IdentifyArgs {
     /// What is known of the rig.
     rod: PathBuf,
@@ -150,7 +151,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             .iter()
             .map(|one| is_trained_on(one, &training))
             .collect(),
-        ambient_degc: rod.ambient_degc,
+        implausible: Facts::of(&rod, &fit, &training, model.knows_temperature()).implausible(),
         cross_check: checked.as_ref(),
         knows_temperature: model.knows_temperature(),
         missing_for_temperature: rod.missing_for_temperature(),
@@ -200,11 +201,15 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     }
     deliver(&text, &identified.json(), json)?;
     starts.finish()?;
-    let beaten = checked.is_some_and(|one| one.verdict == CrossVerdict::EndedLower);
-    Ok(if fit.is_found() && !beaten && early_output.is_none() {
+    let beaten = checked
+        .as_ref()
+        .is_some_and(|one| one.verdict == CrossVerdict::EndedLower);
+    Ok(if !fit.is_found() || beaten || early_output.is_some() {
+        Outcome::NotConverged
+    } else if identified.implausible.is_empty() {
         Outcome::Done
     } else {
-        Outcome::NotConverged
+        Outcome::Implausible
     })
 }
 

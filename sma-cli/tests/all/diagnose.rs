@@ -692,7 +692,9 @@ fn effects_that_do_not_exist_are_named_with_those_that_do() {
     let (code, error) = refusal(&bundled(""), &["--without", "latent-heta"]);
     assert_eq!(code, 2);
     assert!(
-        error.contains("effect 'latent-heta': unknown; known are supply-lag dead-time latent-heat"),
+        error.contains(
+            "effect 'latent-heta': unknown; known are supply-limit supply-lag dead-time latent-heat"
+        ),
         "{error}"
     );
 }

@@ -63,6 +63,7 @@ mod sensor_drift;
 mod sensor_nonlinearity;
 mod stress_coupling;
 mod supply_lag;
+mod supply_limit;
 mod thermal_expansion;
 mod thermocouple_lag;
 
@@ -388,9 +389,10 @@ macro_rules! effects {
     };
 }
 
-// One line an effect, in the order in which they act: the output passes the end stop before the
+// One line an effect, in the order in which they act: a supply lags behind what it can give, the output passes the end stop before the
 // backlash, and the lag before the sensor.
 effects! {
+    SupplyLimit: supply_limit,
     SupplyLag: supply_lag,
     DeadTime: dead_time,
     LatentHeat: latent_heat,

@@ -12,6 +12,7 @@ parameters! {
     /// current:        P = i² R r h
     /// duty, voltage:  P = (V/l)² r/(R r̄² h)     (r̄ that of the whole rod: it sets the current)
     /// power:          no effect
+    /// behind leads:   P = P_0 r h/((1 - s) r̄ h + s)²     (s their share of the cold circuit; duty, voltage)
     /// ```
     ///
     /// The resistance of the baseline is that of the cold rod, as one measures it; ρ = (R_A - R_M)/R_M. In a rod of one
@@ -59,6 +60,8 @@ pub(crate) struct Lanes<const L: usize> {
 enum Given {
     Current,
     Voltage,
+    /// Of rod and leads, which have this share of the cold circuit's resistance.
+    VoltageOverLeads(f64),
     Power,
 }
 
@@ -73,7 +76,10 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             reference_degc: base.setting.reference_degc,
             given: match base.drive() {
                 Drive::Current => Given::Current,
-                Drive::Duty { .. } | Drive::Voltage { .. } => Given::Voltage,
+                Drive::Duty { .. } | Drive::Voltage { .. } => match base.setting.lead_share {
+                    leads if leads > 0.0 => Given::VoltageOverLeads(leads),
+                    _ => Given::Voltage,
+                },
                 Drive::Power { .. } => Given::Power,
             },
         }
@@ -110,6 +116,26 @@ impl<const L: usize> Effect<L> for Lanes<L> {
                     flow.per_transformed[l] += per_share;
                     flow.per_mean[l] -= 2.0 * per_share * own_ratio;
                     flow.per_k[l] -= counted * rise[l] * cooler * factor;
+                }
+            }
+            Given::VoltageOverLeads(leads) => {
+                let of_rod = 1.0 - leads;
+                for l in 0..L {
+                    let power = acting.power_w_per_m[l];
+                    let own = from.counted_transformed(to, l);
+                    let mean = from.counted_mean(to, l);
+                    let warm_k = from.counted_degc(to, l) - self.reference_degc;
+                    let hotter = 1.0 + rise[l] * warm_k;
+                    let phases = 1.0 + change[l] * mean;
+                    let current = 1.0 / (of_rod * phases * hotter + leads);
+                    let per_own = hotter * current * current;
+                    let factor = (1.0 + change[l] * own) * per_own;
+                    flow.w_per_m[l] += power * (factor - 1.0);
+                    let counted = power * from.counted[l];
+                    let divided = 2.0 * factor * current * of_rod;
+                    flow.per_transformed[l] += counted * change[l] * per_own;
+                    flow.per_mean[l] -= counted * divided * change[l] * hotter;
+                    flow.per_k[l] += counted * rise[l] * (factor / hotter - divided * phases);
                 }
             }
             Given::Power => {}

@@ -6,16 +6,17 @@ use sma_effects::{EffectBlock, EffectId, EffectSet, EffectValues, Role, Sign};
 
 #[test]
 fn the_ids_are_those_of_the_design() {
-    let designed: BTreeSet<&str> = "dead-time supply-lag latent-heat radiation natural-convection \
+    let designed: BTreeSet<&str> =
+        "dead-time supply-limit supply-lag latent-heat radiation natural-convection \
         phase-dependent-resistance ambient-drift end-conduction stress-coupling loop-asymmetry \
         loop-shape r-phase functional-fatigue return-point-memory output-lag backlash end-stop \
         sensor-nonlinearity sensor-drift thermal-expansion thermocouple-lag"
-        .split_whitespace()
-        .collect();
+            .split_whitespace()
+            .collect();
     let ids: BTreeSet<&str> = EffectId::ALL.into_iter().map(EffectId::id).collect();
-    assert_eq!(designed.len(), 21);
+    assert_eq!(designed.len(), 22);
     assert_eq!(ids, designed);
-    assert_eq!(EffectId::ALL.len(), 21);
+    assert_eq!(EffectId::ALL.len(), 22);
 }
 
 #[test]
@@ -124,7 +125,7 @@ fn sets_hold_what_was_put_in() {
     assert!(pair.meets(EffectSet::of(EffectId::Backlash)));
     assert!(!pair.meets(EffectSet::of(EffectId::Radiation)));
     assert!(EffectSet::EMPTY.is_empty() && !pair.is_empty());
-    assert_eq!(EffectSet::all().iter().count(), 21);
+    assert_eq!(EffectSet::all().iter().count(), 22);
     assert_eq!(
         EffectSet::EMPTY.with(EffectId::EndStop),
         EffectSet::of(EffectId::EndStop)

@@ -138,6 +138,7 @@ fn stress_delays_heating_and_hastens_cooling() {
 #[test]
 fn what_takes_from_the_stroke_takes_the_more_the_larger_it_is() {
     for (effect, values) in [
+        (EffectId::SupplyLimit, [0.0, 0.3, 0.7, 1.0]),
         (EffectId::EndStop, [0.0, 0.3, 0.7, 1.0]),
         (EffectId::ThermalExpansion, [0.0, 1e-5, 2e-5, 3e-5]),
         (EffectId::RPhase, [0.0, 0.1, 0.3, 0.5]),

@@ -73,6 +73,7 @@ fn an_effect_says_what_it_lacks() {
         (EffectId::Radiation, "surface_m2_per_m"),
         (EffectId::AmbientDrift, "run_length_s"),
         (EffectId::SensorDrift, "run_length_s"),
+        (EffectId::SupplyLimit, "largest_drive"),
     ] {
         let setting = Setting {
             active: EffectSet::of(effect),
@@ -118,6 +119,11 @@ fn a_setting_is_checked() {
             ..plain
         };
         assert_eq!(of(run), wanted("run_length_s", "s"));
+        let drive = Setting {
+            largest_drive: given,
+            ..plain
+        };
+        assert_eq!(of(drive), wanted("largest_drive", "(drive unit)"));
     }
     for (value, shown) in [(-1.0, "-1"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")] {
         assert_eq!(
@@ -126,6 +132,15 @@ fn a_setting_is_checked() {
                 ..plain
             }),
             format!("start_s = {shown} s: must be finite and >= 0")
+        );
+    }
+    for (value, shown) in [(-0.1, "-0.1"), (1.5, "1.5"), (f64::NAN, "NaN")] {
+        assert_eq!(
+            of(Setting {
+                lead_share: value,
+                ..plain
+            }),
+            format!("lead_share = {shown}: must be from 0 to 1")
         );
     }
     assert_eq!(
@@ -177,11 +192,9 @@ fn errors_of_the_baseline_are_passed_on() {
 #[test]
 fn an_unknown_id_is_answered_with_the_known_ones() {
     let text = EffectId::parse("latent_heat").unwrap_err().to_string();
-    assert!(
-        text.starts_with(
-            "effect 'latent_heat': unknown; known are supply-lag dead-time latent-heat "
-        )
-    );
+    assert!(text.starts_with(
+        "effect 'latent_heat': unknown; known are supply-limit supply-lag dead-time latent-heat "
+    ));
     for effect in EffectId::ALL {
         assert_eq!(EffectId::parse(effect.id()).unwrap(), effect);
         assert_eq!(effect.to_string(), effect.id());

@@ -91,6 +91,7 @@ fn likeness_is_that_of_groups() {
 fn what_waits_for_a_reversal_says_so() {
     let needing = |occurrence| ids(move |info| info.needs_in_recording.contains(&occurrence));
     for (occurrence, name, effects) in [
+        (Occurrence::DriveLevels, "drive-levels", ["supply-limit"]),
         (Occurrence::Cooling, "cooling", ["r-phase"]),
         (
             Occurrence::BothBranches,
@@ -134,6 +135,7 @@ fn upper_bounds_that_are_ends() {
     assert_eq!(
         parameters(|parameter| parameter.upper_is_physical),
         [
+            "supply_limit_share",
             "dead_time_output_share",
             "contact_ratio",
             "clamp_warming",

@@ -178,9 +178,15 @@ fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power()
     let mut values = EffectValues::default();
     values.phase_dependent_resistance.resistance_change = 0.2;
     values.phase_dependent_resistance.resistance_rise_per_k = RISE_PER_K;
-    for drive in DRIVES {
+    let behind_leads = DRIVES.map(|drive| (drive, 0.4));
+    for (drive, lead_share) in DRIVES
+        .map(|drive| (drive, 0.0))
+        .into_iter()
+        .chain(behind_leads)
+    {
         let setting = Setting {
             drive,
+            lead_share,
             ..setting(EffectSet::of(EffectId::PhaseDependentResistance))
         };
         let samples = drive_of(drive, &current_a(DT_S));
@@ -189,7 +195,9 @@ fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power()
             let ratio = (1.0 + 0.2 * p) * (1.0 + RISE_PER_K * (degc - setting.reference_degc));
             match drive {
                 Drive::Current => ratio,
-                Drive::Duty { .. } | Drive::Voltage { .. } => 1.0 / ratio,
+                Drive::Duty { .. } | Drive::Voltage { .. } => {
+                    ratio / ((1.0 - lead_share) * ratio + lead_share).powi(2)
+                }
                 Drive::Power { .. } => 1.0,
             }
         };
@@ -200,7 +208,7 @@ fn resistance_acts_with_opposite_signs_on_current_and_voltage_and_not_on_power()
         };
         let (expected, _) = fine.run(&current_a(DT_S));
         let gap = largest(&shown.displacement, &expected) / params().gain;
-        assert!(gap < 1e-4, "{drive:?} {gap:e}");
+        assert!(gap < 1e-4, "{drive:?} {lead_share} {gap:e}");
     }
 }
 
@@ -783,6 +791,53 @@ fn soft_friction_comes_after_by_an_exponential() {
         }
         assert_abs_diff_eq!(shown[k], plain[k] - lag, epsilon = 1e-6 * half);
     }
+}
+
+#[test]
+fn a_supply_that_gives_no_more_is_a_drive_that_is_cut() {
+    for drive in DRIVES {
+        let asked = drive_of(drive, &current_a(DT_S));
+        let highest = asked.iter().copied().fold(0.0, f64::max);
+        let limited = Setting {
+            drive,
+            largest_drive: Some(highest),
+            ..setting(EffectSet::of(EffectId::SupplyLimit))
+        };
+        let mut values = EffectValues::default();
+        values.supply_limit.supply_limit_share = 1.0;
+        values.supply_limit.supply_limit_position = 0.7;
+        let shown = trace(&limited, &params(), &values, &asked, DT_S);
+        let cut: Vec<f64> = asked
+            .iter()
+            .map(|&asked| asked.min(0.7 * highest))
+            .collect();
+        assert!(cut != asked);
+        let none = EffectValues::default();
+        let expected = trace(&limited, &params(), &none, &cut, DT_S);
+        let off = largest(&shown.displacement, &expected.displacement);
+        assert!(off < 1e-12, "{drive:?} {off:e}");
+        // One that gives way lets the rest through.
+        values.supply_limit.supply_limit_share = 0.6;
+        let shown = trace(&limited, &params(), &values, &asked, DT_S);
+        let let_through = asked
+            .iter()
+            .zip(&cut)
+            .map(|(asked, cut)| cut + 0.4 * (asked - cut));
+        let let_through: Vec<f64> = let_through.collect();
+        let expected = trace(&limited, &params(), &none, &let_through, DT_S);
+        let off = largest(&shown.displacement, &expected.displacement);
+        assert!(off < 1e-12, "{drive:?} {off:e}");
+    }
+    // A current below zero heats as one above it.
+    let setting = setting(EffectSet::of(EffectId::SupplyLimit));
+    let mut values = EffectValues::default();
+    values.supply_limit.supply_limit_share = 1.0;
+    let current = current_a(DT_S);
+    let turned: Vec<f64> = current.iter().map(|current_a| -current_a).collect();
+    assert_eq!(
+        trace(&setting, &params(), &values, &current, DT_S),
+        trace(&setting, &params(), &values, &turned, DT_S)
+    );
 }
 
 #[test]

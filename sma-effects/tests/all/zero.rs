@@ -69,12 +69,17 @@ fn zero_is_the_baseline_bit_for_bit() {
 #[test]
 fn zero_is_the_baseline_for_every_drive_rule_and_scale_of_the_fraction() {
     for drive in DRIVES {
-        for rule in [Rule::LastReversal, Rule::Nested] {
+        for (rule, lead_share) in [
+            (Rule::LastReversal, 0.0),
+            (Rule::Nested, 0.0),
+            (Rule::Nested, 0.37),
+        ] {
             let samples = drive_of(drive, &current_a(0.3));
             let profile = Profile::uniform(&samples, 0.3, AMBIENT_DEGC).unwrap();
             let setting = Setting {
                 drive,
                 rule,
+                lead_share,
                 ..setting(EffectSet::all())
             };
             let mut members = various(9, EffectValues::default());

@@ -7,7 +7,7 @@ use crate::WorkbenchError;
 use crate::figure::{Drawn, Figure, Series, Style, figures};
 use crate::report::diagnosed::{Diagnosed, found, in_frequency, regimes};
 use crate::report::number::spoken_percent;
-use crate::report::verdict::{block_name, verdict, what};
+use crate::report::verdict::{block_name, what};
 
 /// Probability from which a block is marked.
 const GUILTY: f64 = 0.5;
@@ -22,7 +22,7 @@ pub fn diagnosed(
     drawn: Option<&Drawn<'_>>,
 ) -> Result<Page, WorkbenchError> {
     let diagnosis = diagnosed.diagnosis;
-    let mut page = Page::new("Diagnosis of an SMA actuator", &verdict(diagnosis));
+    let mut page = Page::new("Diagnosis of an SMA actuator", &diagnosed.verdict());
     if let Some(drawn) = drawn {
         let figures = figures(drawn);
         let (over_time, errors) = figures.split_at(figures.len() - 1);

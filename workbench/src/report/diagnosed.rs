@@ -13,6 +13,7 @@ use super::label::label;
 use super::number::{count, percent, significant, spoken, spoken_percent};
 use super::table::{folding, right, table, unpadded};
 use super::verdict::{block_name, named, unit, verdict};
+use crate::sanity::{self, Implausible};
 
 /// Regimes and stretches of time that a person reads; JSON has all.
 const ROWS: usize = 5;
@@ -32,6 +33,8 @@ pub struct Diagnosed<'a> {
     pub memory: &'static str,
     /// Keys of the rod file without which temperatures are arbitrary.
     pub missing_for_temperature: Vec<&'static str>,
+    /// Why the last model cannot be, if it cannot.
+    pub implausible: Vec<Implausible>,
     /// What is odd about the recordings.
     pub input_notes: Vec<String>,
 }
@@ -41,7 +44,7 @@ impl Diagnosed<'_> {
     #[must_use]
     pub fn text(&self) -> String {
         let diagnosis = self.diagnosis;
-        let mut text = verdict(diagnosis);
+        let mut text = self.verdict();
         if diagnosis.verdict == Verdict::NotConverged {
             return text;
         }
@@ -59,6 +62,12 @@ impl Diagnosed<'_> {
             text += &next_experiment(next);
         }
         unpadded(&text)
+    }
+
+    /// What cannot be, and what is missing: a few lines.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        sanity::lines(&self.implausible) + &verdict(self.diagnosis)
     }
 
     /// Errors from the plain model down to the noise.
@@ -232,6 +241,7 @@ impl Diagnosed<'_> {
             Need::MassPerMeter => "diameter_mm and density_kg_per_m3 in rod.toml".to_owned(),
             Need::SurfacePerMeter => "diameter_mm in rod.toml".to_owned(),
             Need::RunLength => "a recording with time".to_owned(),
+            Need::LargestDrive => "a recording that is driven".to_owned(),
             Need::ElectricalDrive => {
                 "a drive that depends on the resistance, not a power".to_owned()
             }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::diagnosed::{Diagnosed, literature};
 use super::identified::parameters_json;
+use crate::sanity;
 
 fn trace(trace: &Trace) -> Value {
     json!({
@@ -40,6 +41,7 @@ impl Diagnosed<'_> {
             "version": env!("CARGO_PKG_VERSION"),
             "seed": diagnosis.seed,
             "verdict": diagnosis.verdict.id(),
+            "implausible": sanity::to_json(&self.implausible),
             "output_unit": diagnosis.baseline.fit.output_unit,
             "noise_floor": {"lower": floor.lower, "upper": floor.upper, "class": floor.class.id()},
             "baseline": stage(&diagnosis.baseline),

@@ -12,16 +12,11 @@ use serde_json::{Value, json};
 use super::label::label;
 use super::number::{count, percent, significant};
 use super::table::{right, table, unpadded};
+use crate::sanity::{self, Implausible};
 
 /// Unseen error over training error from which the text says that the model leaves something out:
 /// twice is more than a few parameters fitted to thousands of samples explain.
 const SUSPICIOUS_RATIO: f64 = 2.0;
-
-/// Temperature above which what is said of a rod cannot be, °C: its alloy would long be annealed.
-const HOTTEST_DEGC: f64 = 500.0;
-
-/// Rise below which a rod does not transform, K.
-const LEAST_RISE_K: f64 = 3.0;
 
 /// The result of `sma identify`.
 #[derive(Debug)]
@@ -32,8 +27,8 @@ pub struct Identified<'a> {
     pub validated: &'a [Validated],
     /// Which of them hold the data of a training recording.
     pub seen: Vec<bool>,
-    /// Temperature of the surroundings, °C, where the rod file gives it.
-    pub ambient_degc: Option<f64>,
+    /// Why the model cannot be, if it cannot.
+    pub implausible: Vec<Implausible>,
     /// Where argmin ended, if it was asked.
     pub cross_check: Option<&'a CrossCheck>,
     /// Keys of the rod file without which temperatures are arbitrary.
@@ -187,25 +182,7 @@ impl Identified<'_> {
         if let Some(early) = self.early_output {
             let _ = writeln!(text, "{}", early_output_said(early, fit, &self.unit()));
         }
-        let peaks = fit.recordings.iter().map(|one| one.peak_temperature_degc);
-        let peak_degc = peaks.fold(f64::NEG_INFINITY, f64::max);
-        if self.knows_temperature && !self.is_static {
-            if peak_degc > HOTTEST_DEGC {
-                let _ = writeln!(
-                    text,
-                    "IMPLAUSIBLE: the rod would reach {peak_degc:.0} °C. Look at the units in [rod] and [drive]."
-                );
-            } else if self
-                .ambient_degc
-                .is_some_and(|ambient_degc| peak_degc < ambient_degc + LEAST_RISE_K)
-            {
-                let _ = writeln!(
-                    text,
-                    "IMPLAUSIBLE: the rod would not get warmer than {peak_degc:.1} °C. Look at the units of the drive."
-                );
-            }
-        }
-        text
+        text + &sanity::lines(&self.implausible)
     }
 
     /// What argmin's end means.
@@ -411,6 +388,7 @@ impl Identified<'_> {
                 "temperature_rmse_k": self.fit.temperature_rmse_k,
                 "termination": format!("{:?}", self.fit.termination),
             },
+            "implausible": sanity::to_json(&self.implausible),
             "residuals": {
                 "lag_1": self.fit.noise.lag_1,
                 "ar_coefficients": self.fit.noise.coefficients,

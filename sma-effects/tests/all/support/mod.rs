@@ -45,6 +45,7 @@ pub fn setting(active: EffectSet) -> Setting {
         surface_m2_per_m: Some(rod().surface_m2_per_m()),
         length_output: Some(125.0),
         run_length_s: Some(120.0),
+        largest_drive: Some(2.4),
         ..Setting::default()
     }
 }
