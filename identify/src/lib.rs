@@ -31,10 +31,13 @@ mod rig_model;
 mod rod;
 mod sadeghi_model;
 mod saved_model;
+mod sensor_lag;
 mod source;
 mod specific_heat;
 mod static_effects;
 mod surroundings;
+mod temperature_unit;
+mod thermal_model;
 mod uncertainty;
 mod validate;
 mod wiener_model;
@@ -68,5 +71,6 @@ pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
 pub use surroundings::in_warmer_surroundings;
+pub use thermal_model::ThermalModel;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::{WienerModel, may_begin_warm};

@@ -5,6 +5,7 @@ use crate::least_squares::{LeastSquaresConfig, minimize};
 use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
+use crate::thermal_model::rest_tells_all;
 use crate::{Fit, ForwardModel, IdentifyError};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
@@ -65,7 +66,8 @@ impl Validated {
 ///
 /// Only the recording's own parameters are set (its offset, and its start where that is free), by a
 /// rule that is the same for every model: from the samples before the drive first rises, or over the
-/// whole recording if there are fewer than ten. A fixed offset stays.
+/// whole recording if there are fewer than ten, or if they cannot tell it: surroundings and start of a heat balance together. A fixed
+/// offset stays.
 ///
 /// # Errors
 ///
@@ -100,7 +102,7 @@ pub fn validate_at(
     let at_rest = samples_at_rest(recording.drive());
     let offset_source = if at_rest == recording.len() {
         OffsetSource::NeverDriven
-    } else if at_rest >= FEWEST_AT_REST {
+    } else if at_rest >= FEWEST_AT_REST && rest_tells_all(&frozen.parameters) {
         let weight = |k| f64::from(u8::from(k < at_rest));
         problem.weigh_samples(vec![(0..recording.len()).map(weight).collect()]);
         OffsetSource::BeforeDrive { n_samples: at_rest }

@@ -27,7 +27,9 @@ use workbench::page;
 use workbench::report::diagnosed::Diagnosed;
 use workbench::report::plot::{self, Left};
 use workbench::report::static_diagnosed::StaticDiagnosed;
-use workbench::{carry_resistivity, carry_specific_heat, input_notes, is_trained_on, read_all};
+use workbench::{
+    WorkbenchError, carry_resistivity, carry_specific_heat, input_notes, is_trained_on, read_all,
+};
 
 /// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
 ///
@@ -152,6 +154,10 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     match &model {
         RigModel::Wiener(plain) => with_time(args, &model, plain, rig, places),
         RigModel::Loop(_) | RigModel::Sadeghi(_) => without_time(args, rig, places),
+        RigModel::Thermal(_) => Err(WorkbenchError::OnlyTemperature {
+            recording: rig.training[0].name().to_owned(),
+        }
+        .into()),
     }
 }
 

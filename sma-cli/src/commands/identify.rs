@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use identify::{
     CrossVerdict, Fit, FitConfig, Identification, Loss, RigModel, Rod, SadeghiModel, SavedModel,
-    Validated, cross_check, fit, predict, validate,
+    ThermalModel, Validated, cross_check, fit, predict, validate,
 };
 use recording::Recording;
 
@@ -120,7 +120,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let unseen = read_all(&rod, &args.validate)?;
     let rule = args.memory.rule();
     let model = match args.preset {
-        Preset::Default => RigModel::new(&rod, rule, &training)?,
+        Preset::Default => RigModel::new(&rod, rule, &training)?.seeing(&unseen),
         Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
     let earlier = Earlier::read(args.from_model.as_deref(), &model, &training)?;
@@ -130,7 +130,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         ended: starts.ended(),
         ..args.config(earlier.from)
     };
-    let mut fit = fitted(args, &model, &training, &config, &starts)?;
+    let fit = fitted(args, &model, &training, &config, &starts)?;
+    let (model, mut fit) = with_lag_that_shows(args, model, fit, &training, &config, &starts)?;
     let heat_carried = model.carry_specific_heat(&mut fit);
     let validated = unseen
         .iter()
@@ -153,6 +154,10 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         missing_for_temperature: rod.missing_for_temperature(),
         specific_heat: rod.specific_heat_range.filter(|_| heat_carried),
         is_static: matches!(model, RigModel::Loop(_)),
+        thermal: match &model {
+            RigModel::Thermal(thermal) => Some(thermal),
+            _ => None,
+        },
         memory: args.memory.name(),
     };
     let mut notes = identified.notes();
@@ -250,6 +255,31 @@ fn fitted(
     })?;
     bar.finish_and_clear();
     Ok(fit)
+}
+
+/// The model and its fit, with a sensor that lags where that shows.
+fn with_lag_that_shows(
+    args: &IdentifyArgs,
+    model: RigModel,
+    without: Fit,
+    training: &[Recording],
+    config: &FitConfig,
+    starts: &Starts,
+) -> anyhow::Result<(RigModel, Fit)> {
+    let Some(lagging) = model.with_lag(&without) else {
+        return Ok((model, without));
+    };
+    // Coordinates of an earlier model know of no lag.
+    let config = FitConfig {
+        from: Vec::new(),
+        ..config.clone()
+    };
+    let with = fitted(args, &lagging, training, &config, starts)?;
+    Ok(if ThermalModel::lag_shows(&without, &with) {
+        (lagging, with)
+    } else {
+        (model, without)
+    })
 }
 
 /// The recording of the highest error, and the model's parameters in it.

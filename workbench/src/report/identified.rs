@@ -5,7 +5,7 @@ use std::fmt::Write;
 use comfy_table::{Cell, Table};
 use identify::{
     Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, ParameterState, Scope,
-    Validated,
+    ThermalModel, Validated,
 };
 use serde_json::{Value, json};
 
@@ -44,6 +44,8 @@ pub struct Identified<'a> {
     pub specific_heat: Option<Bounds>,
     /// Whether the model is a loop without heat.
     pub is_static: bool,
+    /// The model, if it is a heat balance without a loop.
+    pub thermal: Option<&'a ThermalModel>,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub memory: &'static str,
 }
@@ -108,6 +110,11 @@ impl Identified<'_> {
                     );
                 }
             }
+        }
+        if self.thermal.is_some() {
+            text.push_str(
+                "The output is the temperature: this is the heat balance alone. Of the loop it says nothing.\n",
+            );
         }
         let at_bound: Vec<&str> = fit
             .parameters
@@ -257,7 +264,10 @@ impl Identified<'_> {
                 right(count(one.n_samples)),
                 right(significant(one.rmse)),
                 right(of_range(one.rmse, one.output_range)),
-                Cell::new(offset_note(one.offset_source)),
+                Cell::new(match self.thermal {
+                    Some(_) => own_note(one.offset_source).to_owned(),
+                    None => offset_note(one.offset_source),
+                }),
             ]);
         }
         table
@@ -303,6 +313,9 @@ impl Identified<'_> {
         if self.is_static {
             return notes;
         }
+        if let Some(thermal) = self.thermal {
+            notes.extend(thermal_notes(thermal, fit, &self.missing_for_temperature));
+        }
         if self.knows_temperature {
             let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
             notes.push(format!(
@@ -338,7 +351,7 @@ impl Identified<'_> {
                 "n_samples": one.n_samples,
                 "rmse": one.rmse,
                 "fit_percent": one.fit_fraction.map(|fraction| 100.0 * fraction),
-                "offset": one.offset,
+                "offset": self.thermal.is_none().then_some(one.offset),
                 "offset_from": match one.offset_source {
                     OffsetSource::BeforeDrive { .. } => "before_drive",
                     OffsetSource::WholeRecording { .. } => "whole_recording",
@@ -387,7 +400,7 @@ impl Identified<'_> {
             })),
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
-            "memory": self.memory,
+            "memory": self.thermal.is_none().then_some(self.memory),
             "parameters": parameters_json(self.fit),
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
@@ -451,4 +464,53 @@ fn offset_note(source: OffsetSource) -> String {
         }
         OffsetSource::NeverDriven => "never driven: tests nothing".to_owned(),
     }
+}
+
+/// Where the start and the surroundings of an unseen recording were read.
+fn own_note(source: OffsetSource) -> &'static str {
+    match source {
+        OffsetSource::BeforeDrive { .. } => {
+            "its own values from the samples before the drive rises"
+        }
+        OffsetSource::WholeRecording { .. } => "its own values from the whole recording",
+        OffsetSource::NeverDriven => "never driven: tests nothing",
+    }
+}
+
+/// What a heat balance tells, and what it cannot.
+fn thermal_notes(thermal: &ThermalModel, fit: &Fit, missing: &[&str]) -> Vec<String> {
+    let is_free = |name: &str| {
+        let parameter = fit.parameter(name);
+        parameter.is_some_and(|one| one.info.state == ParameterState::Free)
+    };
+    let mut notes = Vec::new();
+    if is_free("ambient_degc") {
+        notes.push(
+            "nothing states the temperature of the surroundings: it is found from each recording; ambient_degc in [surroundings] or a column would state it"
+                .to_owned(),
+        );
+    }
+    if is_free("ambient_level_k") {
+        notes.push(
+            "at rest the rod is not as warm as the stated surroundings: ambient_level_k is the difference"
+                .to_owned(),
+        );
+    }
+    notes.push(match (thermal.has_lag(), thermal.tells_which_lags()) {
+        (false, _) => "no lag of the sensor shows".to_owned(),
+        (true, true) => "the sensor lags: the steady rise tells its time constant from the rod's".to_owned(),
+        (true, false) => "two time constants show, in a row: these data do not tell which is the sensor's; the longer is called the rod's"
+            .to_owned(),
+    });
+    if !thermal.tells_which_lags() {
+        notes.push(format!(
+            "watts are not told, only the steady rise per unit of drive: rod.toml does not give {}",
+            if missing.is_empty() {
+                "supply_v".to_owned()
+            } else {
+                missing.join(", ")
+            }
+        ));
+    }
+    notes
 }
