@@ -58,13 +58,22 @@ impl RigModel {
         }
     }
 
-    /// The same with a sensor that lags, for a second fit: see [`ThermalModel::with_lag`]; `None` for what has none.
+    /// The same with a sensor that lags and where to search it from, for a second fit: see [`ThermalModel::with_lag`]; `None` for what has none.
     #[must_use]
-    pub fn with_lag(&self, fit: &Fit) -> Option<Self> {
+    pub fn with_lag(&self, without: &Fit) -> Option<(Self, Vec<Vec<f64>>)> {
         match self {
-            Self::Thermal(model) => model.with_lag(fit).map(Self::Thermal),
+            Self::Thermal(model) => {
+                let (model, from) = model.with_lag(without)?;
+                Some((Self::Thermal(model), from))
+            }
             Self::Wiener(_) | Self::Sadeghi(_) | Self::Loop(_) => None,
         }
+    }
+
+    /// See [`ThermalModel::lag_shows`]; of the other models none does.
+    #[must_use]
+    pub fn lag_shows(&self, without: &Fit, with: &Fit) -> bool {
+        matches!(self, Self::Thermal(model) if model.lag_shows(without, with))
     }
 
     /// See [`WienerModel::carry_specific_heat`]; the other models have no such range.

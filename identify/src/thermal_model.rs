@@ -10,8 +10,8 @@ use crate::temperature_unit::TemperatureUnit;
 use crate::validate::samples_at_rest;
 use crate::wiener_model::{AMBIENT_LEVEL, Heat, level, rise, tau_bounds_s};
 use crate::{
-    Bounds, Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale,
-    Scope,
+    Bounds, Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState,
+    ParameterVector, Rod, Scale, Scope,
 };
 
 /// Names of what belongs to a recording.
@@ -172,41 +172,55 @@ impl ThermalModel {
         self
     }
 
-    /// The same with a sensor that lags, to be tried after a fit without; `None` where `[model]` says something of the lag.
+    /// The same with a sensor that lags, and coordinates to search it from, to be tried after a fit without; `None` where `[model]` says
+    /// something of the lag.
     ///
-    /// The fit without has about the sum of both time constants. Where either could be the rod's, the rod gets the longer.
+    /// The searches start with a small lag beside the time constant of the fit without, which is near the sum of both: that is how the
+    /// rod gets the longer one where either could be its own.
     #[must_use]
-    pub fn with_lag(&self, fit: &Fit) -> Option<Self> {
+    pub fn with_lag(&self, without: &Fit) -> Option<(Self, Vec<Vec<f64>>)> {
+        /// Lags to start from, as shares of the time constant of the fit without.
+        const SHARES: [f64; 2] = [0.05, 0.25];
         if self.parameters[LAG].state != ParameterState::Fixed(0.0) {
             return None;
         }
         let mut model = self.clone();
-        let [tau, lag] = [TAU, LAG].map(|index| self.parameters[index].bounds);
-        let half_s = 0.5 * fit.parameters.get(TAU)?.values[0];
-        let (longer, shorter) = if self.tells_which_lags() {
-            (tau.lower, tau.upper)
-        } else {
-            (half_s.max(tau.lower), half_s)
+        let tau_s = without.parameters.get(TAU)?.values[0];
+        let lag = &mut model.parameters[LAG];
+        lag.state = ParameterState::Free;
+        lag.bounds = Bounds {
+            lower: 0.0,
+            upper: if self.tells_which_lags() {
+                self.parameters[TAU].bounds.upper.max(tau_s)
+            } else {
+                tau_s
+            },
         };
-        if tau_is_free(&model.parameters[TAU]) {
-            model.parameters[TAU].bounds.lower = longer;
-        }
-        model.parameters[LAG].state = ParameterState::Free;
-        model.parameters[LAG].bounds = Bounds {
-            lower: lag.lower,
-            upper: shorter,
-        };
-        Some(model)
+        let vector = ParameterVector::new(model.parameters(), without.recordings.len());
+        let from = SHARES.map(|share| {
+            vector.coordinates(|parameter, r| {
+                if parameter == LAG {
+                    return Some(share * tau_s);
+                }
+                let values = &without.parameters.get(parameter)?.values;
+                values.get(r).or(values.first()).copied()
+            })
+        });
+        Some((model, from.to_vec()))
     }
 
-    /// Whether a fit of [`ThermalModel::with_lag`] is to be believed: Schwarz's criterion prefers it by far, and the lag is not 0.
+    /// Whether a fit of [`ThermalModel::with_lag`] is to be believed: it converged within its bounds, Schwarz's criterion prefers it by
+    /// far, and the lag is not 0.
     #[must_use]
-    pub fn lag_shows(without: &Fit, with: &Fit) -> bool {
-        let lag = with.parameter(Self::LAG);
-        let is_some = lag
-            .and_then(|lag| lag.intervals[0])
-            .is_some_and(|one| one.lower > 0.0);
-        with.converged() && is_some && with.bic < without.bic - VERY_STRONG
+    pub fn lag_shows(&self, without: &Fit, with: &Fit) -> bool {
+        let [tau_s, lag_s] = [TAU, LAG].map(|index| with.parameters[index].values[0]);
+        let is_named = self.tells_which_lags() || lag_s <= tau_s;
+        let interval = with.parameters[LAG].intervals[0];
+        with.converged()
+            && is_named
+            && interval.is_some_and(|one| one.lower > 0.0)
+            && !with.parameters[TAU].at_bound
+            && with.bic < without.bic - VERY_STRONG
     }
 
     /// Whether a sensor that lags is part of the model.
@@ -327,10 +341,6 @@ pub(crate) fn rest_tells_all(parameters: &[ParameterInfo]) -> bool {
     !(is_thermal && start && surroundings > 0)
 }
 
-fn tau_is_free(tau: &ParameterInfo) -> bool {
-    tau.state == ParameterState::Free
-}
-
 /// Temperature of the surroundings that is stated for all recordings, °C; `None` if it is to be found.
 fn known_ambient(rod: &Rod, training: &[Recording]) -> Result<Option<f64>, IdentifyError> {
     let recorded: Vec<f64> = training
@@ -446,7 +456,8 @@ impl Begins {
             doubt_k,
             rests: is_seen && !is_moved,
             moves: is_moved,
-            falls_below: lowest < first_degc - doubt_k,
+            // The lowest of many means lies further out than one does.
+            falls_below: lowest < first_degc - 2.0 * doubt_k,
         }
     }
 

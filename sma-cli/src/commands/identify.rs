@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use identify::{
     CrossVerdict, Fit, FitConfig, Identification, Loss, RigModel, Rod, SadeghiModel, SavedModel,
-    ThermalModel, Validated, cross_check, fit, predict, validate,
+    Validated, cross_check, fit, predict, validate,
 };
 use recording::Recording;
 
@@ -154,6 +154,10 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         missing_for_temperature: rod.missing_for_temperature(),
         specific_heat: rod.specific_heat_range.filter(|_| heat_carried),
         is_static: matches!(model, RigModel::Loop(_)),
+        one_way: match &model {
+            RigModel::Loop(one) => one.one_way(),
+            _ => None,
+        },
         thermal: match &model {
             RigModel::Thermal(thermal) => Some(thermal),
             _ => None,
@@ -266,16 +270,16 @@ fn with_lag_that_shows(
     config: &FitConfig,
     starts: &Starts,
 ) -> anyhow::Result<(RigModel, Fit)> {
-    let Some(lagging) = model.with_lag(&without) else {
+    let Some((lagging, from)) = model.with_lag(&without) else {
         return Ok((model, without));
     };
-    // Coordinates of an earlier model know of no lag.
     let config = FitConfig {
-        from: Vec::new(),
+        from,
+        starts: 0,
         ..config.clone()
     };
     let with = fitted(args, &lagging, training, &config, starts)?;
-    Ok(if ThermalModel::lag_shows(&without, &with) {
+    Ok(if lagging.lag_shows(&without, &with) {
         (lagging, with)
     } else {
         (model, without)

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
 use identify::{
-    Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, ParameterState, Scope,
-    ThermalModel, Validated,
+    Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, OneWay, ParameterState,
+    Scope, ThermalModel, Validated,
 };
 use serde_json::{Value, json};
 
@@ -46,6 +46,8 @@ pub struct Identified<'a> {
     pub is_static: bool,
     /// The model, if it is a heat balance without a loop.
     pub thermal: Option<&'a ThermalModel>,
+    /// The one way that the input of a loop goes, if it goes one way.
+    pub one_way: Option<OneWay>,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub memory: &'static str,
 }
@@ -217,14 +219,21 @@ impl Identified<'_> {
                         )
                     }
                 };
-                let note = match parameter.info.state {
-                    ParameterState::Fixed(_) => "fixed",
-                    ParameterState::Free if parameter.at_bound => "at its bound",
-                    ParameterState::Free => "",
+                let of_branch = self.one_way.and_then(|way| of_branch(parameter, way));
+                let note = match (of_branch, parameter.info.state) {
+                    (Some(OfBranch::Undetermined(why) | OfBranch::Its(why)), _) => why,
+                    (None, ParameterState::Fixed(_)) => "fixed",
+                    (None, ParameterState::Free) if parameter.at_bound => "at its bound",
+                    (None, ParameterState::Free) => "",
                 };
+                let is_told = !matches!(of_branch, Some(OfBranch::Undetermined(_)));
                 table.add_row([
                     Cell::new(name),
-                    right(significant(*value)),
+                    right(if is_told {
+                        significant(*value)
+                    } else {
+                        String::new()
+                    }),
                     Cell::new(parameter.intervals[r].map_or(String::new(), interval)),
                     Cell::new(&parameter.info.unit),
                     Cell::new(note),
@@ -311,6 +320,14 @@ impl Identified<'_> {
             ));
         }
         if self.is_static {
+            if let Some(way) = self.one_way {
+                notes.push(one_way_note(way).to_owned());
+            }
+            notes.push(
+                "without time only the loop is identified: no time constant, and nothing of what follows from it; `sma diagnose` says what \
+                 else these recordings tell"
+                    .to_owned(),
+            );
             return notes;
         }
         if let Some(thermal) = self.thermal {
@@ -401,9 +418,63 @@ impl Identified<'_> {
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
             "memory": self.thermal.is_none().then_some(self.memory),
-            "parameters": parameters_json(self.fit),
+            "parameters": self.parameters_json(),
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
+    }
+}
+
+impl Identified<'_> {
+    /// The parameters for programs: those that one branch does not tell have no values, and say why.
+    fn parameters_json(&self) -> Vec<Value> {
+        let mut parameters = parameters_json(self.fit);
+        let Some(way) = self.one_way else {
+            return parameters;
+        };
+        for (json, parameter) in parameters.iter_mut().zip(&self.fit.parameters) {
+            match of_branch(parameter, way) {
+                Some(OfBranch::Undetermined(why)) => {
+                    json["values"] = json!([null]);
+                    json["not_determined"] = json!(why);
+                }
+                Some(OfBranch::Its(of)) => json["note"] = json!(of),
+                None => {}
+            }
+        }
+        parameters
+    }
+}
+
+/// What one branch of a loop says of a parameter.
+#[derive(Debug, Clone, Copy)]
+enum OfBranch {
+    /// Nothing, and why.
+    Undetermined(&'static str),
+    /// The value of this branch.
+    Its(&'static str),
+}
+
+/// What is special about a parameter where an input goes one way only.
+fn of_branch(parameter: &FittedParameter, way: OneWay) -> Option<OfBranch> {
+    let (missing, branch) = match way {
+        OneWay::Heating => ("not determined: no cooling", "of the heating branch"),
+        OneWay::Cooling => ("not determined: no heating", "of the cooling branch"),
+    };
+    match parameter.info.name {
+        "loop_half_width_k" | "loop_half_width" | "zeta" => Some(OfBranch::Undetermined(missing)),
+        "loop_center_degc" | "loop_center" => Some(OfBranch::Its(branch)),
+        _ => None,
+    }
+}
+
+fn one_way_note(way: OneWay) -> &'static str {
+    match way {
+        OneWay::Heating => {
+            "the input only rises: one branch of the loop is seen; neither its half width nor its center apart from that branch can be told; record the cooling"
+        }
+        OneWay::Cooling => {
+            "the input only falls: one branch of the loop is seen; neither its half width nor its center apart from that branch can be told; record the heating"
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
-use identify::{Bounds, Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore};
+use identify::{Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore};
 use missing_physics::{EffectId, Verdict};
 use serde_json::{Value, json};
 
@@ -31,18 +31,22 @@ pub struct StaticDiagnosed<'a> {
 type Tested = Result<StaticEffect, NotTestable>;
 
 impl StaticDiagnosed<'_> {
-    fn both(&self) -> [(EffectId, &Tested); 2] {
+    fn all(&self) -> [(EffectId, &Tested); 3] {
         [
             (EffectId::StressCoupling, &self.effects.stress_coupling),
             (
                 EffectId::PhaseDependentResistance,
                 &self.effects.phase_dependent_resistance,
             ),
+            (
+                EffectId::FunctionalFatigue,
+                &self.effects.functional_fatigue,
+            ),
         ]
     }
 
     fn tested(&self) -> impl Iterator<Item = &StaticEffect> {
-        self.both()
+        self.all()
             .into_iter()
             .filter_map(|(_, tested)| tested.as_ref().ok())
     }
@@ -82,7 +86,7 @@ impl StaticDiagnosed<'_> {
             let _ = write!(text, "\n{}\n\n{}\n", self.ladder(), self.estimates());
         }
         let mut catalogue = folding(["effect", "", "what these recordings say"]);
-        for (effect, tested) in self.both() {
+        for (effect, tested) in self.all() {
             let (group, said) = match tested {
                 Err(why) => ("not testable", why.to_string()),
                 Ok(one) if is_found(one) => ("detected", String::new()),
@@ -176,7 +180,7 @@ impl StaticDiagnosed<'_> {
     }
 
     fn entry(&self, effect: EffectId) -> Value {
-        let own = self.both().into_iter().find(|(id, ..)| *id == effect);
+        let own = self.all().into_iter().find(|(id, ..)| *id == effect);
         let entry = |verdict: &str, unit: &str, upper: Option<f64>, reason: Option<String>| {
             json!({
                 "effect": effect.id(),
@@ -209,13 +213,12 @@ impl StaticDiagnosed<'_> {
     }
 }
 
-/// Whether an effect is there: the criterion prefers it, and its size is not 0.
+/// Whether an effect is there: the criterion prefers it, and a size of it is not 0.
 fn is_found(one: &StaticEffect) -> bool {
-    let excludes_zero = |interval: Bounds| interval.lower > 0.0 || interval.upper < 0.0;
-    one.with.bic < one.without.bic && one.estimates[0].interval.is_some_and(excludes_zero)
+    one.with.bic < one.without.bic && one.sizes().iter().any(Estimate::excludes_zero)
 }
 
-/// The largest size that the recordings allow.
+/// The largest first size that the recordings allow.
 fn upper(one: &StaticEffect) -> Option<f64> {
     let interval = one.estimates[0].interval?;
     Some(interval.lower.abs().max(interval.upper.abs()))
@@ -229,11 +232,52 @@ fn sentence(one: &StaticEffect) -> String {
             bracketed(coefficient, spoken)
         );
     }
+    if let [shift, loss, lasting, ..] = one.sizes() {
+        return fatigue(one, [shift, loss, lasting]);
+    }
     let change = &one.estimates[0];
     format!(
         "Phase-dependent resistance is missing: the resistance changes by {}{} of its cold value while transforming.",
         percent(change.value),
         bracketed(change, percent)
+    )
+}
+
+/// What the cycles do, of which each size is named that is not 0.
+fn fatigue(one: &StaticEffect, [shift, loss, lasting]: [&Estimate; 3]) -> String {
+    let of = |estimate: &Estimate, said: String| estimate.excludes_zero().then_some(said);
+    let shift_said = format!(
+        "the loop shifts by {} {}{}",
+        spoken(shift.value),
+        shift.unit,
+        bracketed(shift, spoken)
+    );
+    let loss_said = format!(
+        "the stroke changes by {}{} of it",
+        percent(-loss.value),
+        loss.interval.map_or(String::new(), |interval| {
+            let ends = [-interval.upper, -interval.lower].map(percent);
+            format!(" [{}]", ends.join(", "))
+        })
+    );
+    let lasting_said = format!(
+        "the output keeps {}{} of the stroke",
+        percent(lasting.value),
+        bracketed(lasting, percent)
+    );
+    let said: Vec<String> = [
+        of(shift, shift_said),
+        of(loss, loss_said),
+        of(lasting, lasting_said),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let cycles = one.estimate("cycles").map_or(0.0, |cycles| cycles.value);
+    format!(
+        "Functional fatigue is missing: the loop and its stroke drift with the number of cycles; over {cycles:.0} of them {}. Without \
+         time a sensor that drifts would look the same.",
+        said.join(", ")
     )
 }
 
