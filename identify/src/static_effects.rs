@@ -295,6 +295,12 @@ impl Estimate {
 }
 
 impl StaticEffect {
+    /// Whether it is there: Schwarz's criterion prefers it, and a size of it is not 0.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        self.with.bic < self.without.bic && self.sizes().iter().any(Estimate::excludes_zero)
+    }
+
     /// Its sizes.
     #[must_use]
     pub fn sizes(&self) -> &[Estimate] {

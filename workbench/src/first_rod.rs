@@ -295,4 +295,39 @@ mod tests {
         assert!(rod.text.contains("kind = \"temperature\""));
         assert!(!rod.text.contains("every_s"), "{}", rod.text);
     }
+
+    #[test]
+    fn a_temperature_beside_a_drive_is_the_output() {
+        let rod = begun(&rows("Time (s),PWM (%),Temperature\n", 40.0));
+        assert_eq!(
+            rod.questions,
+            ["output = { name = \"Temperature\", unit = \"degc\" }: which unit: degc, k, degf?"]
+        );
+        assert!(!rod.text.contains("\n[surroundings]"), "{}", rod.text);
+        let fahrenheit = begun(&rows("Time (s),Current (A),Temp (F)\n", 0.5));
+        assert_eq!(fahrenheit.questions, [""; 0]);
+    }
+
+    #[test]
+    fn without_names_and_time_a_temperature_is_known_by_its_values() {
+        let row = |k: u32| {
+            let phase = f64::from(k) / 20.0;
+            format!(
+                "{:.2}\t{:.5}\n",
+                80.0 - 50.0 * phase.cos(),
+                0.02 * phase.sin()
+            )
+        };
+        let rod = begun(&(0..400).map(row).collect::<String>());
+        assert!(
+            rod.text.contains("drive = { number = 1, unit = \"degc\" }"),
+            "{}",
+            rod.text
+        );
+        assert!(rod.text.contains("output = { number = 2 }"), "{}", rod.text);
+        // A drive that jumps is none.
+        let row = |k: u32| format!("{}\t{:.5}\n", 50 * (k / 20 % 2), f64::from(k % 77).sin());
+        let rod = begun(&(0..400).map(row).collect::<String>());
+        assert!(!rod.text.contains("kind = \"temperature\""), "{}", rod.text);
+    }
 }

@@ -12,4 +12,6 @@ mod rod_file;
 mod saved_model;
 mod specific_heat;
 mod static_effects;
+mod static_fatigue;
 mod static_loop;
+mod thermal;

@@ -36,7 +36,7 @@ use workbench::{
 /// Fits the plain model to the training recordings, looks for what it leaves among known effects, refits with
 /// what is found, and checks both on recordings that it has not seen. It also says where model and recordings
 /// part, which effects these recordings exclude, and which they cannot test. Static recordings
-/// (kind = "temperature") are tested for stress coupling and phase-dependent resistance.
+/// (kind = "temperature") are tested for stress coupling, phase-dependent resistance and functional fatigue.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma diagnose rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-next next.csv\n\n\

@@ -15,5 +15,6 @@ mod reports;
 mod resume;
 mod shell;
 mod simulate;
+mod thermal;
 mod trial;
 mod tune;

@@ -58,7 +58,7 @@ impl StaticDiagnosed<'_> {
         let converged = |one: &StaticEffect| one.without.converged && one.with.converged;
         Some(if !self.tested().all(converged) {
             Verdict::NotConverged
-        } else if self.tested().any(is_found) {
+        } else if self.tested().any(StaticEffect::is_found) {
             Verdict::ExplainedInPart
         } else {
             Verdict::Adequate
@@ -77,7 +77,7 @@ impl StaticDiagnosed<'_> {
                 "Nothing is missing that these static recordings could show.\n".to_owned()
             }
             Some(_) => {
-                let found = self.tested().filter(|one| is_found(one));
+                let found = self.tested().filter(|one| one.is_found());
                 let said: String = found.map(|one| sentence(one) + "\n").collect();
                 said + "Whether something else is left these recordings cannot say: without time nothing tells their noise.\n"
             }
@@ -89,7 +89,7 @@ impl StaticDiagnosed<'_> {
         for (effect, tested) in self.all() {
             let (group, said) = match tested {
                 Err(why) => ("not testable", why.to_string()),
-                Ok(one) if is_found(one) => ("detected", String::new()),
+                Ok(one) if one.is_found() => ("detected", String::new()),
                 Ok(one) => (
                     "not found",
                     upper(one).map_or("not fixed by these recordings".to_owned(), |upper| {
@@ -145,8 +145,8 @@ impl StaticDiagnosed<'_> {
     pub fn json(&self) -> Value {
         let coupling = self.effects.stress_coupling.as_ref().ok();
         let stage = |score: &StaticScore| json!({"train_rmse": score.rmse, "validate_rmse": null, "parameters": []});
-        let found: Vec<&StaticEffect> = self.tested().filter(|one| is_found(one)).collect();
-        let extended = coupling.filter(|one| is_found(one)).map(|one| {
+        let found: Vec<&StaticEffect> = self.tested().filter(|one| one.is_found()).collect();
+        let extended = coupling.filter(|one| one.is_found()).map(|one| {
             let mut stage = stage(&one.with);
             stage["effects"] = json!([one.effect]);
             stage["parameters"] = parameters(one);
@@ -197,7 +197,7 @@ impl StaticDiagnosed<'_> {
         match own {
             None => entry("not_testable", unit, None, Some(NEEDS_TIME.to_owned())),
             Some((_, Err(why))) => entry("not_testable", unit, None, Some(why.to_string())),
-            Some((_, Ok(one))) if is_found(one) => {
+            Some((_, Ok(one))) if one.is_found() => {
                 entry("detected", &one.estimates[0].unit, None, None)
             }
             Some((_, Ok(one))) => {
@@ -211,11 +211,6 @@ impl StaticDiagnosed<'_> {
             }
         }
     }
-}
-
-/// Whether an effect is there: the criterion prefers it, and a size of it is not 0.
-fn is_found(one: &StaticEffect) -> bool {
-    one.with.bic < one.without.bic && one.sizes().iter().any(Estimate::excludes_zero)
 }
 
 /// The largest first size that the recordings allow.
