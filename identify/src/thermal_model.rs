@@ -69,7 +69,18 @@ impl ThermalModel {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
         let mut model = Self::template(rod, first.output_unit())?;
         let seen = seen(&model.unit, training);
-        model.parameters[TAU].bounds = tau_bounds_s(training)?;
+        model.parameters[TAU].bounds = {
+            let bounds = tau_bounds_s(training)?;
+            // Of a recording with gaps the usual sample is not the mean one.
+            let span_s = |one: &Recording| {
+                let ends = one.time_s().first().zip(one.time_s().last());
+                ends.map_or(0.0, |(first, last)| last - first)
+            };
+            Bounds {
+                upper: training.iter().map(span_s).fold(bounds.upper, f64::max),
+                ..bounds
+            }
+        };
         model.parameters[AMBIENT_AT] = ambient(known_ambient(rod, training)?, seen);
         model.parameters[START_AT].bounds = Bounds {
             lower: -2.0 * seen.width(),
@@ -209,17 +220,19 @@ impl ThermalModel {
         Some((model, from.to_vec()))
     }
 
-    /// Whether a fit of [`ThermalModel::with_lag`] is to be believed: it converged within its bounds, Schwarz's criterion prefers it by
-    /// far, and the lag is not 0.
+    /// Whether a fit of [`ThermalModel::with_lag`] is to be believed: it converged, Schwarz's criterion prefers it by far, and neither
+    /// time constant is on a bound.
+    ///
+    /// Intervals have no say: those of two equal time constants, which together are well known, are without end.
     #[must_use]
     pub fn lag_shows(&self, without: &Fit, with: &Fit) -> bool {
-        let [tau_s, lag_s] = [TAU, LAG].map(|index| with.parameters[index].values[0]);
-        let is_named = self.tells_which_lags() || lag_s <= tau_s;
-        let interval = with.parameters[LAG].intervals[0];
+        /// Rounding, where both are one.
+        const EQUAL: f64 = 1.01;
+        let [tau, lag] = [TAU, LAG].map(|index| &with.parameters[index]);
+        let is_named = self.tells_which_lags() || lag.values[0] <= EQUAL * tau.values[0];
         with.converged()
             && is_named
-            && interval.is_some_and(|one| one.lower > 0.0)
-            && !with.parameters[TAU].at_bound
+            && !(tau.at_bound || lag.at_bound)
             && with.bic < without.bic - VERY_STRONG
     }
 

@@ -144,7 +144,7 @@ fn drifts_lie_within_their_intervals() {
         ("fatigue_total_stroke_loss", DRIFTING.loss),
         ("fatigue_total_lasting", DRIFTING.lasting),
     ];
-    let held: Vec<[bool; 3]> = (0..20)
+    let held: Vec<[bool; 3]> = (0..10)
         .into_par_iter()
         .map(|seed| {
             let effect = tested(&rod(), &[Made { seed, ..DRIFTING }.recording(None)]).unwrap();
@@ -155,20 +155,20 @@ fn drifts_lie_within_their_intervals() {
         })
         .collect();
     let count = held.iter().flatten().filter(|held| **held).count();
-    // 57 of 60 are to be expected.
-    assert!(count >= 51, "{count}");
+    // 28 or 29 of 30 are to be expected.
+    assert!(count >= 25, "{count}");
 }
 
 #[test]
 fn stable_loops_have_no_drift() {
-    let stable = (0..20).map(|seed| Made { seed, ..STABLE });
+    let stable = (0..6).map(|seed| Made { seed, ..STABLE });
     // A loop that the model does not meet, and one that is hardly noisy.
-    let bent = (20..30).map(|seed| Made {
+    let bent = (10..14).map(|seed| Made {
         seed,
         steeper: 1.3,
         ..STABLE
     });
-    let quiet = (30..35).map(|seed| Made {
+    let quiet = (15..17).map(|seed| Made {
         seed,
         steeper: 1.3,
         noise: 1e-3,
@@ -203,7 +203,7 @@ fn what_cannot_be_told_says_why() {
 }
 
 #[test]
-fn a_wire_that_was_cycled_86_times() {
+fn a_wire_that_was_cycled_100_times() {
     let Some(path) = fixtures::shared::path("recordings/asmada/example-test-data.txt") else {
         return;
     };
@@ -211,24 +211,33 @@ fn a_wire_that_was_cycled_86_times() {
         format!("{STATIC}[columns]\ndrive = {{ number = 1, unit = \"degc\" }}\noutput = 2\n");
     let rod = Rod::parse("rod.toml", &text).unwrap();
     let whole = read_csv(&path, &rod.read_options()).unwrap();
-    // Every eighth sample: 38 of a cycle.
-    let every_8th = |values: &[f64]| values.iter().copied().step_by(8).collect::<Vec<f64>>();
+    // Every second sample: 130 of a cycle.
+    let every_2nd = |values: &[f64]| values.iter().copied().step_by(2).collect::<Vec<f64>>();
     let training = [Recording::new(RecordingParts {
-        name: "every 8th".to_owned(),
+        name: "every 2nd".to_owned(),
         drive_quantity: Quantity::Temperature,
-        drive: every_8th(whole.drive()),
-        output: every_8th(whole.output()),
+        drive: every_2nd(whole.drive()),
+        output: every_2nd(whole.output()),
         ..RecordingParts::default()
     })
     .unwrap()];
     let effect = tested(&rod, &training).unwrap();
     assert!(effect.is_found() && effect.with.converged, "{effect:?}");
     let value = |name: &str| effect.estimate(name).unwrap().value;
-    assert!((value("cycles") - 86.0).abs() < 2.0, "{effect:?}");
-    // Fitted by themselves, the first and the last cycles have centers 2.4 K apart.
-    assert!(
-        (value("fatigue_total_shift") + 2.4).abs() < 1.5,
-        "{effect:?}"
-    );
-    assert!(effect.with.rmse < 0.9 * effect.without.rmse, "{effect:?}");
+    // 100 that do not reach both ends.
+    let cycles = value("cycles");
+    assert!((90.0..100.0).contains(&cycles), "{cycles}");
+    // Fitted by themselves, the first and the last eleven cycles have centers of 114.0 and 111.6 °C, each to a kelvin, and rests 11 %
+    // of the stroke apart: some eight tenths of what the law says of all.
+    let come = |n: f64| {
+        let k = value("fatigue_fading");
+        (-k * n).exp_m1() / (-k * cycles).exp_m1()
+    };
+    let between = come(cycles - 5.0) - come(5.0);
+    let shift_k = between * value("fatigue_total_shift");
+    assert!((shift_k + 2.4).abs() < 1.2, "{shift_k}");
+    let lasting = between * value("fatigue_total_lasting");
+    assert!((lasting + 0.11).abs() < 0.03, "{lasting}");
+    // Little beside what no loop of this shape meets.
+    assert!(effect.with.rmse < 0.95 * effect.without.rmse, "{effect:?}");
 }

@@ -151,7 +151,7 @@ const STATED: &str = "surroundings.ambient_degc = 23.0\n";
 
 #[test]
 fn intervals_hold_the_truth_and_no_lag_is_made_up() {
-    let held: Vec<[bool; 4]> = (0..40)
+    let held: Vec<[bool; 4]> = (0..24)
         .into_par_iter()
         .map(|seed| {
             let training = [Made { seed, ..COLD }.recording("a.csv")];
@@ -167,8 +167,8 @@ fn intervals_hold_the_truth_and_no_lag_is_made_up() {
         .collect();
     for k in 0..4 {
         let count = held.iter().filter(|one| one[k]).count();
-        // 38 of 40 are to be expected; three standard deviations below.
-        assert!(count >= 34, "{k}: {count}");
+        // 23 of 24 are to be expected; three standard deviations below.
+        assert!(count >= 20, "{k}: {count}");
     }
 }
 
@@ -257,7 +257,7 @@ fn a_recorded_ambient_is_followed() {
 
 #[test]
 fn a_sensor_that_lags_shows() {
-    let held: Vec<[bool; 3]> = (0..20)
+    let held: Vec<[bool; 3]> = (0..12)
         .into_par_iter()
         .map(|seed| {
             let made = Made {
@@ -279,7 +279,7 @@ fn a_sensor_that_lags_shows() {
     assert!(held.iter().all(|one| one[0]));
     for k in 1..3 {
         let count = held.iter().filter(|one| one[k]).count();
-        assert!(count >= 16, "{k}: {count}");
+        assert!(count >= 9, "{k}: {count}");
     }
 }
 

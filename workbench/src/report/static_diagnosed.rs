@@ -255,10 +255,20 @@ fn fatigue(one: &StaticEffect, [shift, loss, lasting]: [&Estimate; 3]) -> String
             format!(" [{}]", ends.join(", "))
         })
     );
+    let way = if lasting.value < 0.0 {
+        "against"
+    } else {
+        "along"
+    };
+    let size = |end: f64| percent(end * lasting.value.signum());
     let lasting_said = format!(
-        "the output keeps {}{} of the stroke",
-        percent(lasting.value),
-        bracketed(lasting, percent)
+        "the rest moves by {}{} of the stroke {way} it",
+        size(lasting.value),
+        lasting.interval.map_or(String::new(), |interval| {
+            let mut ends = [interval.lower, interval.upper];
+            ends.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+            format!(" [{}]", ends.map(size).join(", "))
+        })
     );
     let said: Vec<String> = [
         of(shift, shift_said),
@@ -270,7 +280,7 @@ fn fatigue(one: &StaticEffect, [shift, loss, lasting]: [&Estimate; 3]) -> String
     .collect();
     let cycles = one.estimate("cycles").map_or(0.0, |cycles| cycles.value);
     format!(
-        "Functional fatigue is missing: the loop and its stroke drift with the number of cycles; over {cycles:.0} of them {}. Without \
+        "Functional fatigue is missing: the loop and its stroke drift with the number of cycles; after {cycles:.0} over the whole range {}. Without \
          time a sensor that drifts would look the same.",
         said.join(", ")
     )
