@@ -84,6 +84,22 @@ pub enum IdentifyError {
         /// Recording.
         recording: String,
     },
+    /// A heat balance is asked for by what records no temperature.
+    #[error("{file}: output in {unit}: a thermal model needs a temperature, in degC, K or degF")]
+    NoTemperature {
+        /// The rod file or the model.
+        file: String,
+        /// Unit of the output.
+        unit: String,
+    },
+    /// A loop is asked for of recordings whose output is the temperature.
+    #[error(
+        "{recording}: the output is the temperature: it shows the heat balance and no loop; use `sma identify` without a preset"
+    )]
+    OnlyTemperature {
+        /// Recording.
+        recording: String,
+    },
     /// Recordings measure the output in different units.
     #[error("{recording}: output in {found}, but {first} is in {expected}: one unit is needed")]
     Units {

@@ -1,12 +1,15 @@
 //! The hysteresis alone, for data without time.
 
 use recording::{Quantity, Recording};
-use wiener::hysteresis::{Hysteresis, LimitingLoop, LoopParams, Memory, Rule, SineProximity};
+use wiener::hysteresis::{
+    Hysteresis, LimitingLoop, LoopParams, Memory, Rule, SineProximity, expm1,
+};
 use wiener::{
     Block, Fleet, Input, Lanes, NARROW, Output, Plant, Profile, Started, WIDE, WienerError,
     lockstep,
 };
 
+use crate::input_path::{InputPath, OneWay};
 use crate::wiener_model::{branches_degc, start_share, zeta};
 use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale};
 
@@ -26,6 +29,19 @@ const GAINS_PER_MPA: Bounds = Bounds {
     upper: 0.01,
 };
 
+/// Shifts of the loop by fatigue that are searched, as a share of the input's range, of either sign; see
+/// [`LoopModel::with_fatigue`].
+const FATIGUE_SHIFT: f64 = 0.1;
+
+/// Changes of stroke and offset by fatigue that are searched, as a share of the stroke, of either sign.
+const FATIGUE_STROKE: f64 = 0.5;
+
+/// Rates at which fatigue fades, 1/cycle: those of the effect `functional-fatigue`.
+const FADING: Bounds = Bounds {
+    lower: 0.0,
+    upper: 1.0,
+};
+
 const PA_PER_MPA: f64 = 1e6;
 
 /// A static loop: input → hysteresis → output, eqs 4-12.
@@ -41,6 +57,16 @@ const PA_PER_MPA: f64 = 1e6;
 pub struct LoopModel {
     rule: Rule,
     parameters: Vec<ParameterInfo>,
+    one_way: Option<OneWay>,
+    fatigue: Option<Fatigue>,
+}
+
+/// How fatigue is counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Fatigue {
+    path: InputPath,
+    /// Cycles after which it is what its parameters say.
+    cycles: f64,
 }
 
 // Order of the parameters in a point.
@@ -54,6 +80,8 @@ const START_SHARE: usize = 6;
 const COUPLING: usize = 7;
 const REFERENCE: usize = 8;
 const GROWTH: usize = 9;
+// Of fatigue, in place of those of a stress.
+const FATIGUE_AT: usize = 7;
 
 impl LoopModel {
     /// The loop of static recordings, with bounds wide enough for them.
@@ -76,8 +104,94 @@ impl LoopModel {
             },
         );
         let mut parameters = parameters(first.drive_unit(), first.output_unit(), range);
+        let one_way = InputPath::over(range.width()).one_way(training);
+        if one_way.is_some() {
+            // Of one branch as narrow as can be the center is that of the branch, and nothing else is left open.
+            let narrowest = parameters[HALF_WIDTH].bounds.lower;
+            parameters[HALF_WIDTH].state = ParameterState::Fixed(narrowest);
+            parameters[ZETA].state = ParameterState::Fixed(1.0);
+        }
         rod.apply_model(&mut parameters)?;
-        Ok(Self { rule, parameters })
+        let model = Self {
+            rule,
+            parameters,
+            one_way,
+            fatigue: None,
+        };
+        Ok(Self {
+            one_way: one_way.filter(|_| model.knows_one_branch()),
+            ..model
+        })
+    }
+
+    /// The one way that the input of the training goes, where nothing else tells how wide the loop is: the center is that of this
+    /// branch then, and half width and ζ stand for nothing.
+    #[must_use]
+    pub fn one_way(&self) -> Option<OneWay> {
+        self.one_way
+    }
+
+    /// Whether one branch of the loop is known only, also of a model that was read from a file.
+    #[must_use]
+    pub fn knows_one_branch(&self) -> bool {
+        let half_width = &self.parameters[HALF_WIDTH];
+        matches!(half_width.state, ParameterState::Fixed(value) if value <= half_width.bounds.lower)
+    }
+
+    /// The same loop with one that drifts with the cycles of its input, by the law of the effect `functional-fatigue`, and a lasting
+    /// part that each cycle leaves [Eggeler2004].
+    ///
+    /// ```text
+    /// y = gain ((1 - b s) ξ(u - a s) + c s) + offset,   s = (1 - exp(-k n))/(1 - exp(-k N))
+    /// ```
+    ///
+    /// n counts cycles over the whole range of the input from the start of a recording, smaller ones by their path, N those of the
+    /// longest recording: a, b and c are what comes together in all of them. `None` for fewer than two cycles.
+    ///
+    /// # Differs from the source
+    ///
+    /// The effect counts cycles by what transforms, and its sizes are those of the first.
+    #[must_use]
+    pub fn with_fatigue(mut self, training: &[Recording]) -> Option<Self> {
+        let inputs = || training.iter().flat_map(Recording::drive).copied();
+        let range =
+            inputs().fold(f64::NEG_INFINITY, f64::max) - inputs().fold(f64::INFINITY, f64::min);
+        let path = InputPath::over(range);
+        let cycles = training.iter().map(|one| path.cycles(one.drive()));
+        let cycles = cycles.fold(0.0, f64::max);
+        if !(cycles >= 2.0 && cycles.is_finite()) {
+            return None;
+        }
+        let unit = self.parameters[HALF_WIDTH].unit.clone();
+        let either_sign = |most: f64| Bounds {
+            lower: -most,
+            upper: most,
+        };
+        self.parameters.truncate(FATIGUE_AT);
+        let [shift, loss, lasting, fading] = Self::FATIGUE;
+        let searched =
+            |name, unit: &str, bounds| ParameterInfo::searched(name, unit, Scale::Linear, bounds);
+        self.parameters.extend([
+            searched(shift, &unit, either_sign(FATIGUE_SHIFT * range)),
+            searched(loss, "1", either_sign(FATIGUE_STROKE)),
+            searched(lasting, "1", either_sign(FATIGUE_STROKE)),
+            searched(fading, "1/cycle", FADING),
+        ]);
+        self.fatigue = Some(Fatigue { path, cycles });
+        Some(self)
+    }
+
+    /// The parameters of fatigue: its sizes over all cycles, then the rate at which it fades.
+    pub(crate) const FATIGUE: [&'static str; 4] = [
+        "fatigue_total_shift",
+        "fatigue_total_stroke_loss",
+        "fatigue_total_lasting",
+        "fatigue_fading",
+    ];
+
+    /// Cycles that the sizes of fatigue are of.
+    pub(crate) fn fatigue_cycles(&self) -> Option<f64> {
+        self.fatigue.map(|fatigue| fatigue.cycles)
     }
 
     /// The same loop with a center that rises with the recorded stress, by `stress_coupling_k_per_mpa` from where
@@ -160,6 +274,8 @@ impl LoopModel {
         Self {
             rule,
             parameters: parameters(input_unit, "1", Bounds::NONE),
+            one_way: None,
+            fatigue: None,
         }
     }
 
@@ -180,7 +296,13 @@ impl ForwardModel for LoopModel {
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
         let input = recording.drive();
-        let loads: Vec<f64> = match points.first().and_then(|point| point.get(REFERENCE)) {
+        let has_fatigue = self.fatigue.is_some();
+        let of_stress = |point: &[f64], index: usize| {
+            let value = point.get(index).copied();
+            value.filter(|_| !has_fatigue).unwrap_or(0.0)
+        };
+        let reference = points.first().and_then(|point| point.get(REFERENCE));
+        let loads: Vec<f64> = match reference.filter(|_| !has_fatigue) {
             None => Vec::new(),
             Some(reference_mpa) => stress_pa(recording)?
                 .iter()
@@ -201,8 +323,13 @@ impl ForwardModel for LoopModel {
                 offset: point[OFFSET],
                 start: input[0],
                 share: point[START_SHARE],
-                coupling_k_per_mpa: point.get(COUPLING).copied().unwrap_or(0.0),
-                gain_per_mpa: point.get(GROWTH).copied().unwrap_or(0.0),
+                coupling_k_per_mpa: of_stress(point, COUPLING),
+                gain_per_mpa: of_stress(point, GROWTH),
+                fatigue: self.fatigue.and_then(|_| {
+                    let [shift, loss, lasting, fading] =
+                        point.get(FATIGUE_AT..)?.try_into().ok()?;
+                    Some([shift, loss, lasting, fading])
+                }),
                 start_load_mpa: loads.first().copied().unwrap_or(0.0),
             })
             .collect();
@@ -217,7 +344,10 @@ impl ForwardModel for LoopModel {
         if !loads.is_empty() {
             profile = profile.with_ambient(&next_loads)?;
         }
-        let loops = Loops { rule: self.rule };
+        let loops = Loops {
+            rule: self.rule,
+            fatigue: self.fatigue,
+        };
         Ok(lockstep(&loops, &members, &profile, visit)?)
     }
 
@@ -265,6 +395,7 @@ fn parameters(input_unit: &str, output_unit: &str, range: Bounds) -> Vec<Paramet
 #[derive(Debug, Clone, Copy)]
 struct Loops {
     rule: Rule,
+    fatigue: Option<Fatigue>,
 }
 
 /// One of them.
@@ -285,6 +416,8 @@ struct LoopMember {
     gain_per_mpa: f64,
     /// First stress from its reference.
     start_load_mpa: f64,
+    /// Shift, loss, lasting part and fading by the cycles, if they count.
+    fatigue: Option<[f64; 4]>,
 }
 
 /// A plant whose drive is the input of its loop. What a profile has for its surroundings is the stress from its
@@ -296,12 +429,22 @@ struct StaticLoop<const L: usize> {
     offset: [f64; L],
     coupling_k_per_mpa: [f64; L],
     gain_per_mpa: [f64; L],
+    fatigue: Option<Fatigue>,
+    shift: [f64; L],
+    stroke_loss: [f64; L],
+    lasting: [f64; L],
+    fading: [f64; L],
 }
 
 #[derive(Debug, Clone)]
 struct LoopState<const L: usize> {
     input: [f64; L],
     load_mpa: f64,
+    /// Where the play of the input stands, and the cycles so far.
+    play: f64,
+    cycles: f64,
+    /// s: what has come of fatigue.
+    come: [f64; L],
     fraction: [f64; L],
     memory: Memory<L>,
 }
@@ -313,12 +456,18 @@ impl Loops {
     ) -> Result<Started<L, StaticLoop<L>>, WienerError> {
         let limits = LimitingLoop::new(members.map(|member| member.params))?;
         let proximity = SineProximity::new(members.map(|member| member.zeta))?;
+        let fatigue = |k: usize| members.map(|member| member.fatigue.map_or(0.0, |sizes| sizes[k]));
         let plant = StaticLoop {
             hysteresis: Hysteresis::new(limits, proximity, self.rule),
             gain: members.map(|member| member.gain),
             offset: members.map(|member| member.offset),
             coupling_k_per_mpa: members.map(|member| member.coupling_k_per_mpa),
             gain_per_mpa: members.map(|member| member.gain_per_mpa),
+            fatigue: self.fatigue,
+            shift: fatigue(0),
+            stroke_loss: fatigue(1),
+            lasting: fatigue(2),
+            fading: fatigue(3),
         };
         let share = members.map(|member| member.share);
         // All members run over one recording.
@@ -354,6 +503,9 @@ impl<const L: usize> StaticLoop<L> {
         LoopState {
             input,
             load_mpa,
+            play: input[0],
+            cycles: 0.0,
+            come: [0.0; L],
             fraction: self.hysteresis.peek(&memory, shifted).fraction,
             memory,
         }
@@ -382,7 +534,9 @@ impl<const L: usize> Plant<L> for StaticLoop<L> {
         let mut displacement = [0.0; L];
         for l in 0..L {
             let stroke = self.gain[l] * (1.0 + self.gain_per_mpa[l] * state.load_mpa);
-            displacement[l] = stroke * state.fraction[l] + self.offset[l];
+            let kept = 1.0 - self.stroke_loss[l] * state.come[l];
+            let left = self.gain[l] * self.lasting[l] * state.come[l];
+            displacement[l] = stroke * kept * state.fraction[l] + left + self.offset[l];
         }
         Output {
             displacement,
@@ -394,7 +548,55 @@ impl<const L: usize> Plant<L> for StaticLoop<L> {
     fn step(&self, state: &mut LoopState<L>, input: &Input<L>, _dt_s: f64) {
         state.input = input.drive;
         state.load_mpa = input.ambient_degc;
-        let shifted = self.shifted(input.drive, input.ambient_degc);
+        let mut shifted = self.shifted(input.drive, input.ambient_degc);
+        if let Some(Fatigue { path, cycles }) = self.fatigue {
+            // All members run over one recording.
+            let play = path.pushed(state.play, input.drive[0]);
+            state.cycles += path.cycles_between(state.play, play);
+            state.play = play;
+            for l in 0..L {
+                state.come[l] = come(state.cycles, cycles, self.fading[l]);
+                shifted[l] -= self.shift[l] * state.come[l];
+            }
+        }
         state.fraction = self.hysteresis.commit(&mut state.memory, shifted);
+    }
+}
+
+/// s = (1 - exp(-k n))/(1 - exp(-k N)), at k = 0 the limit n/N.
+#[inline(always)]
+fn come(cycles: f64, of: f64, fading: f64) -> f64 {
+    cycles * mean_rate(fading * cycles) / (of * mean_rate(fading * of))
+}
+
+/// (1 - exp(-x))/x for x ≥ 0; below 0.01 by its series, error ≤ 2e-13.
+#[inline(always)]
+fn mean_rate(x: f64) -> f64 {
+    const NEAR_ZERO: f64 = 0.01;
+    if x < NEAR_ZERO {
+        1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)))
+    } else {
+        // Beyond, nothing of it is left.
+        -expm1(-x.min(700.0)) / x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fatigue_comes_from_nothing_to_all() {
+        for fading in [0.0, 1e-9, 1e-4, 0.05, 1.0] {
+            assert!(come(0.0, 80.0, fading).abs() < 1e-15);
+            assert!((come(80.0, 80.0, fading) - 1.0).abs() < 1e-12);
+            let direct = (-30.0 * fading).exp_m1() / (-80.0 * fading).exp_m1();
+            let direct = if direct.is_finite() {
+                direct
+            } else {
+                30.0 / 80.0
+            };
+            assert!((come(30.0, 80.0, fading) - direct).abs() < 1e-9, "{fading}");
+        }
     }
 }

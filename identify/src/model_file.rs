@@ -13,7 +13,7 @@ use crate::saved_model::{Provenance, Role, SavedModel, SavedRecording, Scores};
 use crate::source::{Source, read};
 use crate::{
     Enters, FittedParameter, IdentifyError, LoopModel, ParameterCovariance, ParameterInfo,
-    ParameterState, RigModel, Rod, SadeghiModel, SavedEffects, Scope, WienerModel,
+    ParameterState, RigModel, Rod, SadeghiModel, SavedEffects, Scope, ThermalModel, WienerModel,
     parameters_of_family,
 };
 
@@ -112,6 +112,7 @@ enum Kind {
     Wiener,
     Sadeghi,
     StaticLoop,
+    Thermal,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -266,6 +267,7 @@ impl SavedModel {
             }
             Kind::Sadeghi => RigModel::Sadeghi(SadeghiModel::template(&rod, rule, &[])?),
             Kind::StaticLoop => RigModel::Loop(LoopModel::template(rule, &parsed.drive_unit)),
+            Kind::Thermal => RigModel::Thermal(ThermalModel::template(&rod, &parsed.output_unit)?),
         };
         let parameters_of = |id: &str| match parsed.model {
             Kind::Wiener => known(&NamedEffect {
@@ -306,6 +308,7 @@ impl SavedModel {
                 RigModel::Wiener(_) => Kind::Wiener,
                 RigModel::Sadeghi(_) => Kind::Sadeghi,
                 RigModel::Loop(_) => Kind::StaticLoop,
+                RigModel::Thermal(_) => Kind::Thermal,
             },
             memory: match self.rule {
                 Rule::LastReversal => Memory::LastReversal,

@@ -25,14 +25,17 @@ impl<'a> OfRig<'a> {
         Self { model, parameters }
     }
 
-    /// Leaves the start of a recording open that may begin warm ([`may_begin_warm`]), and has every other begin at rest. A start
-    /// that is fixed elsewhere stays.
+    /// Leaves the start of a heated rod with its loop open in a recording that may begin warm ([`may_begin_warm`]), and has it begin
+    /// at rest in every other. A start that is fixed elsewhere stays, and so do those of other models.
     pub fn begin_as(&mut self, recording: &Recording) {
         let is_warm = may_begin_warm(recording);
-        for (name, at_rest) in START {
-            let Some(info) = self.parameters.iter_mut().find(|info| info.name == name) else {
-                continue;
-            };
+        let place = |name: &str| self.parameters.iter().position(|info| info.name == name);
+        let places = START.map(|(name, at_rest)| place(name).map(|place| (place, at_rest)));
+        let [Some(rise), Some(share)] = places else {
+            return;
+        };
+        for (place, at_rest) in [rise, share] {
+            let info = &mut self.parameters[place];
             match info.state {
                 ParameterState::Fixed(value) if value != at_rest => {}
                 _ if is_warm => info.state = ParameterState::Free,

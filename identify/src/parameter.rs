@@ -55,6 +55,12 @@ impl Bounds {
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
     };
+
+    /// The upper end less the lower one.
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        self.upper - self.lower
+    }
 }
 
 /// What is known of a parameter before a fit.

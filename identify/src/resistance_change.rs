@@ -76,6 +76,7 @@ pub(crate) fn resistance_change(
     };
     Ok(Ok(StaticEffect {
         effect: "phase-dependent-resistance",
+        n_sizes: 1,
         estimates: vec![
             estimate("resistance_change", "1", line.change(), 0),
             estimate("resistance_ohm", "Ω", line.cold_ohm, 1),

@@ -5,7 +5,8 @@ use wiener::hysteresis::Rule;
 use wiener::{Block, WienerParams};
 
 use crate::{
-    Fit, ForwardModel, IdentifyError, LoopModel, ParameterInfo, Rod, SadeghiModel, WienerModel,
+    Fit, ForwardModel, IdentifyError, LoopModel, ParameterInfo, Rod, SadeghiModel, ThermalModel,
+    WienerModel,
 };
 
 /// The plain model of a rig.
@@ -17,17 +18,23 @@ pub enum RigModel {
     Sadeghi(SadeghiModel),
     /// Static data: the loop alone.
     Loop(LoopModel),
+    /// The output is the temperature: the heat balance alone.
+    Thermal(ThermalModel),
 }
 
 impl RigModel {
-    /// The model for what drives the rig: the cascade, or for static data the loop alone.
+    /// The model for what drives the rig and what was recorded of it: the cascade, for static data the loop alone, and where the
+    /// output is the temperature the heat balance alone.
     ///
     /// # Errors
     ///
-    /// As [`WienerModel::new`] and [`LoopModel::new`].
+    /// As [`WienerModel::new`], [`LoopModel::new`] and [`ThermalModel::new`].
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
         Ok(match rod.drive_kind {
             Quantity::Temperature => Self::Loop(LoopModel::new(rod, rule, training)?),
+            _ if training.first().is_some_and(shows_temperature) => {
+                Self::Thermal(ThermalModel::new(rod, training)?)
+            }
             _ => Self::Wiener(WienerModel::new(rod, rule, training)?),
         })
     }
@@ -41,21 +48,48 @@ impl RigModel {
         }
     }
 
-    /// The parameters of the cascade at a point; `None` for a static loop.
+    /// The parameters of the cascade at a point; `None` for a static loop and for a heat balance.
     #[must_use]
     pub fn wiener_params(&self, point: &[f64]) -> Option<WienerParams> {
         match self {
             Self::Wiener(model) => Some(model.wiener_params(point)),
             Self::Sadeghi(model) => Some(model.wiener_params(point)),
-            Self::Loop(_) => None,
+            Self::Loop(_) | Self::Thermal(_) => None,
         }
+    }
+
+    /// The same for recordings that are checked on, too: of a heat balance see [`ThermalModel::with_starts_of`], the other models stay.
+    #[must_use]
+    pub fn seeing(self, unseen: &[Recording]) -> Self {
+        match self {
+            Self::Thermal(model) => Self::Thermal(model.with_starts_of(unseen)),
+            other => other,
+        }
+    }
+
+    /// The same with a sensor that lags and where to search it from, for a second fit: see [`ThermalModel::with_lag`]; `None` for what has none.
+    #[must_use]
+    pub fn with_lag(&self, without: &Fit) -> Option<(Self, Vec<Vec<f64>>)> {
+        match self {
+            Self::Thermal(model) => {
+                let (model, from) = model.with_lag(without)?;
+                Some((Self::Thermal(model), from))
+            }
+            Self::Wiener(_) | Self::Sadeghi(_) | Self::Loop(_) => None,
+        }
+    }
+
+    /// See [`ThermalModel::lag_shows`]; of the other models none does.
+    #[must_use]
+    pub fn lag_shows(&self, without: &Fit, with: &Fit) -> bool {
+        matches!(self, Self::Thermal(model) if model.lag_shows(without, with))
     }
 
     /// See [`WienerModel::carry_specific_heat`]; the other models have no such range.
     pub fn carry_specific_heat(&self, fit: &mut Fit) -> bool {
         match self {
             Self::Wiener(model) => model.carry_specific_heat(fit),
-            Self::Sadeghi(_) | Self::Loop(_) => false,
+            Self::Sadeghi(_) | Self::Loop(_) | Self::Thermal(_) => false,
         }
     }
 
@@ -65,7 +99,7 @@ impl RigModel {
         match self {
             Self::Wiener(model) => model.knows_temperature(),
             Self::Sadeghi(_) => false,
-            Self::Loop(_) => true,
+            Self::Loop(_) | Self::Thermal(_) => true,
         }
     }
 }
@@ -77,6 +111,7 @@ impl RigModel {
             Self::Wiener(model) => model.parameters_mut(),
             Self::Sadeghi(model) => model.parameters_mut(),
             Self::Loop(model) => model.parameters_mut(),
+            Self::Thermal(model) => model.parameters_mut(),
         }
     }
 }
@@ -87,6 +122,7 @@ impl ForwardModel for RigModel {
             Self::Wiener(model) => model.parameters(),
             Self::Sadeghi(model) => model.parameters(),
             Self::Loop(model) => model.parameters(),
+            Self::Thermal(model) => model.parameters(),
         }
     }
 
@@ -100,6 +136,7 @@ impl ForwardModel for RigModel {
             Self::Wiener(model) => model.simulate(points, recording, visit),
             Self::Sadeghi(model) => model.simulate(points, recording, visit),
             Self::Loop(model) => model.simulate(points, recording, visit),
+            Self::Thermal(model) => model.simulate(points, recording, visit),
         }
     }
 
@@ -108,6 +145,11 @@ impl ForwardModel for RigModel {
             Self::Wiener(model) => model.branches_degc(point),
             Self::Sadeghi(model) => model.branches_degc(point),
             Self::Loop(model) => model.branches_degc(point),
+            Self::Thermal(_) => None,
         }
     }
+}
+
+fn shows_temperature(recording: &Recording) -> bool {
+    ThermalModel::is_for(recording.output_unit())
 }

@@ -7,7 +7,7 @@ use wiener::{Block, WienerParams};
 
 use crate::cascade::{Cascade, StartAbove, ambient_degc};
 use crate::wiener_model::zeta;
-use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, Rod, Scale};
+use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, Rod, Scale, ThermalModel};
 
 /// Smallest resistance and conductance: the bound of zero that is printed is no rod.
 const SMALLEST: f64 = 1e-3;
@@ -46,10 +46,15 @@ impl SadeghiModel {
     ///
     /// # Errors
     ///
-    /// [`IdentifyError`] for a missing ambient temperature, supply or heat capacity, and what `[model]` says
+    /// [`IdentifyError`] for a missing ambient temperature, supply or heat capacity, an output that is a temperature, and what `[model]` says
     /// of parameters that do not exist or of values that cannot be.
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
+        if ThermalModel::is_for(first.output_unit()) {
+            return Err(IdentifyError::OnlyTemperature {
+                recording: first.name().to_owned(),
+            });
+        }
         let mut model = Self::template(rod, rule, training)?;
         model.parameters = parameters(first.output_unit());
         rod.apply_model(&mut model.parameters)?;

@@ -7,7 +7,10 @@ use recording::Recording;
 use wiener::hysteresis::Rule;
 
 use crate::resistance_change::resistance_change;
-use crate::{Bounds, Fit, FitConfig, FitProgress, IdentifyError, LoopModel, Rod, fit};
+use crate::{
+    Bounds, Fit, FitConfig, FitProgress, ForwardModel, IdentifyError, LoopModel, ParameterVector,
+    Rod, fit,
+};
 
 /// The effects of which static recordings can tell.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +19,8 @@ pub struct StaticEffects {
     pub stress_coupling: Result<StaticEffect, NotTestable>,
     /// `phase-dependent-resistance`: the resistance changes with the transformed fraction.
     pub phase_dependent_resistance: Result<StaticEffect, NotTestable>,
+    /// `functional-fatigue`: loop, stroke and rest drift with the number of cycles.
+    pub functional_fatigue: Result<StaticEffect, NotTestable>,
 }
 
 /// One of them, tested.
@@ -23,8 +28,10 @@ pub struct StaticEffects {
 pub struct StaticEffect {
     /// Its id.
     pub effect: &'static str,
-    /// What came out; the first is its size, which is 0 where there is no such effect.
+    /// What came out; the first are its sizes, which are 0 where there is no such effect.
     pub estimates: Vec<Estimate>,
+    /// How many of them are sizes.
+    pub n_sizes: usize,
     /// How well the same is met where that size is 0.
     pub without: StaticScore,
     /// How well it is met with the effect.
@@ -73,6 +80,10 @@ pub enum NotTestable {
     },
     /// No recording has a resistance.
     NoResistance,
+    /// No recording goes through two cycles.
+    OneCycle,
+    /// Recordings differ in their stress: what the cycles do is not told from what the stress does.
+    SeveralStresses,
     /// No current flows, or the transformed fraction never changes while it does.
     NoChange,
 }
@@ -90,6 +101,10 @@ impl fmt::Display for NotTestable {
                  within a recording, {within_mpa:.3} MPa"
             ),
             Self::NoResistance => f.write_str("no recording has a resistance"),
+            Self::OneCycle => f.write_str("no recording goes through two cycles"),
+            Self::SeveralStresses => f.write_str(
+                "the recordings differ in their stress; give those of one stress by themselves",
+            ),
             Self::NoChange => f.write_str("no current flows, or nothing transforms while it does"),
         }
     }
@@ -100,6 +115,7 @@ impl fmt::Display for NotTestable {
 /// ```text
 /// stress-coupling              y = gain (1 + g (σ - σ_ref)) ξ(T - k (σ - σ_ref)) + offset,   without: k = 0
 /// phase-dependent-resistance   R = R_0 (1 + ρ ξ),                                            without: ρ = 0
+/// functional-fatigue           y = gain ((1 - b s) ξ(T - a s) + c s) + offset,                  without: a, b, c = 0
 /// ```
 ///
 /// The fraction under the resistance is that of the fitted loop: with the stress coupling, where that is tested
@@ -116,10 +132,11 @@ pub fn static_effects(
     progress: &mut dyn FnMut(&FitProgress) -> ControlFlow<()>,
 ) -> Result<StaticEffects, IdentifyError> {
     let plain = LoopModel::new(rod, rule, training)?;
-    let (stress_coupling, model, fitted) = match differing_stresses(training) {
+    let (stress_coupling, model, fitted, fatigue) = match differing_stresses(training) {
         Err(why) => {
             let fitted = fit(&plain, training, config, progress)?;
-            (Err(why), plain, fitted)
+            let fatigue = fatigue(&plain, &fitted, training, config)?;
+            (Err(why), plain, fitted, fatigue)
         }
         Ok(()) => {
             let coupled = plain.with_stress_coupling(training)?;
@@ -128,16 +145,94 @@ pub fn static_effects(
             let with = fit(&coupled, training, config, progress)?;
             let effect = coupling(&without, &with);
             if with.bic < without.bic {
-                (Ok(effect), coupled, with)
+                (Ok(effect), coupled, with, Err(NotTestable::SeveralStresses))
             } else {
-                (Ok(effect), level, without)
+                (
+                    Ok(effect),
+                    level,
+                    without,
+                    Err(NotTestable::SeveralStresses),
+                )
             }
         }
     };
     Ok(StaticEffects {
         stress_coupling,
         phase_dependent_resistance: resistance_change(&model, &fitted, training)?,
+        functional_fatigue: fatigue,
     })
+}
+
+/// What cycles do to a loop, by a fit that goes on from the one without it, fading or not.
+fn fatigue(
+    plain: &LoopModel,
+    without: &Fit,
+    training: &[Recording],
+    config: &FitConfig,
+) -> Result<Result<StaticEffect, NotTestable>, IdentifyError> {
+    /// Rates to start from, 1/cycle.
+    const FADINGS: [f64; 3] = [0.0, 0.05, 0.5];
+    let Some(model) = plain.clone().with_fatigue(training) else {
+        return Ok(Err(NotTestable::OneCycle));
+    };
+    let vector = ParameterVector::new(model.parameters(), training.len());
+    let last = model.parameters().len() - 1;
+    let from = FADINGS.map(|fading| {
+        vector.coordinates(|parameter, r| {
+            if parameter == last {
+                return Some(fading);
+            }
+            let values = &without.parameters.get(parameter)?.values;
+            values.get(r).or(values.first()).copied()
+        })
+    });
+    let config = FitConfig {
+        from: from.to_vec(),
+        starts: 0,
+        ended: Vec::new(),
+        ..config.clone()
+    };
+    let with = fit(
+        &model,
+        training,
+        &config,
+        &mut |_| ControlFlow::Continue(()),
+    )?;
+    let mut estimates = estimates(&with, &LoopModel::FATIGUE);
+    estimates.extend(model.fatigue_cycles().map(|cycles| Estimate {
+        name: "cycles",
+        value: cycles,
+        interval: None,
+        unit: "1".to_owned(),
+    }));
+    Ok(Ok(StaticEffect {
+        effect: "functional-fatigue",
+        n_sizes: LoopModel::FATIGUE.len() - 1,
+        estimates,
+        without: score(without),
+        with: score(&with),
+    }))
+}
+
+fn score(fit: &Fit) -> StaticScore {
+    StaticScore {
+        rmse: fit.train_rmse,
+        unit: fit.output_unit.clone(),
+        bic: fit.bic,
+        converged: fit.converged(),
+    }
+}
+
+fn estimates(fit: &Fit, names: &[&'static str]) -> Vec<Estimate> {
+    let found = names.iter().filter_map(|name| fit.parameter(name));
+    found
+        .map(|parameter| Estimate {
+            name: parameter.info.name,
+            value: parameter.values[0],
+            interval: parameter.intervals[0],
+            unit: parameter.info.unit.clone(),
+        })
+        .collect()
 }
 
 /// Whether there is more than one load: a stress that only moves with the stroke looks like another loop.
@@ -168,22 +263,7 @@ fn differing_stresses(training: &[Recording]) -> Result<(), NotTestable> {
 }
 
 fn coupling(without: &Fit, with: &Fit) -> StaticEffect {
-    let score = |fit: &Fit| StaticScore {
-        rmse: fit.train_rmse,
-        unit: fit.output_unit.clone(),
-        bic: fit.bic,
-        converged: fit.converged(),
-    };
-    let mut estimates: Vec<Estimate> = LoopModel::STRESS_EFFECTS
-        .iter()
-        .filter_map(|name| with.parameter(name))
-        .map(|parameter| Estimate {
-            name: parameter.info.name,
-            value: parameter.values[0],
-            interval: parameter.intervals[0],
-            unit: parameter.info.unit.clone(),
-        })
-        .collect();
+    let mut estimates = estimates(with, &LoopModel::STRESS_EFFECTS);
     let shift = estimates[0].clone();
     // Around 0 a shift has no reciprocal that an interval could hold.
     let excludes_zero = |bounds: &Bounds| bounds.lower > 0.0 || bounds.upper < 0.0;
@@ -198,13 +278,35 @@ fn coupling(without: &Fit, with: &Fit) -> StaticEffect {
     });
     StaticEffect {
         effect: "stress-coupling",
+        n_sizes: 1,
         estimates,
         without: score(without),
         with: score(with),
     }
 }
 
+impl Estimate {
+    /// Whether the interval leaves 0 out.
+    #[must_use]
+    pub fn excludes_zero(&self) -> bool {
+        self.interval
+            .is_some_and(|bounds| bounds.lower > 0.0 || bounds.upper < 0.0)
+    }
+}
+
 impl StaticEffect {
+    /// Whether it is there: Schwarz's criterion prefers it, and a size of it is not 0.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        self.with.bic < self.without.bic && self.sizes().iter().any(Estimate::excludes_zero)
+    }
+
+    /// Its sizes.
+    #[must_use]
+    pub fn sizes(&self) -> &[Estimate] {
+        &self.estimates[..self.n_sizes]
+    }
+
     /// The estimate of a name.
     #[must_use]
     pub fn estimate(&self, name: &str) -> Option<&Estimate> {

@@ -5,6 +5,7 @@ use crate::least_squares::{LeastSquaresConfig, minimize};
 use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
+use crate::thermal_model::rest_tells_all;
 use crate::wiener_model::START;
 use crate::{Fit, ForwardModel, IdentifyError};
 
@@ -65,8 +66,9 @@ impl Validated {
 /// Predicts a recording with the shared parameters frozen.
 ///
 /// Only the recording's own parameters are set, by a rule that is the same for every model: its offset from the
-/// samples before the drive first rises, or over the whole recording if there are fewer than ten; its start is at rest,
-/// unless it may begin warm ([`may_begin_warm`](crate::may_begin_warm)), where it is found over the whole recording. What is fixed at another value stays.
+/// samples before the drive first rises, or over the whole recording if there are fewer than ten, or if they cannot tell it
+/// (surroundings and start of a heat balance together); its start is at rest, unless it may begin warm
+/// ([`may_begin_warm`](crate::may_begin_warm)), where it is found over the whole recording. What is fixed at another value stays.
 ///
 /// # Errors
 ///
@@ -102,7 +104,7 @@ pub fn validate_at(
     let at_rest = samples_at_rest(recording.drive());
     let offset_source = if at_rest == recording.len() {
         OffsetSource::NeverDriven
-    } else if at_rest >= FEWEST_AT_REST {
+    } else if at_rest >= FEWEST_AT_REST && rest_tells_all(&frozen.parameters) {
         let weight = |k| f64::from(u8::from(k < at_rest));
         problem.weigh_samples(vec![(0..recording.len()).map(weight).collect()]);
         OffsetSource::BeforeDrive { n_samples: at_rest }

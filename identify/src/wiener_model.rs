@@ -59,7 +59,7 @@ pub struct WienerModel {
 
 /// What is known of the heat balance apart from its time constant.
 #[derive(Debug, Clone, Copy)]
-enum Heat {
+pub(crate) enum Heat {
     /// Heat capacity and resistance: the time constant decides all.
     Known {
         heat_capacity_j_per_m_k: f64,
@@ -74,15 +74,9 @@ enum Heat {
 }
 
 impl Heat {
-    fn of(rod: &Rod, drive: Drive) -> Result<Self, IdentifyError> {
+    pub(crate) fn of(rod: &Rod, drive: Drive) -> Result<Self, IdentifyError> {
         Ok(match rod.material() {
-            None => {
-                let resistance_ohm_per_m = rod.resistance_or_typical_ohm_per_m();
-                Self::Constants {
-                    unit_power_w_per_m: drive.power_w_per_m([1.0], [resistance_ohm_per_m])[0],
-                    resistance_ohm_per_m,
-                }
-            }
+            None => Self::constants(rod, drive),
             Some(material) => {
                 let heat = material.heat_balance().map_err(wiener::WienerError::from)?;
                 Self::Known {
@@ -91,6 +85,40 @@ impl Heat {
                 }
             }
         })
+    }
+
+    /// Where only the steady rise per unit of drive counts.
+    pub(crate) fn constants(rod: &Rod, drive: Drive) -> Self {
+        let resistance_ohm_per_m = rod.resistance_or_typical_ohm_per_m();
+        Self::Constants {
+            unit_power_w_per_m: drive.power_w_per_m([1.0], [resistance_ohm_per_m])[0],
+            resistance_ohm_per_m,
+        }
+    }
+
+    /// The heat balance of a time constant τ, s, and where it does not follow from it of a steady rise per unit of drive.
+    pub(crate) fn balance(self, tau_s: f64, rise: f64) -> HeatBalanceParams {
+        match self {
+            Self::Known {
+                heat_capacity_j_per_m_k,
+                resistance_ohm_per_m,
+            } => HeatBalanceParams {
+                heat_capacity_j_per_m_k,
+                conductance_w_per_m_k: heat_capacity_j_per_m_k / tau_s,
+                resistance_ohm_per_m,
+            },
+            Self::Constants {
+                unit_power_w_per_m,
+                resistance_ohm_per_m,
+            } => {
+                let conductance_w_per_m_k = unit_power_w_per_m / rise;
+                HeatBalanceParams {
+                    heat_capacity_j_per_m_k: tau_s * conductance_w_per_m_k,
+                    conductance_w_per_m_k,
+                    resistance_ohm_per_m,
+                }
+            }
+        }
     }
 }
 
@@ -235,29 +263,10 @@ impl WienerModel {
     /// The model's parameters for one point; gain 1 and offset 0 unless the point has them.
     #[must_use]
     pub fn wiener_params(&self, point: &[f64]) -> WienerParams {
-        let heat = match self.heat {
-            Heat::Known {
-                heat_capacity_j_per_m_k,
-                resistance_ohm_per_m,
-            } => HeatBalanceParams {
-                heat_capacity_j_per_m_k,
-                conductance_w_per_m_k: heat_capacity_j_per_m_k / point[TAU],
-                resistance_ohm_per_m,
-            },
-            Heat::Constants {
-                unit_power_w_per_m,
-                resistance_ohm_per_m,
-            } => {
-                let conductance_w_per_m_k = unit_power_w_per_m / point[RISE];
-                HeatBalanceParams {
-                    heat_capacity_j_per_m_k: point[TAU] * conductance_w_per_m_k,
-                    conductance_w_per_m_k,
-                    resistance_ohm_per_m,
-                }
-            }
-        };
         WienerParams {
-            heat,
+            heat: self
+                .heat
+                .balance(point[TAU], point.get(RISE).copied().unwrap_or(f64::NAN)),
             limiting_loop: LoopParams {
                 loop_center_degc: point[CENTER],
                 loop_half_width_k: point[HALF_WIDTH],
@@ -414,7 +423,7 @@ pub(crate) fn start_share() -> ParameterInfo {
 }
 
 /// Temperature of a recording's surroundings above what is stated: none, unless freed.
-fn level() -> ParameterInfo {
+pub(crate) fn level() -> ParameterInfo {
     /// Rooms differ by a few kelvins from day to day.
     const MOST_K: f64 = 10.0;
     /// As they ordinarily do.
@@ -458,7 +467,7 @@ pub fn may_begin_warm(recording: &Recording) -> bool {
 
 /// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of
 /// the training data heats by [`ASSUMED_RISE_K`] in the end.
-fn rise(drive: Drive, training: &[Recording]) -> ParameterInfo {
+pub(crate) fn rise(drive: Drive, training: &[Recording]) -> ParameterInfo {
     let drives = training.iter().map(Recording::largest_drive);
     let largest = drives.fold(0.0, f64::max);
     let [unit, most] = drive.power_w_per_m([1.0, largest], [1.0; 2]);
@@ -481,7 +490,7 @@ fn rise(drive: Drive, training: &[Recording]) -> ParameterInfo {
 
 /// Time constants worth looking for, s: from that of the finest sampling to the longest recording,
 /// below and beyond which nothing of an exponential shows.
-fn tau_bounds_s(training: &[Recording]) -> Result<Bounds, IdentifyError> {
+pub(crate) fn tau_bounds_s(training: &[Recording]) -> Result<Bounds, IdentifyError> {
     let mut bounds = Bounds {
         lower: f64::INFINITY,
         upper: 0.0,

@@ -80,7 +80,10 @@ pub(crate) struct Role {
     own_unit: bool,
 }
 
-const TEMPERATURE_UNITS: (&[Unit], &str) = (&[Unit::DegreeCelsius, Unit::Kelvin], "degc or k");
+const TEMPERATURE_UNITS: (&[Unit], &str) = (
+    &[Unit::DegreeCelsius, Unit::Kelvin, Unit::DegreeFahrenheit],
+    "degc, k or degf",
+);
 
 impl Role {
     const fn new(

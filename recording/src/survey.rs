@@ -47,6 +47,8 @@ pub struct SurveyedColumn {
     pub lowest: f64,
     /// The highest.
     pub highest: f64,
+    /// Largest difference of neighbors, in the unit of the column; 0 with fewer than two.
+    pub largest_step: f64,
     /// Whether each number is above the one before.
     pub rises: bool,
     /// Whether it counts rows: 0, 1, 2, or from 1.
@@ -88,6 +90,13 @@ impl Survey {
             _ => None,
         })
     }
+
+    /// Whether the output is a temperature.
+    #[must_use]
+    pub fn shows_temperature(&self) -> bool {
+        self.column(Meaning::Output)
+            .is_some_and(SurveyedColumn::is_temperature)
+    }
 }
 
 /// Looks at the columns of a file, and says what each may be.
@@ -124,6 +133,10 @@ pub fn survey(path: impl AsRef<Path>) -> Result<Survey, RecordingError> {
                 n_levels: levels.len().min(MOST_LEVELS),
                 lowest: values.iter().copied().fold(f64::NAN, f64::min),
                 highest: values.iter().copied().fold(f64::NAN, f64::max),
+                largest_step: values
+                    .windows(2)
+                    .map(|pair| (pair[1] - pair[0]).abs())
+                    .fold(0.0, f64::max),
                 counts: counts_rows(&values),
                 rises: values.len() > 1 && values.is_sorted_by(|a, b| a < b),
                 holds_stamps: table.holds_stamps(k),
@@ -201,10 +214,7 @@ impl Reading<'_> {
         self.set(Meaning::Ambient, true, |column| {
             column.is_called(&guess::AMBIENT)
         });
-        self.set(Meaning::Temperature, true, |column| {
-            let is_warm = column.is_in(units_of(Quantity::Temperature));
-            is_warm || column.is_called(&guess::TEMPERATURE)
-        });
+        self.set(Meaning::Temperature, true, |column| column.is_temperature());
         self.set(Meaning::Resistance, true, |column| {
             column.is_in(&[Unit::Ohm])
         });
@@ -237,6 +247,16 @@ impl Reading<'_> {
         self.set(Meaning::Time, false, |column| {
             is_free(column) && column.rises && !column.counts
         });
+        // Without names and time a loop over a temperature, where a column looks like one.
+        let is_nameless = self.columns.iter().all(|column| column.name.is_none());
+        let n_free = self.columns.iter().filter(|one| is_free(one)).count();
+        let is_static = is_nameless && !self.has(Meaning::Time) && n_free >= 2;
+        if is_static && !self.has(Meaning::Temperature) {
+            let meaning = Meaning::Drive(Quantity::Temperature);
+            self.set(meaning, false, |column| {
+                is_free(column) && column.looks_like_a_temperature()
+            });
+        }
         let rest = self.columns.iter();
         let rest = rest.filter(|one| one.meaning.is_none() && is_free(one) && !one.rises);
         let most = rest.map(|one| one.n_levels).max();
@@ -249,6 +269,13 @@ impl Reading<'_> {
                 for column in self.columns.iter_mut() {
                     if column.meaning == Some(Meaning::Temperature) {
                         column.meaning = Some(Meaning::Drive(Quantity::Temperature));
+                    }
+                }
+            } else if !self.has(Meaning::Output) {
+                // Something heats, and nothing else is shown: the heat balance.
+                for column in self.columns.iter_mut() {
+                    if column.meaning == Some(Meaning::Temperature) {
+                        column.meaning = Some(Meaning::Output);
                     }
                 }
             }
@@ -297,7 +324,7 @@ fn units_of(quantity: Quantity) -> &'static [Unit] {
         Quantity::Power => &[Unit::Watt, Unit::Milliwatt],
         // A percentage may be anything.
         Quantity::Duty => &[],
-        Quantity::Temperature => &[Unit::DegreeCelsius, Unit::Kelvin],
+        Quantity::Temperature => &[Unit::DegreeCelsius, Unit::Kelvin, Unit::DegreeFahrenheit],
     }
 }
 
@@ -305,6 +332,26 @@ impl SurveyedColumn {
     fn is_in(&self, units: &[Unit]) -> bool {
         let unit = self.unit.as_deref().and_then(Unit::parse);
         unit.is_some_and(|unit| units.contains(&unit))
+    }
+
+    /// Whether unit or name say that it is a temperature.
+    fn is_temperature(&self) -> bool {
+        self.is_in(units_of(Quantity::Temperature)) || self.is_called(&guess::TEMPERATURE)
+    }
+
+    /// Whether its values could be the temperatures of a slow cycle, °C: from a cold chamber to a furnace that alloys stand, over more
+    /// than rooms do, on the way and not in jumps.
+    fn looks_like_a_temperature(&self) -> bool {
+        const LOWEST_DEGC: f64 = -200.0;
+        const HIGHEST_DEGC: f64 = 600.0;
+        const LEAST_SPAN_K: f64 = 20.0;
+        /// Share of the span that no neighbors differ by.
+        const JUMP: f64 = 0.25;
+        let span_k = self.highest - self.lowest;
+        self.lowest >= LOWEST_DEGC
+            && self.highest <= HIGHEST_DEGC
+            && span_k >= LEAST_SPAN_K
+            && self.largest_step <= JUMP * span_k
     }
 
     fn is_called(&self, words: &[&str]) -> bool {

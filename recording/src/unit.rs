@@ -21,6 +21,7 @@ pub(crate) enum Unit {
     Meter,
     DegreeCelsius,
     Kelvin,
+    DegreeFahrenheit,
     Degree,
     Newton,
     Megapascal,
@@ -36,6 +37,10 @@ pub(crate) enum Unit {
 
 /// 0 °C on the kelvin scale, by definition.
 const ZERO_CELSIUS_K: f64 = 273.15;
+
+/// The same on that of Fahrenheit, and its degrees in a kelvin.
+const ZERO_CELSIUS_DEGF: f64 = 32.0;
+const DEGF_PER_K: f64 = 1.8;
 
 impl Unit {
     /// The unit written `text`, in either case, or `None`.
@@ -61,6 +66,7 @@ impl Unit {
             "counts" => Self::Counts,
             "degc" | "c" | "°c" => Self::DegreeCelsius,
             "k" => Self::Kelvin,
+            "degf" | "f" | "°f" => Self::DegreeFahrenheit,
             "deg" | "°" => Self::Degree,
             "n" => Self::Newton,
             "mpa" => Self::Megapascal,
@@ -93,6 +99,7 @@ impl Unit {
             Self::Inch => "in",
             Self::DegreeCelsius => "degC",
             Self::Kelvin => "K",
+            Self::DegreeFahrenheit => "degF",
             Self::Degree => "deg",
             Self::Newton => "N",
             Self::Megapascal => "MPa",
@@ -118,6 +125,7 @@ impl Unit {
             Self::Percent => value / 100.0,
             Self::Megapascal => value * 1e6,
             Self::Kelvin => value - ZERO_CELSIUS_K,
+            Self::DegreeFahrenheit => (value - ZERO_CELSIUS_DEGF) / DEGF_PER_K,
             _ => value,
         }
     }
@@ -197,7 +205,7 @@ mod tests {
 
     #[test]
     fn every_documented_suffix_is_known_in_both_cases() {
-        for suffix in "s ms a ma v w mm um m degc c k deg n mpa pa ohm %".split(' ') {
+        for suffix in "s ms a ma v w mm um m degc c k degf deg n mpa pa ohm %".split(' ') {
             let unit = Unit::parse(suffix);
             assert!(unit.is_some(), "{suffix}");
             assert_eq!(Unit::parse(&suffix.to_uppercase()), unit, "{suffix}");
@@ -206,7 +214,7 @@ mod tests {
 
     #[test]
     fn symbols_parse_to_their_unit() {
-        for symbol in "s ms A mA V W mm um m degC K deg N MPa Pa ohm % 1".split(' ') {
+        for symbol in "s ms A mA V W mm um m degC K degF deg N MPa Pa ohm % 1".split(' ') {
             assert_eq!(Unit::parse(symbol).map(Unit::symbol), Some(symbol));
         }
     }

@@ -70,6 +70,14 @@ pub enum WorkbenchError {
         /// The one that it differs from.
         first: String,
     },
+    /// A diagnosis is asked for of recordings whose output is the temperature.
+    #[error(
+        "{recording}: the output is the temperature: no effect of the catalogue shows in it alone; use `sma identify`, or record what the actuator does beside its temperature"
+    )]
+    OnlyTemperature {
+        /// The recording.
+        recording: String,
+    },
     /// The folder of a result is not there.
     #[error("{}: cannot be {action}: there is no folder {}", path.display(), folder.display())]
     NoFolder {
@@ -138,6 +146,7 @@ impl WorkbenchError {
                 | Self::Task(_)
                 | Self::Exists { .. }
                 | Self::OtherColumns { .. }
+                | Self::OnlyTemperature { .. }
         )
     }
 }

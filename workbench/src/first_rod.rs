@@ -33,7 +33,14 @@ pub fn first_rod(survey: &Survey) -> FirstRod {
     rod.line("# [rod]\n# diameter_mm = 0.25\n# length_mm = 200.0\n# density_kg_per_m3 = 6450.0");
     rod.line("# specific_heat_j_per_kg_k = 500.0\n# resistance_ohm_per_m = 16.0");
     rod.line("");
-    if survey.column(Meaning::Ambient).is_none() {
+    let is_static = matches!(survey.drive(), Some((_, Quantity::Temperature)));
+    if survey.shows_temperature() && survey.column(Meaning::Ambient).is_none() {
+        rod.line("# The temperature of the room is found from the recording, unless you know it.");
+        rod.line(&format!(
+            "# [surroundings]\n# ambient_degc = {ROOM_DEGC:.1}"
+        ));
+        rod.line("");
+    } else if survey.column(Meaning::Ambient).is_none() && !is_static {
         rod.line("[surroundings]");
         rod.asked(
             &format!("ambient_degc = {ROOM_DEGC:.1}"),
@@ -96,10 +103,17 @@ fn drive(rod: &mut Writing, survey: &Survey) {
     if column.is_said {
         rod.line(&kind);
     } else {
-        let question = "no name says what the drive is: current, duty, voltage, power?";
+        let question = match quantity {
+            Quantity::Temperature => {
+                "no name says what the input is: a temperature, as its values look? Else current, duty, voltage, power"
+            }
+            _ => "no name says what the drive is: current, duty, voltage, power?",
+        };
         rod.asked(&kind, question);
     }
-    if quantity == Quantity::Duty {
+    if quantity == Quantity::Duty && survey.shows_temperature() {
+        rod.line("# supply_v = 12.0  # with length and resistance of the wire it makes watts of the duty");
+    } else if quantity == Quantity::Duty {
         rod.asked(
             "# supply_v = 12.0",
             "which voltage does the bridge switch? V",
@@ -143,6 +157,10 @@ fn column(rod: &mut Writing, key: &str, column: Option<&SurveyedColumn>, survey:
             return;
         }
         // Whatever an actuator does keeps its unit: none is a guess.
+        None if key == "output" && survey.shows_temperature() => (
+            Some(Value::from("degc")),
+            Some("which unit: degc, k, degf?".to_owned()),
+        ),
         None if key == "output" => (None, Some("which unit?".to_owned())),
         None => {
             let unit = match (key, survey.drive()) {
@@ -276,5 +294,40 @@ mod tests {
         let rod = begun("Temp [C],Strain [%]\n20,0.1\n40,0.3\n60,0.9\n40,0.7\n");
         assert!(rod.text.contains("kind = \"temperature\""));
         assert!(!rod.text.contains("every_s"), "{}", rod.text);
+    }
+
+    #[test]
+    fn a_temperature_beside_a_drive_is_the_output() {
+        let rod = begun(&rows("Time (s),PWM (%),Temperature\n", 40.0));
+        assert_eq!(
+            rod.questions,
+            ["output = { name = \"Temperature\", unit = \"degc\" }: which unit: degc, k, degf?"]
+        );
+        assert!(!rod.text.contains("\n[surroundings]"), "{}", rod.text);
+        let fahrenheit = begun(&rows("Time (s),Current (A),Temp (F)\n", 0.5));
+        assert_eq!(fahrenheit.questions, [""; 0]);
+    }
+
+    #[test]
+    fn without_names_and_time_a_temperature_is_known_by_its_values() {
+        let row = |k: u32| {
+            let phase = f64::from(k) / 20.0;
+            format!(
+                "{:.2}\t{:.5}\n",
+                80.0 - 50.0 * phase.cos(),
+                0.02 * phase.sin()
+            )
+        };
+        let rod = begun(&(0..400).map(row).collect::<String>());
+        assert!(
+            rod.text.contains("drive = { number = 1, unit = \"degc\" }"),
+            "{}",
+            rod.text
+        );
+        assert!(rod.text.contains("output = { number = 2 }"), "{}", rod.text);
+        // A drive that jumps is none.
+        let row = |k: u32| format!("{}\t{:.5}\n", 50 * (k / 20 % 2), f64::from(k % 77).sin());
+        let rod = begun(&(0..400).map(row).collect::<String>());
+        assert!(!rod.text.contains("kind = \"temperature\""), "{}", rod.text);
     }
 }

@@ -1,6 +1,6 @@
 //! An identified rig as something to be controlled.
 
-use identify::{SavedEffects, SavedModel, Scope};
+use identify::{RigModel, SavedEffects, SavedModel, Scope};
 use missing_physics::{EffectId, Member, PhysicsError, RestoredModel};
 use pid_tune::Variation;
 use recording::Quantity;
@@ -58,6 +58,14 @@ pub enum RigError {
         "{file}: a static loop has no time constant; to be controlled a rig needs a recording with time"
     )]
     Static {
+        /// File of the model.
+        file: String,
+    },
+    /// The model is a heat balance.
+    #[error(
+        "{file}: the output is the temperature: only an actuator that moves is controlled; identify it from a recording of what it does"
+    )]
+    Thermal {
         /// File of the model.
         file: String,
     },
@@ -142,6 +150,9 @@ impl Rig {
     ) -> Result<Self, WorkbenchError> {
         let rod = saved.rod();
         let file = || rod.file().to_owned();
+        if matches!(saved.model(), RigModel::Thermal(_)) {
+            return Err(RigError::Thermal { file: file() }.into());
+        }
         // That the temperature is known is checked last.
         let at_rest = Start::rest(rod.ambient_degc.unwrap_or_default());
         let Some(member) = model.member(&model.point(), at_rest) else {

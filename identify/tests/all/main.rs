@@ -12,5 +12,7 @@ mod rod_file;
 mod saved_model;
 mod specific_heat;
 mod static_effects;
+mod static_fatigue;
 mod static_loop;
 mod supply;
+mod thermal;

@@ -8,7 +8,7 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, LoopModel, Rod, fit};
+use identify::{Fit, FitConfig, LoopModel, OneWay, Rod, fit};
 use recording::{Quantity, Recording, RecordingParts, read_csv};
 use wiener::hysteresis::{Branch, Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
 
@@ -119,4 +119,68 @@ fn static_recording(drive: Vec<f64>, output: Vec<f64>) -> Recording {
         ..RecordingParts::default()
     })
     .unwrap()
+}
+
+/// A branch of a loop of center 20 °C and half width 3 K, over an input.
+fn branch(input: &[f64], start: Branch) -> Recording {
+    let material = Hysteresis::new(
+        LimitingLoop::new([LoopParams {
+            loop_center_degc: 20.0,
+            loop_half_width_k: 3.0,
+            loop_spread_k: 2.0,
+            ..LoopParams::default()
+        }])
+        .unwrap(),
+        SineProximity::new([0.8]).unwrap(),
+        Rule::LastReversal,
+    );
+    let mut memory = material.on_limiting_curve(start, [input[0]]);
+    let output = input
+        .iter()
+        .map(|&degc| 5.0 * material.commit(&mut memory, [degc])[0] + 1.0)
+        .collect();
+    Recording::new(RecordingParts {
+        name: "branch.csv".to_owned(),
+        drive_quantity: Quantity::Temperature,
+        drive: input.to_vec(),
+        output_unit: "mm".to_owned(),
+        output,
+        ..RecordingParts::default()
+    })
+    .unwrap()
+}
+
+#[test]
+fn one_branch_has_a_center_and_no_width() {
+    // A thermometer that trembles turns nothing.
+    let rising: Vec<f64> = (0..400)
+        .map(|k| -40.0 + 0.3 * f64::from(k) + 0.5 * f64::from(k % 2))
+        .collect();
+    let falling: Vec<f64> = rising.iter().rev().copied().collect();
+    let rod = Rod::parse("rod.toml", STATIC).unwrap();
+    for (input, start, way, center_degc) in [
+        (&rising, Branch::Heating, OneWay::Heating, 23.0),
+        (&falling, Branch::Cooling, OneWay::Cooling, 17.0),
+    ] {
+        let training = [branch(input, start)];
+        let model = LoopModel::new(&rod, Rule::LastReversal, &training).unwrap();
+        assert_eq!(model.one_way(), Some(way));
+        assert!(model.knows_one_branch());
+        let fit = fitted(&rod, Rule::LastReversal, &training);
+        assert!(fit.converged());
+        let half_width = fit.parameter("loop_half_width_k").unwrap();
+        assert_eq!(half_width.intervals, [None]);
+        let center = fit.parameter("loop_center_degc").unwrap();
+        assert!((center.values[0] - center_degc).abs() < 0.5, "{center:?}");
+    }
+    // Both ways there is a loop, and who knows its width may say so.
+    let both: Vec<f64> = rising.iter().chain(&falling).copied().collect();
+    let training = [branch(&both, Branch::Heating)];
+    let model = LoopModel::new(&rod, Rule::LastReversal, &training).unwrap();
+    assert!(model.one_way().is_none() && !model.knows_one_branch());
+    let known = format!("{STATIC}[model]\nloop_half_width_k = {{ fixed = 3.0 }}\n");
+    let known = Rod::parse("rod.toml", &known).unwrap();
+    let training = [branch(&rising, Branch::Heating)];
+    let model = LoopModel::new(&known, Rule::LastReversal, &training).unwrap();
+    assert!(model.one_way().is_none() && !model.knows_one_branch());
 }

@@ -127,7 +127,8 @@ impl<'a> RestoredModel<'a> {
         let setting = &mut restored.fleet.setting;
         setting.rule = saved.rule();
         setting.largest_drive = Some(saved.largest_drive()).filter(|largest| *largest > 0.0);
-        if rod.drive_kind != Quantity::Temperature {
+        let has_cascade = !matches!(saved.model(), RigModel::Loop(_) | RigModel::Thermal(_));
+        if has_cascade && rod.drive_kind != Quantity::Temperature {
             setting.drive = rod.drive()?;
         }
         let (RigModel::Wiener(base), Some(effects)) = (saved.model(), saved.effects()) else {
@@ -179,7 +180,7 @@ impl<'a> RestoredModel<'a> {
         self.fleet
     }
 
-    /// The plant of a point, as [`SavedModel::parameters`] orders it, from a start; `None` for a static loop.
+    /// The plant of a point, as [`SavedModel::parameters`] orders it, from a start; `None` for a static loop and for a heat balance alone.
     #[must_use]
     pub fn member(&self, point: &[f64], start: Start) -> Option<Member> {
         let point = self.without_drifts(point);

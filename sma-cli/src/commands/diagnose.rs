@@ -28,14 +28,16 @@ use workbench::report::diagnosed::Diagnosed;
 use workbench::report::plot::{self, Left};
 use workbench::report::static_diagnosed::StaticDiagnosed;
 use workbench::sanity::{Facts, Implausible};
-use workbench::{carry_resistivity, carry_specific_heat, input_notes, is_trained_on, read_all};
+use workbench::{
+    WorkbenchError, carry_resistivity, carry_specific_heat, input_notes, is_trained_on, read_all,
+};
 
 /// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
 ///
 /// Fits the plain model to the training recordings, looks for what it leaves among known effects, refits with
 /// what is found, and checks both on recordings that it has not seen. It also says where model and recordings
 /// part, which effects these recordings exclude, and which they cannot test. Static recordings
-/// (kind = "temperature") are tested for stress coupling and phase-dependent resistance.
+/// (kind = "temperature") are tested for stress coupling, phase-dependent resistance and functional fatigue.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma diagnose rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-next next.csv\n\n\
@@ -153,6 +155,10 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     match &model {
         RigModel::Wiener(plain) => with_time(args, &model, plain, rig, places),
         RigModel::Loop(_) | RigModel::Sadeghi(_) => without_time(args, rig, places),
+        RigModel::Thermal(_) => Err(WorkbenchError::OnlyTemperature {
+            recording: rig.training[0].name().to_owned(),
+        }
+        .into()),
     }
 }
 

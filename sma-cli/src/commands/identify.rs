@@ -122,7 +122,9 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let unseen = read_all(&rod, &args.validate)?;
     let rule = args.memory.rule();
     let model = match args.preset {
-        Preset::Default => RigModel::new(&rod, rule, &training)?.with_open_starts(&training),
+        Preset::Default => RigModel::new(&rod, rule, &training)?
+            .with_open_starts(&training)
+            .seeing(&unseen),
         Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
     let earlier = Earlier::read(args.from_model.as_deref(), &model, &training)?;
@@ -132,7 +134,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         ended: starts.ended(),
         ..args.config(earlier.from)
     };
-    let mut fit = fitted(args, &model, &training, &config, &starts)?;
+    let fit = fitted(args, &model, &training, &config, &starts)?;
+    let (model, mut fit) = with_lag_that_shows(args, model, fit, &training, &config, &starts)?;
     let early_output = early_output(&model, &training, &fit)?;
     let other_loops = in_doubt_of_the_loop(&rod, &model, &training, &mut fit)?;
     let heat_carried = model.carry_specific_heat(&mut fit);
@@ -159,6 +162,14 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         other_loops,
         specific_heat: rod.specific_heat_range.filter(|_| heat_carried),
         is_static: matches!(model, RigModel::Loop(_)),
+        one_way: match &model {
+            RigModel::Loop(one) => one.one_way(),
+            _ => None,
+        },
+        thermal: match &model {
+            RigModel::Thermal(thermal) => Some(thermal),
+            _ => None,
+        },
         memory: args.memory.name(),
     };
     let mut notes = identified.notes();
@@ -280,6 +291,31 @@ fn in_doubt_of_the_loop(
     let others = other_loops(plain, fit, training, setting, fit.seed)?;
     carry_loop_shape(fit, &others);
     Ok(Some(others.iter().map(|one| one.family.id()).collect()))
+}
+
+/// The model and its fit, with a sensor that lags where that shows.
+fn with_lag_that_shows(
+    args: &IdentifyArgs,
+    model: RigModel,
+    without: Fit,
+    training: &[Recording],
+    config: &FitConfig,
+    starts: &Starts,
+) -> anyhow::Result<(RigModel, Fit)> {
+    let Some((lagging, from)) = model.with_lag(&without) else {
+        return Ok((model, without));
+    };
+    let config = FitConfig {
+        from,
+        starts: 0,
+        ..config.clone()
+    };
+    let with = fitted(args, &lagging, training, &config, starts)?;
+    Ok(if lagging.lag_shows(&without, &with) {
+        (lagging, with)
+    } else {
+        (model, without)
+    })
 }
 
 /// The recording of the highest error, and the model's parameters in it.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use identify::{IdentifyError, SavedModel, predict};
+use identify::{IdentifyError, RigModel, SavedModel, predict};
 use missing_physics::{EffectId, RestoredModel, read_model};
 use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
 
@@ -107,6 +107,14 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
             significant(fitted),
             unit = recording.drive_unit(),
         ));
+    }
+    if let RigModel::Loop(one) = saved.model()
+        && one.knows_one_branch()
+    {
+        notes.push(
+            "the model knows one branch of its loop: where the input turns back it is a guess"
+                .to_owned(),
+        );
     }
     notes.push(met);
     if !saved.model().knows_temperature() {

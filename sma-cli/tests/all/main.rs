@@ -16,5 +16,6 @@ mod reports;
 mod resume;
 mod shell;
 mod simulate;
+mod thermal;
 mod trial;
 mod tune;

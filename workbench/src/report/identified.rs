@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
 use identify::{
-    Bounds, CrossCheck, CrossVerdict, EarlyOutput, Fit, FittedParameter, OffsetSource,
-    ParameterState, Scope, Validated,
+    Bounds, CrossCheck, CrossVerdict, EarlyOutput, Fit, FittedParameter, OffsetSource, OneWay,
+    ParameterState, Scope, ThermalModel, Validated,
 };
 use serde_json::{Value, json};
 
@@ -43,6 +43,10 @@ pub struct Identified<'a> {
     pub specific_heat: Option<Bounds>,
     /// Whether the model is a loop without heat.
     pub is_static: bool,
+    /// The model, if it is a heat balance without a loop.
+    pub thermal: Option<&'a ThermalModel>,
+    /// The one way that the input of a loop goes, if it goes one way.
+    pub one_way: Option<OneWay>,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub memory: &'static str,
 }
@@ -107,6 +111,11 @@ impl Identified<'_> {
                     );
                 }
             }
+        }
+        if self.thermal.is_some() {
+            text.push_str(
+                "The output is the temperature: this is the heat balance alone. Of the loop it says nothing.\n",
+            );
         }
         if let Some(families) = &self.other_loops {
             text.push_str(
@@ -227,14 +236,21 @@ impl Identified<'_> {
                         )
                     }
                 };
-                let note = match parameter.info.state {
-                    ParameterState::Fixed(_) => "fixed",
-                    ParameterState::Free if parameter.at_bound => "at its bound",
-                    ParameterState::Free => "",
+                let of_branch = self.one_way.and_then(|way| of_branch(parameter, way));
+                let note = match (of_branch, parameter.info.state) {
+                    (Some(OfBranch::Undetermined(why) | OfBranch::Its(why)), _) => why,
+                    (None, ParameterState::Fixed(_)) => "fixed",
+                    (None, ParameterState::Free) if parameter.at_bound => "at its bound",
+                    (None, ParameterState::Free) => "",
                 };
+                let is_told = !matches!(of_branch, Some(OfBranch::Undetermined(_)));
                 table.add_row([
                     Cell::new(name),
-                    right(significant(*value)),
+                    right(if is_told {
+                        significant(*value)
+                    } else {
+                        String::new()
+                    }),
                     Cell::new(parameter.intervals[r].map_or(String::new(), interval)),
                     Cell::new(&parameter.info.unit),
                     Cell::new(note),
@@ -274,7 +290,10 @@ impl Identified<'_> {
                 right(count(one.n_samples)),
                 right(significant(one.rmse)),
                 right(of_range(one.rmse, one.output_range)),
-                Cell::new(offset_note(one.offset_source)),
+                Cell::new(match self.thermal {
+                    Some(_) => own_note(one.offset_source).to_owned(),
+                    None => offset_note(one.offset_source),
+                }),
             ]);
         }
         table
@@ -318,7 +337,18 @@ impl Identified<'_> {
             ));
         }
         if self.is_static {
+            if let Some(way) = self.one_way {
+                notes.push(one_way_note(way).to_owned());
+            }
+            notes.push(
+                "without time only the loop is identified: no time constant, and nothing of what follows from it; `sma diagnose` says what \
+                 else these recordings tell"
+                    .to_owned(),
+            );
             return notes;
+        }
+        if let Some(thermal) = self.thermal {
+            notes.extend(thermal_notes(thermal, fit, &self.missing_for_temperature));
         }
         if self.knows_temperature {
             let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
@@ -355,7 +385,7 @@ impl Identified<'_> {
                 "n_samples": one.n_samples,
                 "rmse": one.rmse,
                 "fit_percent": one.fit_fraction.map(|fraction| 100.0 * fraction),
-                "offset": one.offset,
+                "offset": self.thermal.is_none().then_some(one.offset),
                 "offset_from": match one.offset_source {
                     OffsetSource::BeforeDrive { .. } => "before_drive",
                     OffsetSource::WholeRecording { .. } => "whole_recording",
@@ -413,8 +443,8 @@ impl Identified<'_> {
             "other_loops_carried": self.other_loops,
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
-            "memory": self.memory,
-            "parameters": parameters_json(self.fit),
+            "memory": self.thermal.is_none().then_some(self.memory),
+            "parameters": self.parameters_json(),
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
     }
@@ -430,6 +460,60 @@ pub fn early_output_said(early: EarlyOutput, fit: &Fit, unit: &str) -> String {
         significant(early.rmse),
         significant(fit.train_rmse)
     )
+}
+
+impl Identified<'_> {
+    /// The parameters for programs: those that one branch does not tell have no values, and say why.
+    fn parameters_json(&self) -> Vec<Value> {
+        let mut parameters = parameters_json(self.fit);
+        let Some(way) = self.one_way else {
+            return parameters;
+        };
+        for (json, parameter) in parameters.iter_mut().zip(&self.fit.parameters) {
+            match of_branch(parameter, way) {
+                Some(OfBranch::Undetermined(why)) => {
+                    json["values"] = json!([null]);
+                    json["not_determined"] = json!(why);
+                }
+                Some(OfBranch::Its(of)) => json["note"] = json!(of),
+                None => {}
+            }
+        }
+        parameters
+    }
+}
+
+/// What one branch of a loop says of a parameter.
+#[derive(Debug, Clone, Copy)]
+enum OfBranch {
+    /// Nothing, and why.
+    Undetermined(&'static str),
+    /// The value of this branch.
+    Its(&'static str),
+}
+
+/// What is special about a parameter where an input goes one way only.
+fn of_branch(parameter: &FittedParameter, way: OneWay) -> Option<OfBranch> {
+    let (missing, branch) = match way {
+        OneWay::Heating => ("not determined: no cooling", "of the heating branch"),
+        OneWay::Cooling => ("not determined: no heating", "of the cooling branch"),
+    };
+    match parameter.info.name {
+        "loop_half_width_k" | "loop_half_width" | "zeta" => Some(OfBranch::Undetermined(missing)),
+        "loop_center_degc" | "loop_center" => Some(OfBranch::Its(branch)),
+        _ => None,
+    }
+}
+
+fn one_way_note(way: OneWay) -> &'static str {
+    match way {
+        OneWay::Heating => {
+            "the input only rises: one branch of the loop is seen; neither its half width nor its center apart from that branch can be told; record the cooling"
+        }
+        OneWay::Cooling => {
+            "the input only falls: one branch of the loop is seen; neither its half width nor its center apart from that branch can be told; record the heating"
+        }
+    }
 }
 
 /// The parameters of a fit for programs.
@@ -489,4 +573,53 @@ fn offset_note(source: OffsetSource) -> String {
         }
         OffsetSource::NeverDriven => "never driven: tests nothing".to_owned(),
     }
+}
+
+/// Where the start and the surroundings of an unseen recording were read.
+fn own_note(source: OffsetSource) -> &'static str {
+    match source {
+        OffsetSource::BeforeDrive { .. } => {
+            "its own values from the samples before the drive rises"
+        }
+        OffsetSource::WholeRecording { .. } => "its own values from the whole recording",
+        OffsetSource::NeverDriven => "never driven: tests nothing",
+    }
+}
+
+/// What a heat balance tells, and what it cannot.
+fn thermal_notes(thermal: &ThermalModel, fit: &Fit, missing: &[&str]) -> Vec<String> {
+    let is_free = |name: &str| {
+        let parameter = fit.parameter(name);
+        parameter.is_some_and(|one| one.info.state == ParameterState::Free)
+    };
+    let mut notes = Vec::new();
+    if is_free("ambient_degc") {
+        notes.push(
+            "nothing states the temperature of the surroundings: it is found from each recording; ambient_degc in [surroundings] or a column would state it"
+                .to_owned(),
+        );
+    }
+    if is_free("ambient_level_k") {
+        notes.push(
+            "at rest the rod is not as warm as the stated surroundings: ambient_level_k is the difference"
+                .to_owned(),
+        );
+    }
+    notes.push(match (thermal.has_lag(), thermal.tells_which_lags()) {
+        (false, _) => "no lag of the sensor shows".to_owned(),
+        (true, true) => "the sensor lags: the steady rise tells its time constant from the rod's".to_owned(),
+        (true, false) => "two time constants show, in a row: these data do not tell which is the sensor's; the longer is called the rod's"
+            .to_owned(),
+    });
+    if !thermal.tells_which_lags() {
+        notes.push(format!(
+            "watts are not told, only the steady rise per unit of drive: rod.toml does not give {}",
+            if missing.is_empty() {
+                "supply_v".to_owned()
+            } else {
+                missing.join(", ")
+            }
+        ));
+    }
+    notes
 }

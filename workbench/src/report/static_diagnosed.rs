@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
-use identify::{Bounds, Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore};
+use identify::{Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore};
 use missing_physics::{EffectId, Verdict};
 use serde_json::{Value, json};
 
@@ -31,18 +31,22 @@ pub struct StaticDiagnosed<'a> {
 type Tested = Result<StaticEffect, NotTestable>;
 
 impl StaticDiagnosed<'_> {
-    fn both(&self) -> [(EffectId, &Tested); 2] {
+    fn all(&self) -> [(EffectId, &Tested); 3] {
         [
             (EffectId::StressCoupling, &self.effects.stress_coupling),
             (
                 EffectId::PhaseDependentResistance,
                 &self.effects.phase_dependent_resistance,
             ),
+            (
+                EffectId::FunctionalFatigue,
+                &self.effects.functional_fatigue,
+            ),
         ]
     }
 
     fn tested(&self) -> impl Iterator<Item = &StaticEffect> {
-        self.both()
+        self.all()
             .into_iter()
             .filter_map(|(_, tested)| tested.as_ref().ok())
     }
@@ -54,7 +58,7 @@ impl StaticDiagnosed<'_> {
         let converged = |one: &StaticEffect| one.without.converged && one.with.converged;
         Some(if !self.tested().all(converged) {
             Verdict::NotConverged
-        } else if self.tested().any(is_found) {
+        } else if self.tested().any(StaticEffect::is_found) {
             Verdict::ExplainedInPart
         } else {
             Verdict::Adequate
@@ -73,7 +77,7 @@ impl StaticDiagnosed<'_> {
                 "Nothing is missing that these static recordings could show.\n".to_owned()
             }
             Some(_) => {
-                let found = self.tested().filter(|one| is_found(one));
+                let found = self.tested().filter(|one| one.is_found());
                 let said: String = found.map(|one| sentence(one) + "\n").collect();
                 said + "Whether something else is left these recordings cannot say: without time nothing tells their noise.\n"
             }
@@ -82,10 +86,10 @@ impl StaticDiagnosed<'_> {
             let _ = write!(text, "\n{}\n\n{}\n", self.ladder(), self.estimates());
         }
         let mut catalogue = folding(["effect", "", "what these recordings say"]);
-        for (effect, tested) in self.both() {
+        for (effect, tested) in self.all() {
             let (group, said) = match tested {
                 Err(why) => ("not testable", why.to_string()),
-                Ok(one) if is_found(one) => ("detected", String::new()),
+                Ok(one) if one.is_found() => ("detected", String::new()),
                 Ok(one) => (
                     "not found",
                     upper(one).map_or("not fixed by these recordings".to_owned(), |upper| {
@@ -141,8 +145,8 @@ impl StaticDiagnosed<'_> {
     pub fn json(&self) -> Value {
         let coupling = self.effects.stress_coupling.as_ref().ok();
         let stage = |score: &StaticScore| json!({"train_rmse": score.rmse, "validate_rmse": null, "parameters": []});
-        let found: Vec<&StaticEffect> = self.tested().filter(|one| is_found(one)).collect();
-        let extended = coupling.filter(|one| is_found(one)).map(|one| {
+        let found: Vec<&StaticEffect> = self.tested().filter(|one| one.is_found()).collect();
+        let extended = coupling.filter(|one| one.is_found()).map(|one| {
             let mut stage = stage(&one.with);
             stage["effects"] = json!([one.effect]);
             stage["parameters"] = parameters(one);
@@ -176,7 +180,7 @@ impl StaticDiagnosed<'_> {
     }
 
     fn entry(&self, effect: EffectId) -> Value {
-        let own = self.both().into_iter().find(|(id, ..)| *id == effect);
+        let own = self.all().into_iter().find(|(id, ..)| *id == effect);
         let entry = |verdict: &str, unit: &str, upper: Option<f64>, reason: Option<String>| {
             json!({
                 "effect": effect.id(),
@@ -193,7 +197,7 @@ impl StaticDiagnosed<'_> {
         match own {
             None => entry("not_testable", unit, None, Some(NEEDS_TIME.to_owned())),
             Some((_, Err(why))) => entry("not_testable", unit, None, Some(why.to_string())),
-            Some((_, Ok(one))) if is_found(one) => {
+            Some((_, Ok(one))) if one.is_found() => {
                 entry("detected", &one.estimates[0].unit, None, None)
             }
             Some((_, Ok(one))) => {
@@ -209,13 +213,7 @@ impl StaticDiagnosed<'_> {
     }
 }
 
-/// Whether an effect is there: the criterion prefers it, and its size is not 0.
-fn is_found(one: &StaticEffect) -> bool {
-    let excludes_zero = |interval: Bounds| interval.lower > 0.0 || interval.upper < 0.0;
-    one.with.bic < one.without.bic && one.estimates[0].interval.is_some_and(excludes_zero)
-}
-
-/// The largest size that the recordings allow.
+/// The largest first size that the recordings allow.
 fn upper(one: &StaticEffect) -> Option<f64> {
     let interval = one.estimates[0].interval?;
     Some(interval.lower.abs().max(interval.upper.abs()))
@@ -229,11 +227,62 @@ fn sentence(one: &StaticEffect) -> String {
             bracketed(coefficient, spoken)
         );
     }
+    if let [shift, loss, lasting, ..] = one.sizes() {
+        return fatigue(one, [shift, loss, lasting]);
+    }
     let change = &one.estimates[0];
     format!(
         "Phase-dependent resistance is missing: the resistance changes by {}{} of its cold value while transforming.",
         percent(change.value),
         bracketed(change, percent)
+    )
+}
+
+/// What the cycles do, of which each size is named that is not 0.
+fn fatigue(one: &StaticEffect, [shift, loss, lasting]: [&Estimate; 3]) -> String {
+    let of = |estimate: &Estimate, said: String| estimate.excludes_zero().then_some(said);
+    let shift_said = format!(
+        "the loop shifts by {} {}{}",
+        spoken(shift.value),
+        shift.unit,
+        bracketed(shift, spoken)
+    );
+    let loss_said = format!(
+        "the stroke changes by {}{} of it",
+        percent(-loss.value),
+        loss.interval.map_or(String::new(), |interval| {
+            let ends = [-interval.upper, -interval.lower].map(percent);
+            format!(" [{}]", ends.join(", "))
+        })
+    );
+    let way = if lasting.value < 0.0 {
+        "against"
+    } else {
+        "along"
+    };
+    let size = |end: f64| percent(end * lasting.value.signum());
+    let lasting_said = format!(
+        "the rest moves by {}{} of the stroke {way} it",
+        size(lasting.value),
+        lasting.interval.map_or(String::new(), |interval| {
+            let mut ends = [interval.lower, interval.upper];
+            ends.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+            format!(" [{}]", ends.map(size).join(", "))
+        })
+    );
+    let said: Vec<String> = [
+        of(shift, shift_said),
+        of(loss, loss_said),
+        of(lasting, lasting_said),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let cycles = one.estimate("cycles").map_or(0.0, |cycles| cycles.value);
+    format!(
+        "Functional fatigue is missing: the loop and its stroke drift with the number of cycles; after {cycles:.0} over the whole range {}. Without \
+         time a sensor that drifts would look the same.",
+        said.join(", ")
     )
 }
 
