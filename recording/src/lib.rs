@@ -55,7 +55,7 @@
 //! | is time uniform, are samples missing? | [`Recording::sampling`], [`Recording::gaps`] |
 //! | in what steps does the converter count? | [`quantization_step`] |
 //! | is a signal flat at its extreme? | [`clipping`] |
-//! | which samples do not belong to the series? | [`wild`] |
+//! | which samples do not belong to the series, and a recording without them? | [`wild`], [`mended`] |
 //! | where is the drive constant? | [`holds`] |
 //! | which are its whole cycles, which repeat? | [`cycles`], [`repeats`] |
 //! | how large is the noise, at least and at most? | [`noise_floor`] |
@@ -90,6 +90,7 @@ mod holds;
 mod inspect;
 mod layout;
 mod lines;
+mod mended;
 mod noise;
 mod quantity;
 mod quantization;
@@ -110,7 +111,8 @@ pub use columns::{ColumnKey, ColumnSpec, Columns, ResistanceSpec};
 pub use cycles::{Cycle, Repeats, cycles, repeats, split_by_cycles};
 pub use error::{Position, RecordingError};
 pub use holds::{HOLD_TOLERANCE, Hold, holds};
-pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect};
+pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect, inspect_as_recorded};
+pub use mended::mended;
 pub use noise::{DifferenceNoise, HoldNoise, NoiseConfig, NoiseFloor, RepeatNoise, noise_floor};
 pub use quantity::Quantity;
 pub use quantization::quantization_step;

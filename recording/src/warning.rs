@@ -68,8 +68,13 @@ pub enum Warning {
         /// Its unit.
         unit: String,
     },
-    /// Single samples do not belong to their series.
-    Wild(Wild),
+    /// Samples do not belong to their series.
+    Wild {
+        /// Which.
+        wild: Wild,
+        /// Whether fits replace them.
+        is_replaced: bool,
+    },
     /// The output or the temperature is flat at an extreme, other than at rest before the drive rises.
     Flat {
         /// `output` or `temperature`.
@@ -118,7 +123,10 @@ impl Warning {
         let still = changing.into_iter().filter(|channel| is_still(channel));
         found.extend(still.map(|channel| Self::NeverChanges { role: channel.role }));
         found.extend(Self::of_sampling(inspection));
-        found.extend(inspection.wild.iter().cloned().map(Self::Wild));
+        found.extend(inspection.wild.iter().map(|wild| Self::Wild {
+            wild: wild.clone(),
+            is_replaced: inspection.is_mended,
+        }));
         if !is_still(&inspection.drive) && !untimed {
             found.extend(Self::of_drive(inspection));
         }
@@ -320,7 +328,21 @@ impl fmt::Display for Warning {
                     Short(100.0 * share)
                 )
             }
-            Self::Wild(wild) => write!(f, "{wild}"),
+            Self::Wild {
+                wild,
+                is_replaced: true,
+            } => write!(
+                f,
+                "{wild}, {} in a fit; as_recorded = true under [columns] keeps what was recorded",
+                wild.replacement()
+            ),
+            Self::Wild {
+                wild,
+                is_replaced: false,
+            } => write!(
+                f,
+                "{wild}: if the rig did not see it, take it out of the file, or every fit follows it"
+            ),
             Self::Flat {
                 role,
                 clipping,

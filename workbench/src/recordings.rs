@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use identify::Rod;
-use recording::{ReadOptions, Recording, RecordingError, wild};
+use recording::{ReadOptions, Recording, RecordingError, Warning, mended, wild};
 
 use crate::WorkbenchError;
 use crate::report::inspected::{MOST_GAPS, gaps_at_once};
@@ -19,12 +19,29 @@ pub fn read_all(rod: &Rod, paths: &[PathBuf]) -> Result<Vec<Recording>, Workbenc
         .iter()
         .map(|path| {
             let read = recording::read_csv(path, &options)?;
-            Ok(in_its_window(rod, path, read)?)
+            Ok(as_fitted(rod, path, read)?)
         })
         .collect()
 }
 
-/// What a rod file uses of a recording.
+/// A recording as it is fitted: what a rod file uses of it, [`mended`] unless the file says otherwise.
+///
+/// # Errors
+///
+/// As [`in_its_window`].
+pub fn as_fitted(
+    rod: &Rod,
+    path: &Path,
+    recording: Recording,
+) -> Result<Recording, RecordingError> {
+    let used = in_its_window(rod, path, recording)?;
+    Ok(match rod.columns.may_mend() {
+        true => mended(&used),
+        false => used,
+    })
+}
+
+/// What a rod file uses of a recording, as it was recorded.
 ///
 /// # Errors
 ///
@@ -90,7 +107,10 @@ pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> 
         let name = recording.name();
         let adaptations = recording.adaptations().iter();
         notes.extend(adaptations.map(|adaptation| format!("{name}: {adaptation}")));
-        notes.extend(wild(recording).iter().map(|wild| format!("{name}: {wild}")));
+        notes.extend(wild(recording).into_iter().map(|wild| {
+            let is_replaced = false;
+            format!("{name}: {}", Warning::Wild { wild, is_replaced })
+        }));
         let gaps = recording.gaps();
         if gaps.len() > MOST_GAPS {
             let gaps = gaps_at_once(&gaps);

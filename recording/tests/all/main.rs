@@ -6,6 +6,7 @@ mod errors;
 mod held_drive;
 mod inspect;
 mod loggers;
+mod mended;
 mod properties;
 mod reading;
 mod real;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use identify::Rod;
-use recording::{Inspection, ReadOptions, RecordingError, inspect, read_csv};
+use recording::{Inspection, ReadOptions, RecordingError, inspect, inspect_as_recorded, read_csv};
 use serde_json::json;
 
 use crate::outcome::Outcome;
@@ -51,7 +51,11 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
                 ) => read_csv(path, &untimed),
                 read => read,
             };
-            Ok(inspect(&in_its_window(&rod, path, read?)?))
+            let used = in_its_window(&rod, path, read?)?;
+            Ok(match rod.columns.may_mend() {
+                true => inspect(&used),
+                false => inspect_as_recorded(&used),
+            })
         })
         .collect::<anyhow::Result<Vec<Inspection>>>()?;
     let text = if args.json {

@@ -11,7 +11,7 @@ use crate::outcome::Outcome;
 use crate::sink::Sink;
 use crate::terminal::say;
 use workbench::report::number::significant;
-use workbench::{BEYOND, read_perhaps_without_output};
+use workbench::{BEYOND, as_fitted, read_perhaps_without_output};
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
 ///
@@ -42,6 +42,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let options = saved.rod().read_options();
     let (recording, has_output) =
         read_perhaps_without_output(&args.drive, &options).map_err(IdentifyError::from)?;
+    let recording = as_fitted(saved.rod(), &args.drive, recording).map_err(IdentifyError::from)?;
     let (point, met) = if has_output {
         let validated = saved.validate_by(&model, &model.point(), &recording)?;
         let met = format!(
