@@ -3,12 +3,14 @@
 use crate::adapt::Adaptation;
 use crate::clipping::{Clipping, clipping};
 use crate::cycles::{Cycle, Repeats, cycles, repeats};
+use crate::drive_noise::{DriveNoise, drive_noise};
 use crate::holds::{Hold, holds, range};
 use crate::mended::mended;
 use crate::noise::{NoiseFloor, noise_floor_of};
 use crate::quantization::quantization_step;
 use crate::recording::Recording;
 use crate::sampling::{Gap, Sampling};
+use crate::slip::{Slip, slips};
 use crate::warning::Warning;
 use crate::wild::{Wild, wild};
 
@@ -108,6 +110,10 @@ pub struct Inspection {
     pub repeats: Option<Repeats>,
     /// Samples that do not belong to their series.
     pub wild: Vec<Wild>,
+    /// Where the output slips.
+    pub slips: Vec<Slip>,
+    /// Noise in the column of the drive.
+    pub drive_noise: Option<DriveNoise>,
     /// Whether all else is said of the recording without them, as fits take it.
     pub is_mended: bool,
     /// Noise of the output; `None` for static data and for fewer than three neighboring samples.
@@ -124,7 +130,7 @@ impl Inspection {
 
 /// What is in a recording.
 ///
-/// Knows no model, and judges nothing: [`Inspection::warnings`] does. But for [`Inspection::wild`] all is said of the [`mended`]
+/// Knows no model, and judges nothing: [`Inspection::warnings`] does. But for [`Inspection::wild`] and [`Inspection::drive_noise`] all is said of the [`mended`]
 /// recording. Holds of more than
 /// [`LONG_HOLD_S`] count for the noise after [`SETTLE_S`]; [`noise_floor`](crate::noise_floor) takes
 /// other times where the time constant is known. Never more than one channel is copied at a time:
@@ -152,6 +158,7 @@ impl Inspection {
 pub fn inspect(recording: &Recording) -> Inspection {
     Inspection {
         wild: wild(recording),
+        drive_noise: drive_noise(recording),
         is_mended: true,
         adaptations: recording.adaptations().to_vec(),
         ..inspect_as_recorded(&mended(recording))
@@ -181,6 +188,8 @@ pub fn inspect_as_recorded(recording: &Recording) -> Inspection {
     Inspection {
         name: recording.name().to_owned(),
         wild: wild(recording),
+        slips: slips(recording),
+        drive_noise: drive_noise(recording),
         is_mended: false,
         adaptations: recording.adaptations().to_vec(),
         n_samples: recording.len(),

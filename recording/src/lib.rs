@@ -56,6 +56,8 @@
 //! | in what steps does the converter count? | [`quantization_step`] |
 //! | is a signal flat at its extreme? | [`clipping`] |
 //! | which samples do not belong to the series, and a recording without them? | [`wild`], [`mended`] |
+//! | where does the output slip? | [`slips`] |
+//! | is the column of the drive noisy? | [`drive_noise`] |
 //! | where is the drive constant? | [`holds`] |
 //! | which are its whole cycles, which repeat? | [`cycles`], [`repeats`] |
 //! | how large is the noise, at least and at most? | [`noise_floor`] |
@@ -85,6 +87,7 @@ mod clipping;
 mod columns;
 mod cycles;
 mod digits;
+mod drive_noise;
 mod error;
 mod holds;
 mod inspect;
@@ -99,6 +102,8 @@ mod recording;
 mod resample;
 mod resistance;
 mod sampling;
+mod slip;
+mod stretches;
 mod survey;
 mod unit;
 mod warning;
@@ -109,6 +114,7 @@ pub use adapt::Adaptation;
 pub use clipping::{Clipping, Side, clipping};
 pub use columns::{ColumnKey, ColumnSpec, Columns, ResistanceSpec};
 pub use cycles::{Cycle, Repeats, cycles, repeats, split_by_cycles};
+pub use drive_noise::{DriveNoise, drive_noise};
 pub use error::{Position, RecordingError};
 pub use holds::{HOLD_TOLERANCE, Hold, holds};
 pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect, inspect_as_recorded};
@@ -121,6 +127,7 @@ pub use recording::{Recording, RecordingParts};
 pub use resample::resample;
 pub use resistance::Resistance;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
+pub use slip::{Slip, slips};
 pub use survey::{Meaning, Survey, SurveyedColumn, survey};
 pub use warning::Warning;
 pub use wild::{Wild, wild};

@@ -4,11 +4,18 @@ use std::fmt;
 use std::ops::Range;
 
 use crate::Recording;
+use crate::quantization::quantization_step;
 use crate::warning::quantity;
 
 /// Distance from the line between the neighbors, over what is usual, from which a sample is wild: noise comes no farther than six
 /// times.
 const FAR: f64 = 30.0;
+
+/// The same over what is usual around it: an output may be quiet for most of the time, and busy here.
+const FAR_HERE: f64 = 10.0;
+
+/// Steps of its converter that an output goes, at least.
+const STEPS: f64 = 5.0;
 
 /// How near the neighbors are to one another then, over that distance: beside a step they are not.
 const ALIKE: f64 = 0.2;
@@ -117,7 +124,9 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
     let large = A_STEP * drive.range();
     let mut of_drive = wild_in(recording.drive(), LEAST_OF_A_DRIVE / FAR * drive.range(), 1);
     of_drive.retain(|run| !drive.has_level(recording.drive()[run.start]));
-    let mut of_output = wild_in(recording.output(), LEAST * output.range(), LONGEST);
+    let converter = quantization_step(recording.output()).unwrap_or(0.0);
+    let least = (LEAST * output.range()).max(STEPS / FAR * converter);
+    let mut of_output = wild_in(recording.output(), least, LONGEST);
     of_output.retain(|run| !is_after_a_step(recording.drive(), large, run));
     let series = [
         ("drive", recording.drive_unit(), recording.drive(), of_drive),
@@ -225,6 +234,15 @@ fn is_wild(values: &[f64], run: Range<usize>, usual: f64) -> bool {
         && distance > FAR * usual
         && (after - before).abs() < ALIKE * distance
         && (first - median_around(values, &run)).abs() > 0.5 * distance
+        && distance > FAR_HERE * usual_around(values, &run)
+}
+
+/// What neighbors differ by around a run, which itself and its neighbors have no part in.
+fn usual_around(values: &[f64], run: &Range<usize>) -> f64 {
+    let before = &values[run.start.saturating_sub(AROUND)..run.start];
+    let after = &values[run.end..(run.end + AROUND).min(values.len())];
+    let steps = |part: &[f64]| -> Vec<f64> { part.windows(2).map(|two| two[1] - two[0]).collect() };
+    usual_size(steps(before).into_iter().chain(steps(after)))
 }
 
 /// Where a series is around a run: a sample between two wild ones has neighbors that agree, too.
@@ -276,6 +294,7 @@ mod tests {
         assert_eq!(found(&values), [50..53, 54..55]);
         // A run of several values is a motion.
         values[52] = -5.5;
-        assert_eq!(found(&values), [54..55]);
+        values[310] = -5.0;
+        assert_eq!(found(&values), [54..55, 310..311]);
     }
 }

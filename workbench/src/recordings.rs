@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use identify::Rod;
-use recording::{ReadOptions, Recording, RecordingError, Warning, mended, wild};
+use recording::{
+    ReadOptions, Recording, RecordingError, Warning, drive_noise, mended, slips, wild,
+};
 
 use crate::WorkbenchError;
 use crate::report::inspected::{MOST_GAPS, gaps_at_once};
@@ -110,6 +112,15 @@ pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> 
         notes.extend(wild(recording).into_iter().map(|wild| {
             let is_replaced = false;
             format!("{name}: {}", Warning::Wild { wild, is_replaced })
+        }));
+        notes.extend(
+            slips(recording)
+                .iter()
+                .map(|slip| format!("{name}: {slip}")),
+        );
+        notes.extend(drive_noise(recording).map(|noise| {
+            let is_smoothed = false;
+            format!("{name}: {}", Warning::NoisyDrive { noise, is_smoothed })
         }));
         let gaps = recording.gaps();
         if gaps.len() > MOST_GAPS {

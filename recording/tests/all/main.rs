@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+mod drive_noise;
 mod errors;
 mod held_drive;
 mod inspect;
@@ -10,3 +11,4 @@ mod mended;
 mod properties;
 mod reading;
 mod real;
+mod slips;
