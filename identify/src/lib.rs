@@ -24,6 +24,7 @@ mod parameter;
 mod predict;
 mod problem;
 mod quantities;
+mod recording_use;
 mod refine;
 mod residual_noise;
 mod resistance_change;
@@ -56,6 +57,7 @@ pub use parameter::{
     Bounds, Enters, Ordinary, ParameterInfo, ParameterState, ParameterVector, Scale, Scope,
 };
 pub use predict::{Prediction, predict};
+pub use recording_use::RecordingUse;
 pub use refine::{RefineConfig, Refined, refine};
 pub use residual_noise::ResidualNoise;
 pub use rig_model::RigModel;

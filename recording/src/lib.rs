@@ -63,6 +63,7 @@
 //! | how large is the noise, at least and at most? | [`noise_floor`] |
 //! | parts of whole cycles | [`split_by_cycles`], [`Recording::slice`] |
 //! | a longer, equal step | [`resample`] |
+//! | a part of it, fewer rows, no drift from rest to rest | [`Recording::within`], [`Recording::excluding`], [`Recording::decimated`], [`Recording::detrended`] |
 //!
 //! # Examples
 //!
@@ -106,6 +107,7 @@ mod slip;
 mod stretches;
 mod survey;
 mod unit;
+mod used;
 mod warning;
 mod wild;
 mod write;

@@ -26,37 +26,50 @@ pub fn read_all(rod: &Rod, paths: &[PathBuf]) -> Result<Vec<Recording>, Workbenc
         .collect()
 }
 
-/// A recording as it is fitted: what a rod file uses of it, [`mended`] unless the file says otherwise.
+/// A recording as it is fitted: what a rod file uses of it, [`mended`] unless the file says otherwise, with fewer rows or without a
+/// drift if it says so.
 ///
 /// # Errors
 ///
-/// As [`in_its_window`].
+/// As [`in_its_window`]; [`RecordingError::DecimationOutOfRange`], [`RecordingError::NoRestAtBothEnds`].
 pub fn as_fitted(
     rod: &Rod,
     path: &Path,
     recording: Recording,
 ) -> Result<Recording, RecordingError> {
-    let used = in_its_window(rod, path, recording)?;
-    Ok(match rod.columns.may_mend() {
-        true => mended(&used),
-        false => used,
-    })
+    let mut used = in_its_window(rod, path, recording)?;
+    if rod.columns.may_mend() {
+        used = mended(&used);
+    }
+    let wish = rod.use_of(path);
+    if let Some(n) = wish.decimate {
+        used = used.decimated(n)?;
+    }
+    if wish.detrend {
+        used = used.detrended()?;
+    }
+    Ok(used)
 }
 
 /// What a rod file uses of a recording, as it was recorded.
 ///
 /// # Errors
 ///
-/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`].
+/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::ExcludedInside`].
 pub fn in_its_window(
     rod: &Rod,
     path: &Path,
     recording: Recording,
 ) -> Result<Recording, RecordingError> {
-    match rod.window_s(path) {
-        Some([start_s, end_s]) => recording.within(start_s, end_s),
-        None => Ok(recording),
+    let wish = rod.use_of(path);
+    let mut used = recording;
+    if let Some([start_s, end_s]) = wish.window_s {
+        used = used.within(start_s, end_s)?;
     }
+    for [start_s, end_s] in wish.exclude_s {
+        used = used.excluding(start_s, end_s)?;
+    }
+    Ok(used)
 }
 
 /// Reads a recording, or a drive alone where there is no output; whether there is.

@@ -12,3 +12,4 @@ mod properties;
 mod reading;
 mod real;
 mod slips;
+mod used;
