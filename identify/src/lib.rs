@@ -27,6 +27,7 @@ mod predict;
 mod problem;
 mod quantities;
 mod reach;
+mod recording_use;
 mod refine;
 mod residual_noise;
 mod resistance_change;
@@ -66,6 +67,7 @@ pub use parameter::{
 };
 pub use predict::{Prediction, predict};
 pub use reach::BeyondReach;
+pub use recording_use::RecordingUse;
 pub use refine::{RefineConfig, Refined, refine};
 pub use residual_noise::ResidualNoise;
 pub use rig_model::RigModel;

@@ -11,6 +11,7 @@ use toml::Spanned;
 use wiener::Drive;
 use wiener::thermal::RodParams;
 
+use crate::recording_use::{RecordingTable, RecordingUse, uses};
 use crate::source::{Source, read};
 use crate::supply::Supplied;
 use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState, Supply};
@@ -57,8 +58,8 @@ pub struct Rod {
     pub columns: Columns,
     /// What the user says of the model's parameters.
     pub model: Vec<ModelEntry>,
-    /// From when to when recordings are used, s, by the names of their files.
-    pub windows_s: BTreeMap<String, [f64; 2]>,
+    /// What is used of recordings, by the names of their files.
+    pub uses: BTreeMap<String, RecordingUse>,
 }
 
 /// Mechanics of the load.
@@ -111,12 +112,6 @@ pub(crate) struct RodFile {
     pub(crate) columns: Columns,
     pub(crate) model: BTreeMap<Spanned<String>, ModelTable>,
     pub(crate) recordings: BTreeMap<String, RecordingTable>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RecordingTable {
-    window_s: Option<[Spanned<f64>; 2]>,
 }
 
 #[derive(Deserialize, Default)]
@@ -298,7 +293,7 @@ impl Rod {
                 duration_s: source.positive("limits.duration_s", &limits.duration_s)?,
             },
             columns: parsed.columns,
-            windows_s: windows(source, &parsed.recordings)?,
+            uses: uses(source, &parsed.recordings)?,
             model: parsed
                 .model
                 .iter()
@@ -318,12 +313,13 @@ impl Rod {
         tables
     }
 
-    /// From when to when a recording is used, s, if not as a whole.
+    /// What is used of a recording, by its path as it was given, or else by the name of its file.
     #[must_use]
-    pub fn window_s(&self, recording: &Path) -> Option<[f64; 2]> {
+    pub fn use_of(&self, recording: &Path) -> RecordingUse {
         let name = recording.file_name().and_then(|name| name.to_str());
-        let by = |name: Option<&str>| self.windows_s.get(name?).copied();
-        by(recording.to_str()).or_else(|| by(name))
+        let by = |name: Option<&str>| self.uses.get(name?).cloned();
+        let used = by(recording.to_str()).or_else(|| by(name));
+        used.unwrap_or_default()
     }
 
     /// Whether `[model]` fixes a parameter or gives it bounds.
@@ -556,21 +552,6 @@ fn ambient(
         }
         (known, _) => Ok(known),
     }
-}
-
-fn windows(
-    source: &Source<'_>,
-    recordings: &BTreeMap<String, RecordingTable>,
-) -> Result<BTreeMap<String, [f64; 2]>, IdentifyError> {
-    let mut windows_s = BTreeMap::new();
-    for (name, table) in recordings {
-        if let Some(range) = &table.window_s {
-            let key = format!("recordings.\"{name}\".window_s");
-            let Bounds { lower, upper } = source.rising(&key, range)?;
-            windows_s.insert(name.clone(), [lower, upper]);
-        }
-    }
-    Ok(windows_s)
 }
 
 fn model_entry(

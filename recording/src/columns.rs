@@ -20,7 +20,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 /// | `resistance` | `resistance_ohm`, if it is there and neither drive nor output |
 /// | `then` | nothing |
 ///
-/// `skip`, `decimal` and `strict` say how the file is written, not which column is what.
+/// `skip`, `decimal` and `strict` say how the file is written, `as_recorded` what fits make of it, not which column is what.
 ///
 /// # Examples
 ///
@@ -60,6 +60,17 @@ pub struct Columns {
     pub decimal: Option<char>,
     /// Whether a file must be as the format says, with nothing adapted; see [`read_csv`](crate::read_csv).
     pub strict: bool,
+    /// Whether fits take all samples as they were recorded, instead of [`mended`](crate::mended) ones; so they do with
+    /// [`Self::strict`].
+    pub as_recorded: bool,
+}
+
+impl Columns {
+    /// Whether a recording may be [`mended`](crate::mended) before it is fitted.
+    #[must_use]
+    pub const fn may_mend(&self) -> bool {
+        !(self.as_recorded || self.strict)
+    }
 }
 
 /// Where the resistance of the actuator is found.

@@ -408,6 +408,52 @@ pub enum RecordingError {
         n_samples: usize,
     },
 
+    /// A span in the middle is to be left out.
+    #[error(
+        "{file}: {start_s} to {end_s} s: within the recording, and what comes after does not begin as what comes before ends; \
+         expected a span at its start or its end, or one of the parts: --window {file}:{first_s}..{start_s} or --window \
+         {file}:{end_s}..{last_s}"
+    )]
+    ExcludedInside {
+        /// The file.
+        file: String,
+        /// Start of the span, s.
+        start_s: f64,
+        /// Its end, s.
+        end_s: f64,
+        /// First time stamp of the recording, s.
+        first_s: f64,
+        /// Last time stamp, s.
+        last_s: f64,
+    },
+
+    /// So few rows cannot be left.
+    #[error("{file}: one row in {n}; expected one in 2 to {most}, half of the rows")]
+    DecimationOutOfRange {
+        /// The file.
+        file: String,
+        /// Rows of which one is wanted.
+        n: usize,
+        /// Half of the rows.
+        most: usize,
+    },
+
+    /// No rest tells how far the output has drifted.
+    #[error(
+        "{file}: at rest: {at_start} samples at the start, {at_end} at the end, where the output still moves by {moves:.1} % of its \
+         range; expected at least 10 at the start, and 40 at the end that move by less than 1 %, to take a straight line off"
+    )]
+    NoRestAtBothEnds {
+        /// The file.
+        file: String,
+        /// Samples at rest before the drive rises.
+        at_start: usize,
+        /// Samples at rest at the end.
+        at_end: usize,
+        /// Change of the output from the third to the last quarter of these, % of its range; 0 where there is none.
+        moves: f64,
+    },
+
     /// A recording cannot be split into so many parts of whole cycles.
     #[error("{file}: parts: {n_parts}; expected 1 to {most}, each of at least one whole cycle")]
     PartsOutOfRange {

@@ -3,12 +3,15 @@
 use crate::adapt::Adaptation;
 use crate::clipping::{Clipping, clipping};
 use crate::cycles::{Cycle, Repeats, cycles, repeats};
+use crate::drive_noise::{DriveNoise, drive_noise};
 use crate::holds::{Hold, holds, range};
+use crate::mended::mended;
 use crate::noise::{NoiseFloor, noise_floor_of};
 use crate::quantization::quantization_step;
 use crate::rates::has_one_rate;
 use crate::recording::Recording;
 use crate::sampling::{Gap, Sampling};
+use crate::slip::{Slip, slips};
 use crate::warning::Warning;
 use crate::wild::{Wild, wild};
 
@@ -110,6 +113,12 @@ pub struct Inspection {
     pub has_one_rate: bool,
     /// Samples that do not belong to their series.
     pub wild: Vec<Wild>,
+    /// Where the output slips.
+    pub slips: Vec<Slip>,
+    /// Noise in the column of the drive.
+    pub drive_noise: Option<DriveNoise>,
+    /// Whether all else is said of the recording without them, as fits take it.
+    pub is_mended: bool,
     /// Noise of the output; `None` for static data and for fewer than three neighboring samples.
     pub noise_floor: Option<NoiseFloor>,
 }
@@ -124,7 +133,8 @@ impl Inspection {
 
 /// What is in a recording.
 ///
-/// Knows no model, and judges nothing: [`Inspection::warnings`] does. Holds of more than
+/// Knows no model, and judges nothing: [`Inspection::warnings`] does. But for [`Inspection::wild`] and [`Inspection::drive_noise`] all is said of the [`mended`]
+/// recording. Holds of more than
 /// [`LONG_HOLD_S`] count for the noise after [`SETTLE_S`]; [`noise_floor`](crate::noise_floor) takes
 /// other times where the time constant is known. Never more than one channel is copied at a time:
 /// at most 50 bytes a sample beside the recording, usually 16.
@@ -149,6 +159,18 @@ impl Inspection {
 /// ```
 #[must_use]
 pub fn inspect(recording: &Recording) -> Inspection {
+    Inspection {
+        wild: wild(recording),
+        drive_noise: drive_noise(recording),
+        is_mended: true,
+        adaptations: recording.adaptations().to_vec(),
+        ..inspect_as_recorded(&mended(recording))
+    }
+}
+
+/// The same of a recording whose fits take all samples as they are.
+#[must_use]
+pub fn inspect_as_recorded(recording: &Recording) -> Inspection {
     let time_s = recording.time_s();
     let duration_s = match (time_s.first(), time_s.last()) {
         (Some(first), Some(last)) => Some(last - first),
@@ -170,6 +192,9 @@ pub fn inspect(recording: &Recording) -> Inspection {
         name: recording.name().to_owned(),
         has_one_rate: has_one_rate(std::slice::from_ref(recording)),
         wild: wild(recording),
+        slips: slips(recording),
+        drive_noise: drive_noise(recording),
+        is_mended: false,
         adaptations: recording.adaptations().to_vec(),
         n_samples: recording.len(),
         duration_s,

@@ -55,12 +55,15 @@
 //! | is time uniform, are samples missing? | [`Recording::sampling`], [`Recording::gaps`] |
 //! | in what steps does the converter count? | [`quantization_step`] |
 //! | is a signal flat at its extreme? | [`clipping`] |
-//! | which samples do not belong to the series? | [`wild`] |
+//! | which samples do not belong to the series, and a recording without them? | [`wild`], [`mended`] |
+//! | where does the output slip? | [`slips`] |
+//! | is the column of the drive noisy? | [`drive_noise`] |
 //! | where is the drive constant? | [`holds`] |
 //! | which are its whole cycles, which repeat? | [`cycles`], [`repeats`] |
 //! | how large is the noise, at least and at most? | [`noise_floor`] |
 //! | parts of whole cycles | [`split_by_cycles`], [`Recording::slice`] |
 //! | a longer, equal step | [`resample`] |
+//! | a part of it, fewer rows, no drift from rest to rest | [`Recording::within`], [`Recording::excluding`], [`Recording::decimated`], [`Recording::detrended`] |
 //!
 //! # Examples
 //!
@@ -85,12 +88,14 @@ mod clipping;
 mod columns;
 mod cycles;
 mod digits;
+mod drive_noise;
 mod error;
 mod holds;
 mod inspect;
 mod layout;
 mod limited;
 mod lines;
+mod mended;
 mod noise;
 mod quantity;
 mod quantization;
@@ -100,8 +105,11 @@ mod recording;
 mod resample;
 mod resistance;
 mod sampling;
+mod slip;
+mod stretches;
 mod survey;
 mod unit;
+mod used;
 mod warning;
 mod wild;
 mod write;
@@ -110,9 +118,11 @@ pub use adapt::Adaptation;
 pub use clipping::{Clipping, Side, clipping};
 pub use columns::{ColumnKey, ColumnSpec, Columns, ResistanceSpec};
 pub use cycles::{Cycle, Repeats, cycles, repeats, split_by_cycles};
+pub use drive_noise::{DriveNoise, drive_noise};
 pub use error::{Position, RecordingError};
 pub use holds::{HOLD_TOLERANCE, Hold, holds};
-pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect};
+pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect, inspect_as_recorded};
+pub use mended::mended;
 pub use noise::{DifferenceNoise, HoldNoise, NoiseConfig, NoiseFloor, RepeatNoise, noise_floor};
 pub use quantity::Quantity;
 pub use quantization::quantization_step;
@@ -122,6 +132,7 @@ pub use recording::{Recording, RecordingParts};
 pub use resample::resample;
 pub use resistance::Resistance;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
+pub use slip::{Slip, slips};
 pub use survey::{Meaning, Survey, SurveyedColumn, survey};
 pub use warning::Warning;
 pub use wild::{Wild, wild};

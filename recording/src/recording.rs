@@ -74,7 +74,8 @@ pub struct RecordingParts {
 }
 
 impl Recording {
-    /// What was done to the file so that it could be read; nothing if it is as the format says, or of a part of a recording.
+    /// What was done to the file so that it could be read, and to what was read; nothing if it is as the format says, or of a part
+    /// of a recording.
     #[must_use]
     pub fn adaptations(&self) -> &[Adaptation] {
         &self.adaptations
@@ -87,6 +88,22 @@ impl Recording {
             adaptations,
             ..self
         }
+    }
+
+    /// The same, with one thing more that was done.
+    pub(crate) fn also_adapted_by(mut self, done: Adaptation) -> Self {
+        self.adaptations.push(done);
+        self
+    }
+
+    /// The drive, to be put right.
+    pub(crate) fn drive_mut(&mut self) -> &mut [f64] {
+        &mut self.parts.drive
+    }
+
+    /// The output, to be put right.
+    pub(crate) fn output_mut(&mut self) -> &mut [f64] {
+        &mut self.parts.output
     }
 
     /// Checks samples in memory, as the reader checks those of a file.
@@ -398,13 +415,11 @@ impl Recording {
         }
         let start = time_s.partition_point(|time_s| *time_s < start_s);
         let end = time_s.partition_point(|time_s| *time_s <= end_s);
-        let mut adaptations = self.adaptations.clone();
-        adaptations.push(Adaptation {
-            what: format!("{start_s} to {end_s} s of it are used"),
-            n_lines: 0,
-            first_line: 0,
-        });
-        Ok(self.slice(start..end.max(start))?.adapted_by(adaptations))
+        let used = Adaptation::of_recording(format!("{start_s} to {end_s} s of it are used"));
+        let slice = self.slice(start..end.max(start))?;
+        Ok(slice
+            .adapted_by(self.adaptations.clone())
+            .also_adapted_by(used))
     }
 
     /// Whether there is anything to identify: both drive and output change.

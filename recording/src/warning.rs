@@ -3,8 +3,10 @@
 use std::fmt;
 
 use crate::clipping::{Clipping, Side};
+use crate::drive_noise::DriveNoise;
 use crate::inspect::{Channel, Inspection, LONG_HOLD_S, MOVING, SETTLE_S};
 use crate::sampling::Sampling;
+use crate::slip::Slip;
 use crate::wild::Wild;
 
 /// Fewest samples at rest, from which an offset is taken. Our choice.
@@ -70,8 +72,22 @@ pub enum Warning {
         /// Its unit.
         unit: String,
     },
-    /// Single samples do not belong to their series.
-    Wild(Wild),
+    /// Samples do not belong to their series.
+    Wild {
+        /// Which.
+        wild: Wild,
+        /// Whether fits replace them.
+        is_replaced: bool,
+    },
+    /// The output slips.
+    Slip(Slip),
+    /// The column of the drive is noisy.
+    NoisyDrive {
+        /// By how much, and whether the rod felt it.
+        noise: DriveNoise,
+        /// Whether fits smooth it.
+        is_smoothed: bool,
+    },
     /// The output or the temperature is flat at an extreme, other than at rest before the drive rises.
     Flat {
         /// `output` or `temperature`.
@@ -120,7 +136,15 @@ impl Warning {
         let still = changing.into_iter().filter(|channel| is_still(channel));
         found.extend(still.map(|channel| Self::NeverChanges { role: channel.role }));
         found.extend(Self::of_sampling(inspection));
-        found.extend(inspection.wild.iter().cloned().map(Self::Wild));
+        found.extend(inspection.wild.iter().map(|wild| Self::Wild {
+            wild: wild.clone(),
+            is_replaced: inspection.is_mended,
+        }));
+        found.extend(inspection.slips.iter().cloned().map(Self::Slip));
+        found.extend(inspection.drive_noise.iter().map(|noise| Self::NoisyDrive {
+            noise: noise.clone(),
+            is_smoothed: inspection.is_mended && noise.is_of_the_sensor,
+        }));
         if !is_still(&inspection.drive) && !untimed {
             found.extend(Self::of_drive(inspection));
         }
@@ -253,7 +277,7 @@ impl fmt::Display for Times {
 }
 
 /// A number with about four significant digits.
-struct Short(f64);
+pub(crate) struct Short(pub(crate) f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -333,7 +357,39 @@ impl fmt::Display for Warning {
                     Short(100.0 * share)
                 )
             }
-            Self::Wild(wild) => write!(f, "{wild}"),
+            Self::Wild {
+                wild,
+                is_replaced: true,
+            } => write!(
+                f,
+                "{wild}, {} in a fit; as_recorded = true under [columns] keeps what was recorded",
+                wild.replacement()
+            ),
+            Self::Wild {
+                wild,
+                is_replaced: false,
+            } => write!(
+                f,
+                "{wild}: if the rig did not see it, take it out of the file, or every fit follows it"
+            ),
+            Self::Slip(slip) => write!(f, "{slip}"),
+            Self::NoisyDrive {
+                noise,
+                is_smoothed: true,
+            } => write!(
+                f,
+                "{noise}, at rest, too, so the rod did not see it: in a fit {}; as_recorded = true under [columns] keeps it",
+                noise.replacement()
+            ),
+            Self::NoisyDrive { noise, .. } if noise.is_of_the_sensor => write!(
+                f,
+                "{noise}, at rest, too, so the rod did not see it: a fit of all samples as recorded takes it for heat"
+            ),
+            Self::NoisyDrive { noise, .. } => write!(
+                f,
+                "{noise}, but none is seen at rest, so the rod may have seen it: fits take it as it is; if it is of the logger, give \
+                 them the set point instead"
+            ),
             Self::Flat {
                 role,
                 clipping,

@@ -1,19 +1,30 @@
-//! Single samples that do not belong to a series.
+//! Samples that do not belong to a series.
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::Recording;
+use crate::quantization::quantization_step;
 use crate::warning::quantity;
 
-/// Distance from the middle of the neighbors, over what is usual, from which a sample is wild: noise comes no farther than six
+/// Distance from the line between the neighbors, over what is usual, from which a sample is wild: noise comes no farther than six
 /// times.
 const FAR: f64 = 30.0;
+
+/// The same over what is usual around it: an output may be quiet for most of the time, and busy here.
+const FAR_HERE: f64 = 10.0;
+
+/// Steps of its converter that an output goes, at least.
+const STEPS: f64 = 5.0;
 
 /// How near the neighbors are to one another then, over that distance: beside a step they are not.
 const ALIKE: f64 = 0.2;
 
 /// Share of the range below which no distance is usual: a drive that is held has none.
 const LEAST: f64 = 1e-3;
+
+/// Share of a drive's range below which a sample that stands apart changes nothing that a fit could see.
+const LEAST_OF_A_DRIVE: f64 = 0.1;
 
 /// Share of the samples that may be wild; where there are more, they are what the series is like.
 const MOST: f64 = 0.05;
@@ -24,7 +35,14 @@ const A_LEVEL: f64 = 0.01;
 /// Share of a drive's range that is a step: what the output does then is its answer.
 const A_STEP: f64 = 0.1;
 
-/// Single samples far from both of their neighbors, which agree: glitches of a logger, dropouts of a sensor.
+/// Longest run of an output at one value that is a dropout: a contact bounces for some samples. A rod has inertia, and neither
+/// goes to another value within a sample nor comes back from it to where it was.
+const LONGEST: usize = 4;
+
+/// Samples on either side whose median says where a series is.
+const AROUND: usize = 5;
+
+/// Samples far from both of their neighbors, which agree: glitches of a logger, dropouts of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wild {
     /// `drive` or `output`.
@@ -39,47 +57,92 @@ pub struct Wild {
     pub time_s: Option<f64>,
 }
 
+/// What and where, without a verb; what becomes of the samples is for the caller to say.
 impl fmt::Display for Wild {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { role, value, .. } = self;
         match self.samples.len() {
             1 => write!(
                 f,
-                "a sample of the {role} stands far from both of its neighbors, "
+                "a sample of the {role} that stands far from both neighbors, "
             )?,
             n => write!(
                 f,
-                "{n} samples of the {role} stand far from both of their neighbors, the first "
+                "{n} samples of the {role} that stand far from both neighbors, the first "
             )?,
         }
         quantity(f, *value, &self.unit)?;
         match self.time_s {
-            Some(time_s) => write!(f, " at {time_s} s")?,
-            None => write!(f, " in sample {}", self.samples[0])?,
+            Some(time_s) => write!(f, " at {time_s} s"),
+            None => write!(f, " in sample {}", self.samples[0]),
         }
-        write!(
-            f,
-            ": if the rig did not see it, take it out of the file, or every fit follows it"
-        )
     }
 }
 
-/// The wild samples of drive and output; drives of one sample that come again and again are none.
+impl Wild {
+    /// The runs of samples one after another.
+    fn runs(&self) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for &sample in &self.samples {
+            match runs.last_mut() {
+                Some(run) if run.end == sample => run.end += 1,
+                _ => runs.push(sample..sample + 1),
+            }
+        }
+        runs
+    }
+
+    /// Puts what lies between their neighbors in place of the samples.
+    pub(crate) fn replace(&self, values: &mut [f64]) {
+        for run in self.runs() {
+            let (before, after) = (values[run.start - 1], values[run.end]);
+            let steps = (run.len() + 1) as f64;
+            for (k, value) in values[run].iter_mut().enumerate() {
+                let share = (k + 1) as f64 / steps;
+                *value = (1.0 - share) * before + share * after;
+            }
+        }
+    }
+
+    /// What takes their place.
+    pub(crate) fn replacement(&self) -> &'static str {
+        let is = if self.samples.len() == 1 { "is" } else { "are" };
+        match (is, self.runs().iter().all(|run| run.len() == 1)) {
+            ("is", _) => "is replaced by the mean of its neighbors",
+            (_, true) => "are replaced by the mean of their neighbors",
+            (_, false) => "are replaced by the line between their neighbors",
+        }
+    }
+}
+
+/// The wild samples of drive and output: single ones of either, and runs of up to four at one value of an output, to which it
+/// jumps and from which it comes back. A drive of one sample that comes again and again is none.
 #[must_use]
 pub fn wild(recording: &Recording) -> Vec<Wild> {
+    let drive = Ordered::new(recording.drive());
+    let output = Ordered::new(recording.output());
+    let large = A_STEP * drive.range();
+    let mut of_drive = wild_in(recording.drive(), LEAST_OF_A_DRIVE / FAR * drive.range(), 1);
+    of_drive.retain(|run| !drive.has_level(recording.drive()[run.start]));
+    let converter = quantization_step(recording.output()).unwrap_or(0.0);
+    let least = (LEAST * output.range()).max(STEPS / FAR * converter);
+    let mut of_output = wild_in(recording.output(), least, LONGEST);
+    of_output.retain(|run| !is_after_a_step(recording.drive(), large, run));
     let series = [
-        ("drive", recording.drive_unit(), recording.drive()),
-        ("output", recording.output_unit(), recording.output()),
+        ("drive", recording.drive_unit(), recording.drive(), of_drive),
+        (
+            "output",
+            recording.output_unit(),
+            recording.output(),
+            of_output,
+        ),
     ];
-    let large = A_STEP * Ordered::new(recording.drive()).range();
-    let found = series.into_iter().filter_map(|(role, unit, values)| {
-        let ordered = Ordered::new(values);
-        let mut samples = wild_in(values, ordered.range());
-        match role {
-            "drive" => samples.retain(|&k| !ordered.has_level(values[k])),
-            _ => samples.retain(|&k| !is_after_a_step(recording.drive(), large, k)),
-        }
+    let found = series.into_iter().filter_map(|(role, unit, values, runs)| {
+        let samples: Vec<usize> = runs.into_iter().flatten().collect();
         let &first = samples.first()?;
+        if samples.len() as f64 > MOST * values.len() as f64 {
+            return None;
+        }
         Some(Wild {
             role,
             unit: unit.to_owned(),
@@ -92,17 +155,17 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
 }
 
 /// The values of a series in ascending order.
-struct Ordered(Vec<f64>);
+pub(crate) struct Ordered(Vec<f64>);
 
 impl Ordered {
-    fn new(values: &[f64]) -> Self {
+    pub(crate) fn new(values: &[f64]) -> Self {
         let mut ordered = values.to_vec();
         ordered.sort_by(f64::total_cmp);
         Self(ordered)
     }
 
     /// From the first to the last hundredth: wild ones would stretch the range itself.
-    fn range(&self) -> f64 {
+    pub(crate) fn range(&self) -> f64 {
         let at = |share: f64| self.0[(share * (self.0.len() - 1) as f64) as usize];
         at(0.99) - at(0.01)
     }
@@ -116,43 +179,87 @@ impl Ordered {
     }
 }
 
-/// Whether the drive has just been switched, by a step that is large.
-fn is_after_a_step(drive: &[f64], large: f64, k: usize) -> bool {
-    let before = &drive[k.saturating_sub(2)..=k];
+/// Whether the drive is switched by a step that is large, just before a run or within it.
+fn is_after_a_step(drive: &[f64], large: f64, run: &Range<usize>) -> bool {
+    let before = &drive[run.start.saturating_sub(2)..run.end];
     before.windows(2).any(|two| (two[1] - two[0]).abs() > large)
 }
 
-fn wild_in(values: &[f64], range: f64) -> Vec<usize> {
-    let bends: Vec<f64> = values
-        .windows(3)
-        .map(|three| three[1] - 0.5 * (three[0] + three[2]))
-        .collect();
-    if bends.is_empty() {
-        return Vec::new();
+/// Middle of absolute values, as the standard deviation of a normal distribution.
+pub(crate) fn usual_size(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
+    if sizes.is_empty() {
+        return 0.0;
     }
-    let mut sizes: Vec<f64> = bends.iter().map(|bend| bend.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let usual = (1.4826 * sizes[sizes.len() / 2]).max(LEAST * range);
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    1.4826 * *median
+}
+
+/// Wild runs of at most `longest` samples, in order; no distance below `least` is usual.
+fn wild_in(values: &[f64], least: f64, longest: usize) -> Vec<Range<usize>> {
+    let bends = values
+        .windows(3)
+        .map(|three| three[1] - 0.5 * (three[0] + three[2]));
+    let usual = usual_size(bends).max(least);
     if usual <= 0.0 {
         return Vec::new();
     }
-    let is_wild = |k: &usize| {
-        let bend = bends[k - 1].abs();
-        bend > FAR * usual && (values[k + 1] - values[k - 1]).abs() < ALIKE * bend
-    };
-    let found: Vec<usize> = (1..values.len() - 1).filter(is_wild).collect();
-    match found.len() as f64 <= MOST * values.len() as f64 {
-        true => found,
-        false => Vec::new(),
+    let mut found = Vec::new();
+    let mut k = 1;
+    while k + 1 < values.len() {
+        match (1..=longest).find(|length| is_wild(values, k..k + length, usual)) {
+            Some(length) => {
+                found.push(k..k + length);
+                k += length + 1;
+            }
+            None => k += 1,
+        }
     }
+    found
+}
+
+/// Whether a run stands at one value, far from what is before and behind it.
+fn is_wild(values: &[f64], run: Range<usize>, usual: f64) -> bool {
+    if run.end >= values.len() {
+        return false;
+    }
+    let (before, after) = (values[run.start - 1], values[run.end]);
+    let first = values[run.start];
+    let distance = (first - 0.5 * (before + after)).abs();
+    let is_one_value = values[run.clone()]
+        .iter()
+        .all(|value| (value - first).abs() <= usual);
+    is_one_value
+        && distance > FAR * usual
+        && (after - before).abs() < ALIKE * distance
+        && (first - median_around(values, &run)).abs() > 0.5 * distance
+        && distance > FAR_HERE * usual_around(values, &run)
+}
+
+/// What neighbors differ by around a run, which itself and its neighbors have no part in.
+fn usual_around(values: &[f64], run: &Range<usize>) -> f64 {
+    let before = &values[run.start.saturating_sub(AROUND)..run.start];
+    let after = &values[run.end..(run.end + AROUND).min(values.len())];
+    let steps = |part: &[f64]| -> Vec<f64> { part.windows(2).map(|two| two[1] - two[0]).collect() };
+    usual_size(steps(before).into_iter().chain(steps(after)))
+}
+
+/// Where a series is around a run: a sample between two wild ones has neighbors that agree, too.
+fn median_around(values: &[f64], run: &Range<usize>) -> f64 {
+    let before = &values[run.start.saturating_sub(AROUND)..run.start];
+    let after = &values[run.end..(run.end + AROUND).min(values.len())];
+    let mut around: Vec<f64> = before.iter().chain(after).copied().collect();
+    around.sort_by(f64::total_cmp);
+    around[around.len() / 2]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn found(values: &[f64]) -> Vec<usize> {
-        wild_in(values, Ordered::new(values).range())
+    fn found(values: &[f64]) -> Vec<Range<usize>> {
+        wild_in(values, LEAST * Ordered::new(values).range(), LONGEST)
     }
 
     fn smooth() -> Vec<f64> {
@@ -167,16 +274,27 @@ mod tests {
         assert_eq!(found(&smooth()), []);
         let mut values = smooth();
         (values[50], values[301]) = (7.0, 0.0);
-        assert_eq!(found(&values), [50, 301]);
+        assert_eq!(found(&values), [50..51, 301..302]);
         let mut drive = vec![0.0; 400];
         drive[100..200].fill(1.0);
         assert_eq!(found(&drive), []);
         drive[150] = 22.0;
         drive[300] = 0.5;
-        assert_eq!(found(&drive), [150, 300]);
-        // A pulse every ten samples is a drive.
-        let pulses: Vec<f64> = (0..400).map(|k| f64::from(u8::from(k % 10 == 0))).collect();
-        assert_eq!(found(&pulses), []);
+        assert_eq!(found(&drive), [150..151, 300..301]);
         assert_eq!(found(&[1.0, 1.0]), []);
+    }
+
+    #[test]
+    fn dropouts_of_some_samples_are_runs_and_what_lies_between_them_is_not() {
+        let mut values = smooth();
+        values[50..53].fill(-5.0);
+        values[54] = -5.0;
+        values[200..205].fill(-5.0);
+        // Five are too many.
+        assert_eq!(found(&values), [50..53, 54..55]);
+        // A run of several values is a motion.
+        values[52] = -5.5;
+        values[310] = -5.0;
+        assert_eq!(found(&values), [54..55, 310..311]);
     }
 }

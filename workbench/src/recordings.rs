@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use identify::Rod;
-use recording::{ReadOptions, Recording, RecordingError, wild};
+use recording::{
+    ReadOptions, Recording, RecordingError, Warning, drive_noise, mended, slips, wild,
+};
 
 use crate::WorkbenchError;
 use crate::report::inspected::{MOST_GAPS, gaps_at_once};
@@ -19,25 +21,55 @@ pub fn read_all(rod: &Rod, paths: &[PathBuf]) -> Result<Vec<Recording>, Workbenc
         .iter()
         .map(|path| {
             let read = recording::read_csv(path, &options)?;
-            Ok(in_its_window(rod, path, read)?)
+            Ok(as_fitted(rod, path, read)?)
         })
         .collect()
 }
 
-/// What a rod file uses of a recording.
+/// A recording as it is fitted: what a rod file uses of it, [`mended`] unless the file says otherwise, with fewer rows or without a
+/// drift if it says so.
 ///
 /// # Errors
 ///
-/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`].
+/// As [`in_its_window`]; [`RecordingError::DecimationOutOfRange`], [`RecordingError::NoRestAtBothEnds`].
+pub fn as_fitted(
+    rod: &Rod,
+    path: &Path,
+    recording: Recording,
+) -> Result<Recording, RecordingError> {
+    let mut used = in_its_window(rod, path, recording)?;
+    if rod.columns.may_mend() {
+        used = mended(&used);
+    }
+    let wish = rod.use_of(path);
+    if let Some(n) = wish.decimate {
+        used = used.decimated(n)?;
+    }
+    if wish.detrend {
+        used = used.detrended()?;
+    }
+    Ok(used)
+}
+
+/// What a rod file uses of a recording, as it was recorded.
+///
+/// # Errors
+///
+/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::ExcludedInside`].
 pub fn in_its_window(
     rod: &Rod,
     path: &Path,
     recording: Recording,
 ) -> Result<Recording, RecordingError> {
-    match rod.window_s(path) {
-        Some([start_s, end_s]) => recording.within(start_s, end_s),
-        None => Ok(recording),
+    let wish = rod.use_of(path);
+    let mut used = recording;
+    if let Some([start_s, end_s]) = wish.window_s {
+        used = used.within(start_s, end_s)?;
     }
+    for [start_s, end_s] in wish.exclude_s {
+        used = used.excluding(start_s, end_s)?;
+    }
+    Ok(used)
 }
 
 /// Reads a recording, or a drive alone where there is no output; whether there is.
@@ -90,7 +122,19 @@ pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> 
         let name = recording.name();
         let adaptations = recording.adaptations().iter();
         notes.extend(adaptations.map(|adaptation| format!("{name}: {adaptation}")));
-        notes.extend(wild(recording).iter().map(|wild| format!("{name}: {wild}")));
+        notes.extend(wild(recording).into_iter().map(|wild| {
+            let is_replaced = false;
+            format!("{name}: {}", Warning::Wild { wild, is_replaced })
+        }));
+        notes.extend(
+            slips(recording)
+                .iter()
+                .map(|slip| format!("{name}: {slip}")),
+        );
+        notes.extend(drive_noise(recording).map(|noise| {
+            let is_smoothed = false;
+            format!("{name}: {}", Warning::NoisyDrive { noise, is_smoothed })
+        }));
         let gaps = recording.gaps();
         if gaps.len() > MOST_GAPS {
             let gaps = gaps_at_once(&gaps);

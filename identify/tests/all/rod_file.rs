@@ -8,8 +8,10 @@
 #[allow(dead_code, reason = "the other tests use the rest")]
 use crate::common;
 
+use std::path::Path;
+
 use common::{ROD, recording, rod, steps};
-use identify::{Rod, WienerModel};
+use identify::{RecordingUse, Rod, WienerModel};
 use recording::Quantity;
 use wiener::hysteresis::Rule;
 
@@ -247,4 +249,42 @@ fn what_is_missing_for_temperatures_depends_on_the_drive() {
 fn a_file_that_is_not_there() {
     let error = Rod::read(std::path::Path::new("no/such/rod.toml")).unwrap_err();
     assert_eq!(error.to_string(), "no/such/rod.toml: cannot be read");
+}
+
+#[test]
+fn what_is_used_of_a_recording_stands_under_its_name() {
+    let rod = rod("\
+[recordings.\"run3.csv\"]
+window_s = [20, 140]
+exclude_s = [[130, 140.5], [0, 25]]
+decimate = 10
+detrend = true
+");
+    let used = rod.use_of(Path::new("runs/run3.csv"));
+    assert_eq!(used, rod.uses["run3.csv"]);
+    assert_eq!(used.window_s, Some([20.0, 140.0]));
+    assert_eq!(used.exclude_s, [[130.0, 140.5], [0.0, 25.0]]);
+    assert_eq!((used.decimate, used.detrend), (Some(10), true));
+    assert_eq!(rod.use_of(Path::new("run4.csv")), RecordingUse::default());
+    let key = |line: &str| refused(&format!("[recordings.\"a.csv\"]\n{line}\n"));
+    assert_eq!(
+        key("exclude_s = [[1, 2], [4, 3]]"),
+        "rod.toml:2:26: recordings.\"a.csv\".exclude_s = 3: must be > 4, the lower end"
+    );
+    assert_eq!(
+        key("window_s = [nan, 3]"),
+        "rod.toml:2:13: recordings.\"a.csv\".window_s = NaN: must be finite"
+    );
+    for n in ["1", "0", "-3"] {
+        assert_eq!(
+            key(&format!("decimate = {n}")),
+            format!(
+                "rod.toml:2:12: recordings.\"a.csv\".decimate = {n}: must be a whole number ≥ 2"
+            )
+        );
+    }
+    assert!(key("decimate = 2.5").starts_with("rod.toml:2:12: "));
+    assert!(key("detrent = true").contains(
+        "unknown field `detrent`, expected one of `window_s`, `exclude_s`, `decimate`, `detrend`"
+    ));
 }

@@ -20,7 +20,8 @@ use crate::error::RecordingError;
 use crate::quantity::Quantity;
 use table::Table;
 
-/// Something that was done to a file so that it could be read; displays as what, how often and where.
+/// Something that was done to a file so that it could be read, or to a recording so that it can be fitted; displays as what, how
+/// often and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Adaptation {
     /// What was done.
@@ -29,6 +30,17 @@ pub struct Adaptation {
     pub n_lines: usize,
     /// The first of them, counted from 1.
     pub first_line: usize,
+}
+
+impl Adaptation {
+    /// Of something that was done to what was read.
+    pub(crate) fn of_recording(what: String) -> Self {
+        Self {
+            what,
+            n_lines: 0,
+            first_line: 0,
+        }
+    }
 }
 
 impl fmt::Display for Adaptation {
@@ -47,11 +59,7 @@ pub(crate) struct Done(Vec<Adaptation>);
 
 impl Done {
     fn of_file(&mut self, what: impl Into<String>) {
-        self.0.push(Adaptation {
-            what: what.into(),
-            n_lines: 0,
-            first_line: 0,
-        });
+        self.0.push(Adaptation::of_recording(what.into()));
     }
 
     /// The same thing, once more, to a line.

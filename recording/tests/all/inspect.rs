@@ -12,10 +12,10 @@ use recording::{
 };
 
 /// Normal numbers of a small generator: the sum of twelve uniform ones, less six.
-struct Noise(u64);
+pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
-    fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         // Knuth's linear congruential generator; its upper bits serve.
         self.0 = self
             .0
@@ -24,12 +24,12 @@ impl Noise {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 }
 
-fn recording(dt_s: f64, drive: Vec<f64>, output: Vec<f64>) -> Recording {
+pub(crate) fn recording(dt_s: f64, drive: Vec<f64>, output: Vec<f64>) -> Recording {
     Recording::new(RecordingParts {
         name: "run3.csv".to_owned(),
         time_s: Some((0..drive.len()).map(|k| k as f64 * dt_s).collect()),
@@ -55,7 +55,7 @@ fn pulses(n: usize, n_rest: usize, n_on: usize, n_period: usize) -> Vec<f64> {
 }
 
 /// First-order response to the square of the drive.
-fn response(drive: &[f64], dt_s: f64, tau_s: f64) -> Vec<f64> {
+pub(crate) fn response(drive: &[f64], dt_s: f64, tau_s: f64) -> Vec<f64> {
     let mut y = 0.0;
     let each = drive.iter().map(|i| {
         let measured = y;

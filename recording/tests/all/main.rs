@@ -2,11 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+mod drive_noise;
 mod errors;
 mod held_drive;
 mod inspect;
 mod limited;
 mod loggers;
+mod mended;
 mod properties;
 mod reading;
 mod real;
+mod slips;
+mod used;

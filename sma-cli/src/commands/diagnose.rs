@@ -13,6 +13,7 @@ use missing_physics::{
 use recording::Recording;
 
 use crate::commands::on_threads;
+use crate::commands::used::UseArgs;
 use crate::earlier::Earlier;
 use crate::memory::Memory;
 use crate::outcome::Outcome;
@@ -67,6 +68,8 @@ pub(crate) struct DiagnoseArgs {
     /// Recordings to check the result on, CSV; opened once, at the end.
     #[arg(long, num_args = 1.., value_name = "CSV")]
     validate: Vec<PathBuf>,
+    #[command(flatten)]
+    used: UseArgs,
     /// Which reversals the hysteresis of the plain model remembers.
     #[arg(long, value_enum, default_value_t = Memory::LastReversal)]
     memory: Memory,
@@ -137,7 +140,9 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         report: Sink::open_if(args.report.as_deref(), &inputs)?,
         plots: args.plots.as_deref().map(Gallery::at).transpose()?,
     };
-    let rod = Rod::read(&args.rod)?;
+    let mut rod = Rod::read(&args.rod)?;
+    let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
+    args.used.apply(&mut rod, &recordings)?;
     let training = read_all(&rod, &args.train)?;
     let given = read_all(&rod, &args.validate)?;
     let notes = input_notes(&training, &given);

@@ -12,6 +12,7 @@ use missing_physics::{carry_loop_shape, other_loops, setting_of_rod};
 use recording::{Recording, has_one_rate};
 
 use crate::commands::on_threads;
+use crate::commands::used::UseArgs;
 use crate::earlier::Earlier;
 use crate::memory::Memory;
 use crate::outcome::Outcome;
@@ -43,6 +44,8 @@ pub(crate) struct IdentifyArgs {
     /// Recordings to check the fit on, CSV; never used in the fit.
     #[arg(long, num_args = 1.., value_name = "CSV")]
     validate: Vec<PathBuf>,
+    #[command(flatten)]
+    used: UseArgs,
     /// Which reversals the hysteresis remembers.
     #[arg(long, value_enum, default_value_t = Memory::LastReversal)]
     memory: Memory,
@@ -117,7 +120,9 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let json = Sink::open_if(args.json.as_deref(), &inputs)?;
     let save_model = Sink::open_if(args.save_model.as_deref(), &inputs)?;
     let report = Sink::open_if(args.report.as_deref(), &inputs)?;
-    let rod = Rod::read(&args.rod)?;
+    let mut rod = Rod::read(&args.rod)?;
+    let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
+    args.used.apply(&mut rod, &recordings)?;
     let training = read_all(&rod, &args.train)?;
     let unseen = read_all(&rod, &args.validate)?;
     let rule = args.memory.rule();

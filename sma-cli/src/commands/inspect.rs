@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use identify::Rod;
-use recording::{Inspection, ReadOptions, RecordingError, inspect, read_csv};
+use recording::{Inspection, ReadOptions, RecordingError, inspect, inspect_as_recorded, read_csv};
 use serde_json::json;
 
+use crate::commands::used::UseArgs;
 use crate::outcome::Outcome;
 use crate::terminal::write_stdout;
-use workbench::in_its_window;
 use workbench::report::inspected;
+use workbench::{as_fitted, in_its_window};
 
 /// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
 /// the way of identification.
@@ -23,6 +24,8 @@ pub(crate) struct InspectArgs {
     /// What is known of the rig: names the columns and the kind of drive.
     #[arg(long, value_name = "TOML")]
     rod: Option<PathBuf>,
+    #[command(flatten)]
+    used: UseArgs,
     /// Print JSON instead of text.
     #[arg(long)]
     json: bool,
@@ -30,10 +33,11 @@ pub(crate) struct InspectArgs {
 
 /// Runs the command.
 pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
-    let rod = match &args.rod {
+    let mut rod = match &args.rod {
         Some(path) => Rod::read(path)?,
         None => Rod::parse("(no rod file)", "")?,
     };
+    args.used.apply(&mut rod, &args.recordings)?;
     let timed = rod.read_options();
     let untimed = ReadOptions {
         allow_untimed: true,
@@ -51,7 +55,16 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
                 ) => read_csv(path, &untimed),
                 read => read,
             };
-            Ok(inspect(&in_its_window(&rod, path, read?)?))
+            let wish = rod.use_of(path);
+            // Fewer rows, or another output, are those of what is mended.
+            let used = match wish.decimate.is_some() || wish.detrend {
+                true => as_fitted(&rod, path, read?)?,
+                false => in_its_window(&rod, path, read?)?,
+            };
+            Ok(match rod.columns.may_mend() {
+                true => inspect(&used),
+                false => inspect_as_recorded(&used),
+            })
         })
         .collect::<anyhow::Result<Vec<Inspection>>>()?;
     let text = if args.json {

@@ -11,6 +11,7 @@ pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod trial;
 pub(crate) mod tune;
+mod used;
 
 /// Runs a command on so many threads, 0 for all; its result does not depend on them.
 fn on_threads(

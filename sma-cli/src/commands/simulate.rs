@@ -7,11 +7,12 @@ use identify::{IdentifyError, RigModel, SavedModel, predict};
 use missing_physics::{EffectId, RestoredModel, read_model};
 use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
 
+use crate::commands::used::UseArgs;
 use crate::outcome::Outcome;
 use crate::sink::Sink;
 use crate::terminal::say;
 use workbench::report::number::significant;
-use workbench::{BEYOND, read_perhaps_without_output};
+use workbench::{BEYOND, as_fitted, read_perhaps_without_output};
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
 ///
@@ -26,6 +27,8 @@ pub(crate) struct SimulateArgs {
     /// What the rig is driven by, CSV.
     #[arg(long, value_name = "CSV")]
     drive: PathBuf,
+    #[command(flatten)]
+    used: UseArgs,
     /// Where the prediction goes.
     #[arg(long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
@@ -42,6 +45,10 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let options = saved.rod().read_options();
     let (recording, has_output) =
         read_perhaps_without_output(&args.drive, &options).map_err(IdentifyError::from)?;
+    let mut rod = saved.rod().clone();
+    args.used
+        .apply(&mut rod, std::slice::from_ref(&args.drive))?;
+    let recording = as_fitted(&rod, &args.drive, recording).map_err(IdentifyError::from)?;
     let (point, met) = if has_output {
         let validated = saved.validate_by(&model, &model.point(), &recording)?;
         let met = format!(

@@ -64,6 +64,23 @@ fn a_window_leaves_the_rest_out_and_says_so() {
     assert_eq!(code, 0, "{stderr}");
     assert!(said.contains("10 to 110 s of it are used"), "{said}");
     assert!(said.contains(" over 100.0 s"), "{said}");
+    // A flag goes before the file, and a span in the middle is no end of it.
+    let (code, said, _) = sma(
+        folder,
+        "inspect run.csv --rod rod.toml --window run.csv:20..60 --decimate 2",
+    );
+    assert_eq!(code, 0);
+    assert!(said.contains("20 to 60 s of it are used"), "{said}");
+    assert!(said.contains("one row in 2 is used"), "{said}");
+    let (code, _, stderr) = sma(
+        folder,
+        "inspect run.csv --rod rod.toml --exclude run.csv:33..41",
+    );
+    assert_eq!(code, 3);
+    assert!(
+        stderr.contains("expected a span at its start or its end"),
+        "{stderr}"
+    );
     fs::write(folder.join("rod.toml"), window.replace("110", "5")).unwrap();
     let (code, _, stderr) = sma(folder, "inspect run.csv --rod rod.toml");
     assert_eq!(code, 3);

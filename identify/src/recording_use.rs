@@ -1,0 +1,65 @@
+//! What is used of a recording, and how.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::source::Source;
+use crate::{Bounds, IdentifyError};
+
+/// What is used of one recording, and how: `[recordings."run3.csv"]` in a rod file, or flags of a command.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RecordingUse {
+    /// From when to when it is used, s; rising.
+    pub window_s: Option<[f64; 2]>,
+    /// Spans that are left out, s; each rising.
+    pub exclude_s: Vec<[f64; 2]>,
+    /// Every so many rows are used, with the means of those around; ≥ 2.
+    pub decimate: Option<usize>,
+    /// Whether the straight line from rest to rest is taken off the output.
+    pub detrend: bool,
+}
+
+/// The same, as it is written.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RecordingTable {
+    window_s: Option<[Spanned<f64>; 2]>,
+    exclude_s: Vec<[Spanned<f64>; 2]>,
+    decimate: Option<Spanned<i64>>,
+    detrend: bool,
+}
+
+/// Checks what a file says of its recordings.
+pub(crate) fn uses(
+    source: &Source<'_>,
+    recordings: &BTreeMap<String, RecordingTable>,
+) -> Result<BTreeMap<String, RecordingUse>, IdentifyError> {
+    let checked = recordings.iter().map(|(name, table)| {
+        let key = |key: &str| format!("recordings.\"{name}\".{key}");
+        let span = |name: &str, range: &[Spanned<f64>; 2]| {
+            let Bounds { lower, upper } = source.rising(&key(name), range)?;
+            Ok::<_, IdentifyError>([lower, upper])
+        };
+        let window_s = table.window_s.as_ref();
+        let exclude_s = table.exclude_s.iter();
+        let decimate = table.decimate.as_ref().map(|wished| {
+            let n = usize::try_from(*wished.get_ref()).ok();
+            n.filter(|n| *n >= 2).ok_or_else(|| {
+                let value = Spanned::new(wished.span(), *wished.get_ref() as f64);
+                source.value(&key("decimate"), &value, "must be a whole number ≥ 2")
+            })
+        });
+        let used = RecordingUse {
+            window_s: window_s.map(|range| span("window_s", range)).transpose()?,
+            exclude_s: exclude_s
+                .map(|range| span("exclude_s", range))
+                .collect::<Result<_, _>>()?,
+            decimate: decimate.transpose()?,
+            detrend: table.detrend,
+        };
+        Ok((name.clone(), used))
+    });
+    checked.collect()
+}

@@ -1,0 +1,53 @@
+//! A recording without what the rig did not see.
+
+use crate::adapt::Adaptation;
+use crate::drive_noise::smooth;
+use crate::recording::Recording;
+use crate::wild::wild;
+
+/// The recording as fits take it: samples that stand far from both neighbors ([`wild`]) are replaced by what lies between these,
+/// and a drive with a sensor's noise ([`drive_noise`](crate::drive_noise)) by its levels and ramps. What was done is among its [`Recording::adaptations`].
+///
+/// A rod has inertia: what neither neighbor knows of did not reach it, or did not come from it. One such sample weighs as much in a
+/// least-squares fit as thousands of others.
+///
+/// # Examples
+///
+/// ```
+/// use recording::{Recording, RecordingParts, mended};
+///
+/// let mut drive: Vec<f64> = (0..200).map(|k| if k < 100 { 0.0 } else { 0.5 }).collect();
+/// drive[150] = 22.0;
+/// let recording = Recording::new(RecordingParts {
+///     time_s: Some((0..200).map(f64::from).collect()),
+///     drive,
+///     output: (0..200).map(|k| if k < 102 { 0.0 } else { 1.0 }).collect(),
+///     ..RecordingParts::default()
+/// })?;
+/// let mended = mended(&recording);
+/// assert_eq!(mended.drive()[150], 0.5);
+/// assert_eq!(
+///     mended.adaptations()[0].to_string(),
+///     "a sample of the drive that stands far from both neighbors, 22 A at 150 s, is replaced by the mean of its neighbors"
+/// );
+/// # Ok::<(), recording::RecordingError>(())
+/// ```
+#[must_use]
+pub fn mended(recording: &Recording) -> Recording {
+    let mut mended = recording.clone();
+    for wild in wild(recording) {
+        let values = match wild.role {
+            "drive" => mended.drive_mut(),
+            _ => mended.output_mut(),
+        };
+        wild.replace(values);
+        let done = Adaptation::of_recording(format!("{wild}, {}", wild.replacement()));
+        mended = mended.also_adapted_by(done);
+    }
+    if let Some((noise, Some(smooth))) = smooth(&mended) {
+        mended.drive_mut().copy_from_slice(&smooth);
+        let what = format!("{noise}, at rest, too: {}", noise.replacement());
+        mended = mended.also_adapted_by(Adaptation::of_recording(what));
+    }
+    mended
+}

@@ -1,0 +1,87 @@
+//! An output that slips is told from one that moves.
+
+use recording::{Recording, inspect, slips};
+
+use crate::inspect::{Noise, recording, response};
+
+const DT_S: f64 = 0.05;
+
+fn drive() -> Vec<f64> {
+    let level = |k: usize| [0.0, 1.0, 0.0, 0.6, 0.0, 0.8][k / 400 % 6];
+    (0..4000).map(level).collect()
+}
+
+/// The response with noise, and steps of its own from some samples on.
+fn slipped(at: &[(usize, f64)], seed: u64) -> Recording {
+    let drive = drive();
+    let mut noise = Noise(seed);
+    let mut output = response(&drive, DT_S, 1.0);
+    for (k, y) in output.iter_mut().enumerate() {
+        let steps = at.iter().filter(|(from, _)| k >= *from);
+        *y += 0.005 * noise.normal() + steps.map(|(_, step)| step).sum::<f64>();
+    }
+    recording(DT_S, drive, output)
+}
+
+#[test]
+fn a_slip_is_said_with_its_place_and_the_way_round_it() {
+    for seed in 1..=4 {
+        // At rest, and while a level is held.
+        for at in [1100, 1900, 3100] {
+            let found = slips(&slipped(&[(at, 0.8)], seed));
+            assert_eq!(found.len(), 1, "{seed}: {at}");
+            assert_eq!(found[0].index + 1, at);
+            assert!((found[0].step - 0.8).abs() < 0.03);
+        }
+    }
+    let odd = slipped(&[(3100, -0.8)], 1);
+    let warnings = inspect(&odd).warnings();
+    let said = warnings.iter().map(ToString::to_string);
+    let said = said
+        .filter(|said| said.contains("slips"))
+        .collect::<Vec<_>>();
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0].starts_with("the output slips by -0.7931 mm"),
+        "{}",
+        said[0]
+    );
+    assert!(
+        said[0].ends_with(
+            " mm at 155 s, while the drive is held, and stays there: no model follows that; use a part without it, --window \
+             run3.csv:0..154.95, or window_s = [0, 154.95] under [recordings.\"run3.csv\"] in the rod file"
+        ),
+        "{}",
+        said[0]
+    );
+    // The longest part, where there are two.
+    let two = slips(&slipped(&[(1100, 0.8), (3100, 0.5)], 1));
+    assert_eq!(two.len(), 2);
+    let ends = two[0]
+        .longest_s
+        .map(|end_s| (end_s / DT_S).round() as usize);
+    assert_eq!(ends, [1100, 3099]);
+}
+
+#[test]
+fn motion_is_no_slip() {
+    assert_eq!(slips(&slipped(&[], 1)), []);
+    // Of the size of what neighbors differ by.
+    assert_eq!(slips(&slipped(&[(1100, 0.02)], 1)), []);
+    // A converter of few steps.
+    let rounded = slipped(&[], 1);
+    let output = rounded.output().iter().map(|y| (y * 8.0).round() / 8.0);
+    assert_eq!(slips(&recording(DT_S, drive(), output.collect())), []);
+    // Beside a step of the drive.
+    assert_eq!(slips(&slipped(&[(1202, 0.8)], 1)), []);
+    // To another place and back again: a mechanism that snaps.
+    let snaps = [(1100, 0.8), (1500, -0.8), (1900, 0.8), (2300, -0.8)];
+    assert_eq!(slips(&slipped(&snaps, 1)), []);
+    // A dropout is no slip, nor is a rod that is as fast as the logger.
+    let output: Vec<f64> = drive().iter().map(|i| i * i).collect();
+    assert_eq!(slips(&recording(DT_S, drive(), output)), []);
+    let mut drive = drive();
+    let output = response(&drive, DT_S, 0.01);
+    drive.rotate_left(3);
+    assert_eq!(slips(&recording(DT_S, drive, output)), []);
+}
