@@ -4,11 +4,16 @@ use identify::{Bounds, Fit, FittedParameter, IdentifyError, Scope, WienerModel};
 use recording::Recording;
 
 use crate::model::case::Case;
+use crate::model::coarse::coarse;
 use crate::search::families::plain_fits;
 use crate::{LoopFamily, Setting};
 
-/// Mean square over the least of all families up to which a family counts: what is no nearer is no likelier.
-const NEAR: f64 = 1.5;
+/// Error over that of the paper's loop up to which a loop counts: of two that leave errors of one size neither is the rod's, and
+/// either may be nearer to it.
+const OF_ONE_SIZE: f64 = 2.0;
+
+/// Starts of a fit, beside the place where the paper's loop ended.
+const STARTS: u64 = 1;
 
 /// A fit of the plain model with a loop of another family.
 #[derive(Debug, Clone)]
@@ -19,8 +24,8 @@ pub struct OtherLoop {
     pub fit: Fit,
 }
 
-/// Fits of the plain model with loops of the other families that come as near to the training recordings as the paper's loop in
-/// `fit`, or nearly as near as the nearest.
+/// Fits of the plain model with loops of the other families that leave errors of the size of that in `fit`, or smaller ones; to as
+/// many samples as tell about as much as all.
 ///
 /// # Errors
 ///
@@ -32,16 +37,13 @@ pub fn other_loops(
     setting: Setting,
     seed: u64,
 ) -> Result<Vec<OtherLoop>, IdentifyError> {
-    let case = Case::new(base, fit, training, setting);
-    let mut others: Vec<OtherLoop> = plain_fits(&case, seed)?
-        .into_iter()
+    let few = coarse(base, fit, training)?;
+    let case = Case::new(base, fit, &few, setting);
+    let others = plain_fits(&case, STARTS, seed)?.into_iter();
+    Ok(others
+        .filter(|(_, other)| other.train_rmse <= OF_ONE_SIZE * fit.train_rmse)
         .map(|(family, fit)| OtherLoop { family, fit })
-        .collect();
-    let squares = others.iter().map(|other| other.fit.train_rmse.powi(2));
-    let least = squares.fold(fit.train_rmse.powi(2), f64::min);
-    let most = (NEAR * least).max(fit.train_rmse.powi(2));
-    others.retain(|other| other.fit.train_rmse.powi(2) <= most);
-    Ok(others)
+        .collect())
 }
 
 /// Widens the intervals of a fit to hold what loops of other families say: where recordings do not tell which family it is, they

@@ -23,9 +23,11 @@ const NEARLY: f64 = 4.0;
 /// Mean square of what is left over that of another loop from which a search with the first is in vain.
 const IN_VAIN: f64 = 2.0;
 
-/// Plain models of all other families, fitted, the nearest first.
+/// Plain models of all other families, each fitted from so many starts beside the place where the paper's ended, the nearest
+/// first.
 pub(crate) fn plain_fits(
     case: &Case<'_>,
+    starts: u64,
     seed: u64,
 ) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
     let fitted = OTHERS.into_iter().map(|family| {
@@ -33,7 +35,7 @@ pub(crate) fn plain_fits(
         let vector = ParameterVector::new(model.parameters(), case.training.len());
         let config = FitConfig {
             from: vec![case.fit.coordinates(&vector)],
-            starts: STARTS,
+            starts,
             seed,
             ..FitConfig::default()
         };
@@ -50,7 +52,7 @@ pub(crate) fn plain_fits(
 
 /// Those of the families that come nearer than the paper's.
 pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
-    let mut fits = plain_fits(case, seed)?;
+    let mut fits = plain_fits(case, STARTS, seed)?;
     let nearest = fits[0].1.train_rmse;
     let most = (NEARLY * nearest).min(case.fit.train_rmse);
     fits.retain(|(_, fit)| fit.train_rmse < most);
