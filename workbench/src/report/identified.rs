@@ -46,6 +46,8 @@ pub struct Identified<'a> {
     pub is_static: bool,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub memory: &'static str,
+    /// What is odd about the recordings.
+    pub input_notes: Vec<String>,
 }
 
 impl Identified<'_> {
@@ -264,6 +266,7 @@ impl Identified<'_> {
     }
 
     /// What else is worth knowing, a line each.
+    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let fit = self.fit;
         let mut notes = vec![
@@ -300,15 +303,23 @@ impl Identified<'_> {
                 significant(range.upper)
             ));
         }
+        notes.extend(self.of_temperature());
+        notes.extend(self.input_notes.iter().cloned());
+        notes
+    }
+
+    /// Whether temperatures mean anything.
+    fn of_temperature(&self) -> Option<String> {
+        let fit = self.fit;
         if self.is_static {
-            return notes;
+            return None;
         }
-        if self.knows_temperature {
+        Some(if self.knows_temperature {
             let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
-            notes.push(format!(
+            format!(
                 "the model's rod reaches {:.0} °C; if that is absurd, look at what rod.toml says of it",
                 peak.fold(f64::NEG_INFINITY, f64::max)
-            ));
+            )
         } else {
             let why = if self.missing_for_temperature.is_empty() {
                 "the paper leaves their scale open".to_owned()
@@ -318,11 +329,10 @@ impl Identified<'_> {
                     self.missing_for_temperature.join(", ")
                 )
             };
-            notes.push(format!(
+            format!(
                 "temperatures are arbitrary, only ratios of their differences mean anything: {why}"
-            ));
-        }
-        notes
+            )
+        })
     }
 
     /// For programs: DESIGN's `fit` and `parameters`.
@@ -388,6 +398,7 @@ impl Identified<'_> {
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
             "memory": self.memory,
+            "input_notes": self.input_notes,
             "parameters": parameters_json(self.fit),
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
