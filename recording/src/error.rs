@@ -361,6 +361,15 @@ pub enum RecordingError {
         full_scale: f64,
     },
 
+    /// Several fields or rows are wrong.
+    #[error("{}", by_kind(file, kinds))]
+    Several {
+        /// The file.
+        file: String,
+        /// The first fault of each kind, and how many there are of it.
+        kinds: Vec<(RecordingError, usize)>,
+    },
+
     /// Slices of one recording differ in length.
     #[error("{file}: {column} has {n_samples} samples; expected {expected}, as many as the drive")]
     UnequalLengths {
@@ -531,6 +540,19 @@ impl RecordingError {
                 | Self::DriveLimit { .. }
         )
     }
+}
+
+/// How often there is each kind of fault, and the first of it.
+fn by_kind(file: &str, kinds: &[(RecordingError, usize)]) -> String {
+    if let [(first, n)] = kinds {
+        return format!("{first}; {n} such faults in all");
+    }
+    let n: usize = kinds.iter().map(|(_, n)| n).sum();
+    let mut text = format!("{file}: {n} faults; of each kind how many, and the first:");
+    for (first, n) in kinds {
+        text += &format!("\n  {n} x {first}");
+    }
+    text
 }
 
 /// What to say of a clock that falls far.

@@ -90,6 +90,7 @@ mod cycles;
 mod digits;
 mod drive_noise;
 mod error;
+mod faults;
 mod holds;
 mod inspect;
 mod layout;

@@ -9,6 +9,7 @@ use crate::adapt::adapted;
 use crate::check::{Place, check_duty, check_rising};
 use crate::columns::Columns;
 use crate::error::{Position, RecordingError};
+use crate::faults::Faults;
 use crate::layout::{Column, Header, Layout, ResistanceColumns, Wanted, shown};
 use crate::lines::{Delimiter, Lines};
 use crate::quantity::Quantity;
@@ -199,17 +200,22 @@ fn parse(
         .into_iter()
         .map(|layout| Rows::new(name, layout, max_rows))
         .collect();
+    let mut faults = Faults::default();
     let mut push = |line, row: &str, fields: &[Range<usize>]| {
         ways.iter_mut()
-            .try_for_each(|rows| rows.push(line, row, fields))
+            .try_for_each(|rows| rows.push(line, row, fields, &mut faults))?;
+        Ok(!faults.are_enough())
     };
     if header.names.is_none() {
         push(line, first, &fields)?;
     }
     while let Some((line, row)) = lines.advance()? {
         delimiter.split(row, &mut fields);
-        push(line, row, &fields)?;
+        if !push(line, row, &fields)? {
+            break;
+        }
     }
+    faults.into_result(name)?;
     let whole = ways.into_iter().reduce(Rows::followed_by);
     let Some(rows) = whole else {
         unreachable!("[columns] itself is the first of the ways");
@@ -285,12 +291,13 @@ impl<'a> Rows<'a> {
         self
     }
 
-    /// Checks one row and keeps its wanted columns.
+    /// Checks one row and keeps its wanted columns; what is wrong with it is among the faults, and stops nothing.
     fn push(
         &mut self,
         line: u64,
         row: &str,
         fields: &[Range<usize>],
+        faults: &mut Faults,
     ) -> Result<(), RecordingError> {
         if self.drive.len() >= self.max_samples {
             return Err(RecordingError::TooManySamples {
@@ -299,7 +306,11 @@ impl<'a> Rows<'a> {
                 max_samples: self.max_samples,
             });
         }
-        self.check_count(line, fields)?;
+        let n_fields = self.check_count(line, fields);
+        if n_fields.is_err() {
+            faults.check(n_fields);
+            return Ok(());
+        }
         let row = Row {
             file: self.file,
             line,
@@ -307,50 +318,60 @@ impl<'a> Rows<'a> {
             fields,
         };
         if let Some(column) = &self.layout.time {
-            let raw = row.number(column)?;
-            let time_s = column.unit.to_base(raw);
-            if let Some(&previous_s) = self.time_s.last() {
-                // Compared as converted, shown as written.
-                check_rising(time_s > previous_s, &row.place(column), raw, self.last_time)?;
+            match row.number(column) {
+                Err(fault) => faults.check(Err(fault)),
+                Ok(raw) => {
+                    let time_s = column.unit.to_base(raw);
+                    if let Some(&previous_s) = self.time_s.last() {
+                        // Compared as converted, shown as written.
+                        let rises = time_s > previous_s;
+                        faults.check(check_rising(rises, &row.place(column), raw, self.last_time));
+                    }
+                    self.last_time = raw;
+                    self.time_s.push(time_s);
+                }
             }
-            self.last_time = raw;
-            self.time_s.push(time_s);
         }
         let column = &self.layout.drive;
-        let raw = row.number(column)?;
-        match column.unit {
-            Unit::One => check_duty(raw, 1.0, &row.place(column))?,
-            Unit::Percent => check_duty(raw, 100.0, &row.place(column))?,
-            Unit::Counts => check_duty(raw, column.full_scale, &row.place(column))?,
-            _ => {}
+        let raw = faults.or_zero(row.number(column));
+        let full_scale = match column.unit {
+            Unit::One => Some(1.0),
+            Unit::Percent => Some(100.0),
+            Unit::Counts => Some(column.full_scale),
+            _ => None,
+        };
+        if let Some(full_scale) = full_scale {
+            faults.check(check_duty(raw, full_scale, &row.place(column)));
         }
         self.drive.push(match column.unit {
             Unit::Counts => raw / column.full_scale,
             unit => unit.to_base(raw),
         });
         self.output.push(match &self.layout.output {
-            Some(column) => row.number(column)?,
+            Some(column) => faults.or_zero(row.number(column)),
             None => 0.0,
         });
         if let Some(column) = &self.layout.temperature {
             self.temperature_degc
-                .push(column.unit.to_base(row.number(column)?));
+                .push(column.unit.to_base(faults.or_zero(row.number(column))));
         }
         if let Some(column) = &self.layout.ambient {
             self.ambient_degc
-                .push(column.unit.to_base(row.number(column)?));
+                .push(column.unit.to_base(faults.or_zero(row.number(column))));
         }
         if let Some(column) = &self.layout.stress {
             self.stress_pa
-                .push(column.unit.to_base(row.number(column)?));
+                .push(column.unit.to_base(faults.or_zero(row.number(column))));
         }
         match &self.layout.resistance {
             None => {}
-            Some(ResistanceColumns::Ohm(column)) => self.resistance.push(row.number(column)?),
+            Some(ResistanceColumns::Ohm(column)) => {
+                self.resistance.push(faults.or_zero(row.number(column)))
+            }
             Some(ResistanceColumns::VoltageOverCurrent { voltage, current }) => {
-                self.resistance.push(row.number(voltage)?);
+                self.resistance.push(faults.or_zero(row.number(voltage)));
                 self.resistance_current_a
-                    .push(current.unit.to_base(row.number(current)?));
+                    .push(current.unit.to_base(faults.or_zero(row.number(current))));
             }
         }
         Ok(())

@@ -9,6 +9,7 @@ use recording::{
 
 use crate::WorkbenchError;
 use crate::report::inspected::{MOST_GAPS, gaps_at_once};
+use crate::report::number::significant;
 
 /// Reads recordings as a rod file describes them.
 ///
@@ -96,7 +97,7 @@ pub fn is_trained_on(recording: &Recording, training: &[Recording]) -> bool {
     twin(recording, training).is_some()
 }
 
-/// What is odd about the recordings themselves.
+/// What is odd about the recordings themselves, but for [`gap_notes`].
 #[must_use]
 pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> {
     let mut notes = Vec::new();
@@ -135,20 +136,51 @@ pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> 
             let is_smoothed = false;
             format!("{name}: {}", Warning::NoisyDrive { noise, is_smoothed })
         }));
-        let gaps = recording.gaps();
+    }
+    notes
+}
+
+/// Gap over the time constant, up to which it is harmless: whatever the drive did there, the rod went a tenth of the way at most.
+const HARMLESS: f64 = 0.1;
+
+/// Where recordings have gaps, compared with the time constant, s, where it is known.
+#[must_use]
+pub fn gap_notes<'a>(
+    recordings: impl IntoIterator<Item = &'a Recording>,
+    tau_s: Option<f64>,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    for recording in recordings {
+        let (name, gaps) = (recording.name(), recording.gaps());
+        let longest_s = gaps
+            .iter()
+            .fold(0.0, |longest: f64, gap| longest.max(gap.dt_s));
+        let stayed = match tau_s.map(|tau_s| longest_s / tau_s) {
+            None => String::new(),
+            Some(share) if share <= HARMLESS => {
+                format!(
+                    ", and {} % of tau_s is harmless",
+                    significant(100.0 * share)
+                )
+            }
+            Some(share) => format!(
+                "; {} times tau_s: if it did not, the state after the gap is another",
+                significant(share)
+            ),
+        };
         if gaps.len() > MOST_GAPS {
-            let gaps = gaps_at_once(&gaps);
             notes.push(format!(
-                "{name}: gaps: {gaps}; the drive is taken to have stayed"
+                "{name}: gaps: {}; the drive is taken to have stayed{stayed}",
+                gaps_at_once(&gaps)
             ));
             continue;
         }
-        for gap in gaps {
-            notes.push(format!(
-                "{}: nothing recorded from {} s for {:.3} s; the drive is taken to have stayed",
-                name, gap.start_s, gap.dt_s
-            ));
-        }
+        notes.extend(gaps.iter().map(|gap| {
+            format!(
+                "{name}: nothing recorded from {} s for {:.3} s; the drive is taken to have stayed{stayed}",
+                gap.start_s, gap.dt_s
+            )
+        }));
     }
     notes
 }

@@ -402,6 +402,39 @@ fn field_count() {
 }
 
 #[test]
+fn several() {
+    assert_eq!(
+        rows("0,0,0\n0.1,-,0\n0.2,0,x\n0.3,0,0\n"),
+        "run3.csv:3: current_a = \"-\": not a number; expected a finite number in A; 2 such faults in all"
+    );
+    // One run says all.
+    assert_eq!(
+        rows("0,0,0\n0.1,-,NaN\n0.05,0,inf\n0.3,0\nlate,0,0\n0.4,0,0\n0.4,0,0\n"),
+        "run3.csv: 7 faults; of each kind how many, and the first:\n  \
+         2 x run3.csv:3: current_a = \"-\": not a number; expected a finite number in A\n  \
+         2 x run3.csv:3: displacement_mm = NaN: not finite; expected a finite number in mm\n  \
+         2 x run3.csv:4: time_s = 0.05 after 0.1 in the row before; expected time to rise\n  \
+         1 x run3.csv:5: fields: 2; expected 3, as in the first line"
+    );
+    assert_eq!(
+        fault_of(
+            Quantity::Duty,
+            "time_s,duty,displacement_mm\n0,1.5,0\n0.1,0.5,-\n0.2,-1,0\n"
+        ),
+        "run3.csv: 3 faults; of each kind how many, and the first:\n  \
+         2 x run3.csv:2: duty = 1.5: outside 0..1; expected a duty of 0..1, of 0..100 in a column with unit %, or counts: unit = \
+         \"counts\", full_scale = 255\n  \
+         1 x run3.csv:3: displacement_mm = \"-\": not a number; expected a finite number in mm"
+    );
+    // A file of another kind is not read to its end.
+    let many = format!("{HEADER}0,0,0\n{}", "a,b,c\n".repeat(200_000));
+    assert_eq!(
+        fault(&many),
+        "run3.csv:3: time_s = \"a\": not a number; expected a finite number in s; 100002 such faults in all"
+    );
+}
+
+#[test]
 fn not_a_number() {
     assert_eq!(
         rows("0,0,0\n# still cold\n\n0.1,-,0\n"),

@@ -236,7 +236,8 @@ fn tamu_muscle_repeats_a_time_stamp() {
         ..options
     };
     let fault = read_csv(&path, &strict).unwrap_err().to_string();
-    let expected = ":72: t_s = 7 after 7 in the row before; expected time to rise";
+    let expected =
+        ":72: t_s = 7 after 7 in the row before; expected time to rise; 7 such faults in all";
     assert_eq!(fault, format!("{}{expected}", path.display()));
 }
 

@@ -30,7 +30,8 @@ use workbench::report::plot::{self, Left};
 use workbench::report::static_diagnosed::StaticDiagnosed;
 use workbench::sanity::{Facts, Implausible};
 use workbench::{
-    WorkbenchError, carry_resistivity, carry_specific_heat, input_notes, is_trained_on, read_all,
+    WorkbenchError, carry_resistivity, carry_specific_heat, gap_notes, input_notes, is_trained_on,
+    read_all,
 };
 
 /// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
@@ -215,6 +216,9 @@ fn with_time(
         .as_ref()
         .and_then(|next| next.run.as_ref());
     let mut notes = rig.notes.clone();
+    let tau_s = diagnosis.baseline.fit.parameter("tau_s");
+    let tau_s = tau_s.map(|tau_s| tau_s.values[0]);
+    notes.extend(gap_notes(rig.training.iter().chain(&rig.unseen), tau_s));
     notes.extend(earlier.note);
     let diagnosed = kept::Diagnosed {
         rod: &rig.rod,

@@ -25,7 +25,7 @@ use workbench::page;
 use workbench::report::identified::Identified;
 use workbench::report::plot::{self, Left};
 use workbench::sanity::Facts;
-use workbench::{input_notes, is_trained_on, read_all};
+use workbench::{gap_notes, input_notes, is_trained_on, read_all};
 
 /// Fit the grey-box model to recordings, and check it on recordings it has not seen.
 ///
@@ -176,10 +176,16 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             _ => None,
         },
         memory: args.memory.name(),
+        input_notes: {
+            let tau_s = fit.parameter("tau_s").map(|tau_s| tau_s.values[0]);
+            let gaps = gap_notes(training.iter().chain(&unseen), tau_s);
+            let mut notes = input_notes(&training, &unseen);
+            notes.extend(gaps);
+            notes
+        },
     };
     let mut notes = identified.notes();
     notes.extend(earlier.note);
-    notes.extend(input_notes(&training, &unseen));
     say(args.quiet, &notes)?;
     let mut text = identified.text();
     if !args.no_plot || report.is_some() {

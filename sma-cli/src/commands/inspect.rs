@@ -1,17 +1,20 @@
 //! `sma inspect`: what is in a recording, before anybody fits anything to it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use identify::Rod;
-use recording::{Inspection, ReadOptions, RecordingError, inspect, inspect_as_recorded, read_csv};
+use recording::{
+    Adaptation, Inspection, Meaning, ReadOptions, Recording, RecordingError, inspect,
+    inspect_as_recorded, read_csv, survey,
+};
 use serde_json::json;
 
 use crate::commands::used::UseArgs;
 use crate::outcome::Outcome;
 use crate::terminal::write_stdout;
 use workbench::report::inspected;
-use workbench::{as_fitted, in_its_window};
+use workbench::{as_fitted, first_rod, in_its_window};
 
 /// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
 /// the way of identification.
@@ -38,33 +41,26 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
         None => Rod::parse("(no rod file)", "")?,
     };
     args.used.apply(&mut rod, &args.recordings)?;
-    let timed = rod.read_options();
-    let untimed = ReadOptions {
-        allow_untimed: true,
-        ..timed.clone()
-    };
     let inspections = args
         .recordings
         .iter()
         .map(|path| {
-            let read = match read_csv(path, &timed) {
-                // What has no time is static data.
-                Err(
-                    RecordingError::MissingColumn { role: "time", .. }
-                    | RecordingError::NoHeader { role: "time", .. },
-                ) => read_csv(path, &untimed),
-                read => read,
+            let (recording, guess) = match (read(path, &rod.read_options()), &args.rod) {
+                (Err(fault), None) if is_of_columns(&fault) => guessed(path, fault)?,
+                (read, _) => (read?, None),
             };
             let wish = rod.use_of(path);
             // Fewer rows, or another output, are those of what is mended.
             let used = match wish.decimate.is_some() || wish.detrend {
-                true => as_fitted(&rod, path, read?)?,
-                false => in_its_window(&rod, path, read?)?,
+                true => as_fitted(&rod, path, recording)?,
+                false => in_its_window(&rod, path, recording)?,
             };
-            Ok(match rod.columns.may_mend() {
+            let mut inspection = match rod.columns.may_mend() {
                 true => inspect(&used),
                 false => inspect_as_recorded(&used),
-            })
+            };
+            inspection.adaptations.extend(guess);
+            Ok(inspection)
         })
         .collect::<anyhow::Result<Vec<Inspection>>>()?;
     let text = if args.json {
@@ -85,4 +81,69 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
     };
     write_stdout(&text)?;
     Ok(Outcome::Done)
+}
+
+/// Reads a recording; what has no time is static data.
+fn read(path: &Path, timed: &ReadOptions) -> Result<Recording, RecordingError> {
+    match read_csv(path, timed) {
+        Err(
+            RecordingError::MissingColumn { role: "time", .. }
+            | RecordingError::NoHeader { role: "time", .. },
+        ) => {
+            let untimed = ReadOptions {
+                allow_untimed: true,
+                ..timed.clone()
+            };
+            read_csv(path, &untimed)
+        }
+        read => read,
+    }
+}
+
+/// Whether a rod file could say which column is what, or in which unit.
+fn is_of_columns(fault: &RecordingError) -> bool {
+    matches!(
+        fault,
+        RecordingError::MissingColumn { .. }
+            | RecordingError::NoHeader { .. }
+            | RecordingError::MissingUnit { .. }
+            | RecordingError::MissingFullScale { .. }
+    )
+}
+
+/// The recording whose columns are taken for what `sma init` takes them for, and what that is; the first fault, if they are not
+/// enough, either.
+fn guessed(path: &Path, fault: RecordingError) -> anyhow::Result<(Recording, Option<Adaptation>)> {
+    let survey = survey(path)?;
+    let rod = Rod::parse("(a guess)", &first_rod(&survey).text)?;
+    let Ok(recording) = read(path, &rod.read_options()) else {
+        return Err(fault.into());
+    };
+    let drive = survey.drive().map(|(column, _)| column);
+    let taken = [
+        ("time", survey.column(Meaning::Time)),
+        (rod.drive_kind.name(), drive),
+        ("output", survey.column(Meaning::Output)),
+        ("temperature", survey.column(Meaning::Temperature)),
+        ("ambient", survey.column(Meaning::Ambient)),
+        ("stress", survey.column(Meaning::Stress)),
+        ("resistance", survey.column(Meaning::Resistance)),
+    ];
+    let taken = taken.into_iter().filter_map(|(role, column)| {
+        let column = column?;
+        Some(match &column.name {
+            Some(name) => format!("\"{name}\" is the {role}"),
+            None => format!("column {} is the {role}", column.number),
+        })
+    });
+    let what = format!(
+        "{}: a guess, which sma init writes into a rod file",
+        taken.collect::<Vec<_>>().join(", ")
+    );
+    let guess = Adaptation {
+        what,
+        n_lines: 0,
+        first_line: 0,
+    };
+    Ok((recording, Some(guess)))
 }

@@ -153,7 +153,9 @@ fn gaps_are_reported() {
         .assert();
     let notes = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
     assert!(
-        notes.contains("note: run.csv: nothing recorded from 59.4 s for 4.200 s; the drive is taken to have stayed\n"),
+        notes.contains(
+            "note: run.csv: nothing recorded from 59.4 s for 4.200 s; the drive is taken to have stayed; "
+        ) && notes.contains(" times tau_s: if it did not, the state after the gap is another\n"),
         "{notes}"
     );
 }

@@ -71,3 +71,46 @@ fn stress_and_resistance_are_described() {
         "{text}"
     );
 }
+
+#[test]
+fn without_a_rod_file_columns_are_guessed_and_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let row = |k: i32| {
+        (
+            0.1 * f64::from(k),
+            f64::from(k / 50 % 2),
+            (0.1 * f64::from(k)).sin(),
+        )
+    };
+    let rows = (0..200).map(row);
+    let timed: String = rows
+        .clone()
+        .map(|(t, u, y)| format!("{t},{u},{y:.4}\n"))
+        .collect();
+    std::fs::write(
+        path("volt.csv"),
+        format!("time_s,voltage_v,displacement_mm\n{timed}"),
+    )
+    .unwrap();
+    let text = inspect(&[&path("volt.csv")]);
+    let guess = "read as     \"time_s\" is the time, \"voltage_v\" is the voltage, \"displacement_mm\" is the output: a guess, which \
+                 sma init writes into a rod file";
+    assert!(text.contains(guess), "{text}");
+    assert!(text.contains("0 to 1.000 V"), "{text}");
+    std::fs::write(path("bare.csv"), &timed).unwrap();
+    assert!(inspect(&[&path("bare.csv")]).contains("column 1 is the time"));
+    let loops: String = rows
+        .map(|(t, _, y)| format!("{},{y:.4}\n", 20.0 + t))
+        .collect();
+    std::fs::write(
+        path("loop.csv"),
+        format!("temperature_degc,displacement_mm\n{loops}"),
+    )
+    .unwrap();
+    let text = inspect(&[&path("loop.csv")]);
+    assert!(
+        text.contains("\"temperature_degc\" is the temperature") && text.contains("without time"),
+        "{text}"
+    );
+}

@@ -49,6 +49,8 @@ pub struct Identified<'a> {
     pub one_way: Option<OneWay>,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub memory: &'static str,
+    /// What is odd about the recordings.
+    pub input_notes: Vec<String>,
 }
 
 impl Identified<'_> {
@@ -300,6 +302,7 @@ impl Identified<'_> {
     }
 
     /// What else is worth knowing, a line each.
+    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let fit = self.fit;
         let mut notes = vec![
@@ -336,26 +339,33 @@ impl Identified<'_> {
                 significant(range.upper)
             ));
         }
+        notes.extend(self.of_temperature());
+        notes.extend(self.input_notes.iter().cloned());
+        notes
+    }
+
+    /// What is said of temperatures: whether they mean anything, and what the model does not say.
+    fn of_temperature(&self) -> Vec<String> {
+        let fit = self.fit;
         if self.is_static {
-            if let Some(way) = self.one_way {
-                notes.push(one_way_note(way).to_owned());
-            }
-            notes.push(
-                "without time only the loop is identified: no time constant, and nothing of what follows from it; `sma diagnose` says what \
-                 else these recordings tell"
-                    .to_owned(),
-            );
-            return notes;
+            let without_time = "without time only the loop is identified: no time constant, and nothing of what follows from it; \
+                                `sma diagnose` says what else these recordings tell";
+            let one_way = self.one_way.map(|way| one_way_note(way).to_owned());
+            return one_way
+                .into_iter()
+                .chain([without_time.to_owned()])
+                .collect();
         }
+        let mut notes = Vec::new();
         if let Some(thermal) = self.thermal {
             notes.extend(thermal_notes(thermal, fit, &self.missing_for_temperature));
         }
-        if self.knows_temperature {
+        notes.push(if self.knows_temperature {
             let peak = fit.recordings.iter().map(|one| one.peak_temperature_degc);
-            notes.push(format!(
+            format!(
                 "the model's rod reaches {:.0} °C; if that is absurd, look at what rod.toml says of it",
                 peak.fold(f64::NEG_INFINITY, f64::max)
-            ));
+            )
         } else {
             let why = if self.missing_for_temperature.is_empty() {
                 "the paper leaves their scale open".to_owned()
@@ -365,10 +375,10 @@ impl Identified<'_> {
                     self.missing_for_temperature.join(", ")
                 )
             };
-            notes.push(format!(
+            format!(
                 "temperatures are arbitrary, only ratios of their differences mean anything: {why}"
-            ));
-        }
+            )
+        });
         notes
     }
 
@@ -444,6 +454,7 @@ impl Identified<'_> {
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
             "memory": self.thermal.is_none().then_some(self.memory),
+            "input_notes": self.input_notes,
             "parameters": self.parameters_json(),
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
