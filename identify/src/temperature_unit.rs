@@ -32,12 +32,12 @@ impl TemperatureUnit {
     }
 
     /// A temperature as it is shown.
-    pub(crate) fn from_degc(&self, degc: f64) -> f64 {
+    pub(crate) fn shown(self, degc: f64) -> f64 {
         self.per_k * degc + self.zero_celsius
     }
 
     /// A temperature that is shown, °C.
-    pub(crate) fn to_degc(&self, shown: f64) -> f64 {
+    pub(crate) fn degc(self, shown: f64) -> f64 {
         (shown - self.zero_celsius) / self.per_k
     }
 }
@@ -55,8 +55,8 @@ mod tests {
         ] {
             let scale = TemperatureUnit::of(unit).unwrap();
             for (degc, shown) in [(0.0, freezes), (100.0, boils)] {
-                assert!((scale.from_degc(degc) - shown).abs() < 1e-12, "{unit}");
-                assert!((scale.to_degc(shown) - degc).abs() < 1e-12, "{unit}");
+                assert!((scale.shown(degc) - shown).abs() < 1e-12, "{unit}");
+                assert!((scale.degc(shown) - degc).abs() < 1e-12, "{unit}");
             }
         }
         assert_eq!(TemperatureUnit::of("deg"), None);

@@ -68,7 +68,7 @@ impl ThermalModel {
     pub fn new(rod: &Rod, training: &[Recording]) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
         let mut model = Self::template(rod, first.output_unit())?;
-        let seen = seen(&model.unit, training);
+        let seen = seen(model.unit, training);
         model.parameters[TAU].bounds = {
             let bounds = tau_bounds_s(training)?;
             // Of a recording with gaps the usual sample is not the mean one.
@@ -157,7 +157,7 @@ impl ThermalModel {
         recordings: impl IntoIterator<Item = &'a Recording>,
     ) -> Self {
         for recording in recordings {
-            let begins = Begins::of(recording, &self.unit);
+            let begins = Begins::of(recording, self.unit);
             let stated = recording.ambient_degc().map(|recorded| recorded[0]);
             let stated = stated.or(match self.parameters[AMBIENT_AT].state {
                 ParameterState::Fixed(degc) => Some(degc),
@@ -318,7 +318,7 @@ impl ForwardModel for ThermalModel {
                         _ => dt_s(sample - 1),
                     };
                     let sensed_degc = sensors[member].follow(rod[l], before_s);
-                    shown[l] = self.unit.from_degc(sensed_degc);
+                    shown[l] = self.unit.shown(sensed_degc);
                 }
             }
             visit(Block {
@@ -413,14 +413,14 @@ fn lag() -> ParameterInfo {
 }
 
 /// Lowest and highest temperature of some recordings, °C.
-fn seen(unit: &TemperatureUnit, recordings: &[Recording]) -> Bounds {
+fn seen(unit: TemperatureUnit, recordings: &[Recording]) -> Bounds {
     let all = recordings.iter().flat_map(Recording::output);
     let none = Bounds {
         lower: f64::INFINITY,
         upper: f64::NEG_INFINITY,
     };
     all.fold(none, |seen, &shown| {
-        let degc = unit.to_degc(shown);
+        let degc = unit.degc(shown);
         Bounds {
             lower: seen.lower.min(degc),
             upper: seen.upper.max(degc),
@@ -449,11 +449,11 @@ impl Begins {
     /// Standard errors that are no noise.
     const BEYOND_NOISE: f64 = 4.0;
 
-    fn of(recording: &Recording, unit: &TemperatureUnit) -> Self {
+    fn of(recording: &Recording, unit: TemperatureUnit) -> Self {
         let degc: Vec<f64> = recording
             .output()
             .iter()
-            .map(|&shown| unit.to_degc(shown))
+            .map(|&shown| unit.degc(shown))
             .collect();
         let few = Self::FEW.min(degc.len());
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

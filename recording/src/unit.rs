@@ -153,7 +153,9 @@ pub(crate) fn split_name(name: &str) -> (&str, Option<&str>) {
 
 /// Whether a word after an underscore is a unit: others are words of their own in many names, as `plug_in`.
 pub(crate) fn is_suffix(word: &str) -> bool {
-    let is_word = ["1", "in", "h", "hour", "min", "minute", "second", "counts"];
+    let is_word = [
+        "1", "in", "f", "h", "hour", "min", "minute", "second", "counts",
+    ];
     !is_word.contains(&word.to_lowercase().as_str()) && Unit::parse(word).is_some()
 }
 
@@ -199,6 +201,8 @@ mod tests {
         );
         assert_eq!(split_name("MCPtemp_1"), ("MCPtemp_1", None));
         assert_eq!(split_name("_mm"), ("_mm", None));
+        assert_eq!(split_name("strain_f"), ("strain_f", None));
+        assert_eq!(split_name("temp (F)"), ("temp", Some("F")));
         assert_eq!(split_name("tempg [stC]"), ("tempg", Some("stC")));
         assert_eq!(split_name("limb0_angle_deg"), ("limb0_angle", Some("deg")));
     }

@@ -264,7 +264,7 @@ fn wrong_unit() {
     };
     assert_eq!(
         fault_with(columns, "time_s,current_a,displacement_mm,tempg [stC]\n"),
-        "run3.csv:1: temperature = tempg [stC]: unit \"stC\"; expected degc or k at the end of its \
+        "run3.csv:1: temperature = tempg [stC]: unit \"stC\"; expected degc, k or degf at the end of its \
          name, or as unit under [columns]"
     );
     let columns = Columns {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use identify::{IdentifyError, RigModel, SavedModel, predict};
+use identify::{IdentifyError, RigModel, Role, SavedModel, SavedRecording, predict};
 use missing_physics::{EffectId, RestoredModel, read_model};
 use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
 
@@ -12,6 +12,7 @@ use crate::outcome::Outcome;
 use crate::sink::Sink;
 use crate::terminal::say;
 use workbench::report::number::significant;
+use workbench::report::plot::left;
 use workbench::{BEYOND, as_fitted, read_perhaps_without_output};
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
@@ -49,7 +50,18 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     args.used
         .apply(&mut rod, std::slice::from_ref(&args.drive))?;
     let recording = as_fitted(&rod, &args.drive, recording).map_err(IdentifyError::from)?;
-    let (point, met) = if has_output {
+    let (point, met) = if let Some(r) = fitted_to(&saved, &recording).filter(|_| has_output) {
+        let point = saved.point(r);
+        let left = left(&recording, &predict(&model, &point, &recording)?);
+        let squares: f64 = left.iter().map(|value| value * value).sum();
+        let met = format!(
+            "{} has an output too: with the start and the surroundings that the fit found in it, the prediction meets it to {} {} RMS",
+            recording.name(),
+            significant((squares / left.len() as f64).sqrt()),
+            saved.output_unit(),
+        );
+        (point, met)
+    } else if has_output {
         let validated = saved.validate_by(&model, &model.point(), &recording)?;
         let met = format!(
             "{} has an output too: the prediction meets it to {} {} RMS",
@@ -128,6 +140,17 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
         notes.push("temperatures are arbitrary: the model does not know their scale".to_owned());
     }
     notes
+}
+
+/// The training recording that this is, for a heat balance, of which more than an offset is a recording's own.
+fn fitted_to(saved: &SavedModel, recording: &Recording) -> Option<usize> {
+    let is_it = |one: &SavedRecording| {
+        one.role == Role::Train && one.name == recording.name() && one.n_samples == recording.len()
+    };
+    match saved.model() {
+        RigModel::Thermal(_) => saved.recordings().iter().position(is_it),
+        _ => None,
+    }
 }
 
 /// What the model has beyond the plain one.

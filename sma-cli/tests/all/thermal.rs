@@ -79,7 +79,7 @@ fn a_temperature_is_identified_in_two_commands() {
     assert!((value("rise_k_per_duty") - 80.0).abs() < 0.2);
     assert!((value("ambient_degc") - 23.0).abs() < 0.05);
     let page = fs::read_to_string(folder.join("page.html")).unwrap();
-    assert!(page.contains("heat balance alone") && !page.contains("loop_"));
+    assert!(page.contains("heat balance alone") && !page.contains("the loop over"));
 
     // What it was fitted to it predicts as well as it said.
     let rmse = json["fit"]["train_rmse"].as_f64().unwrap();
@@ -90,7 +90,8 @@ fn a_temperature_is_identified_in_two_commands() {
     assert_eq!(code, 0, "{stderr}");
     let met = stderr.split("meets it to ").nth(1).unwrap();
     let met: f64 = met.split(' ').next().unwrap().parse().unwrap();
-    assert!((met / rmse - 1.0).abs() < 0.02, "{met} {rmse}");
+    // Four digits are printed.
+    assert!((met / rmse - 1.0).abs() < 1e-3, "{met} {rmse}");
 
     let (code, _, stderr) = sma(folder, "diagnose rod.toml --train run.csv");
     assert_eq!(code, 3);
@@ -110,7 +111,11 @@ fn a_temperature_is_identified_in_two_commands() {
 
 /// Temperature and strain of a loop, whose rest rises with the cycles.
 fn cycled(cycles: usize, only_heating: bool) -> String {
-    let mut text = String::new();
+    // Without a name whatever rises from the first row to the last is taken for time.
+    let mut text = match only_heating {
+        true => "temperature_degc\tstrain\n".to_owned(),
+        false => String::new(),
+    };
     let half = 40;
     let n = if only_heating {
         half
@@ -125,7 +130,7 @@ fn cycled(cycles: usize, only_heating: bool) -> String {
             (225.0 - 100.0 * phase, 65.0)
         };
         let fraction = 0.5 + ((degc - center_degc) / 4.0).atan() / std::f64::consts::PI;
-        let rest = 2e-5 * k as f64;
+        let rest = 5e-6 * k as f64;
         // The last digits of a sensor.
         let noise = 1e-4 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
         writeln!(

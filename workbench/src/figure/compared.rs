@@ -3,7 +3,7 @@
 use recording::{Quantity, Recording};
 
 use super::{Figure, Series, Style};
-use crate::report::plot::{Left, left, time};
+use crate::report::plot::{Left, has_loop, left, time};
 
 /// A recording and what models say of it.
 #[derive(Debug)]
@@ -21,11 +21,13 @@ pub struct Compared<'a> {
 const STYLES: [Style; 2] = [Style::Plain, Style::Extended];
 
 impl Compared<'_> {
-    /// Recording and models over time, what they leave, and the loop of each model.
+    /// Recording and models over time, what they leave, and the loop of each model, if it has one.
     #[must_use]
     pub fn figures(&self) -> Vec<Figure> {
         let mut figures = vec![self.traces(), self.what_is_left()];
-        figures.extend(self.loops());
+        if has_loop(self.recording) {
+            figures.extend(self.loops());
+        }
         figures
     }
 

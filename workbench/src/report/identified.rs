@@ -616,11 +616,16 @@ fn thermal_notes(thermal: &ThermalModel, fit: &Fit, missing: &[&str]) -> Vec<Str
                 .to_owned(),
         );
     }
+    let seconds = |name: &str| fit.parameter(name).map_or(f64::NAN, |one| one.values[0]);
     notes.push(match (thermal.has_lag(), thermal.tells_which_lags()) {
         (false, _) => "no lag of the sensor shows".to_owned(),
-        (true, true) => "the sensor lags: the steady rise tells its time constant from the rod's".to_owned(),
-        (true, false) => "two time constants show, in a row: these data do not tell which is the sensor's; the longer is called the rod's"
-            .to_owned(),
+        (true, true) => {
+            "the sensor lags: the steady rise tells its time constant from the rod's".to_owned()
+        }
+        (true, false) => format!(
+            "two time constants show, in a row, together {} s: these data do not tell which is the sensor's; the longer is called the rod's",
+            significant(seconds("tau_s") + seconds(ThermalModel::LAG))
+        ),
     });
     if !thermal.tells_which_lags() {
         notes.push(format!(

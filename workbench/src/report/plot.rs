@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use identify::Prediction;
+use identify::{Prediction, ThermalModel};
 use recording::{Quantity, Recording};
 use textplots::{Chart, LabelBuilder, LabelFormat, Plot, Shape};
 
@@ -16,7 +16,7 @@ const STRIP_HEIGHT: u32 = 20;
 /// Points of a curve that are drawn: several a column.
 const MOST_POINTS: usize = 2000;
 
-/// The recording over time with the model through it, what is left between them, and the loop.
+/// The recording over time with the model through it, what is left between them, and the loop, if it has one.
 #[must_use]
 pub fn pictures(name: &str, recording: &Recording, prediction: &Prediction) -> String {
     let output = recording.output();
@@ -46,8 +46,16 @@ pub fn pictures(name: &str, recording: &Recording, prediction: &Prediction) -> S
         &difference,
         time_unit,
     );
-    draw("the loop", HEIGHT, input, &both, input_unit);
+    if has_loop(recording) {
+        draw("the loop", HEIGHT, input, &both, input_unit);
+    }
     text
+}
+
+/// Whether an output over an input is a loop: not if it is the temperature of a rod that something heats.
+pub(crate) fn has_loop(recording: &Recording) -> bool {
+    recording.drive_quantity() == Quantity::Temperature
+        || !ThermalModel::is_for(recording.output_unit())
 }
 
 /// A model's name and what it says of a recording.

@@ -143,10 +143,12 @@ impl StaticDiagnosed<'_> {
 
     /// For programs: DESIGN's document, as far as it goes without time.
     pub fn json(&self) -> Value {
-        let coupling = self.effects.stress_coupling.as_ref().ok();
+        // The effects of the loop itself; the cycles are tested where the stress is not.
+        let of_loop = self.effects.stress_coupling.as_ref().ok();
+        let of_loop = of_loop.or(self.effects.functional_fatigue.as_ref().ok());
         let stage = |score: &StaticScore| json!({"train_rmse": score.rmse, "validate_rmse": null, "parameters": []});
         let found: Vec<&StaticEffect> = self.tested().filter(|one| one.is_found()).collect();
-        let extended = coupling.filter(|one| one.is_found()).map(|one| {
+        let extended = of_loop.filter(|one| one.is_found()).map(|one| {
             let mut stage = stage(&one.with);
             stage["effects"] = json!([one.effect]);
             stage["parameters"] = parameters(one);
@@ -161,7 +163,7 @@ impl StaticDiagnosed<'_> {
             "verdict": self.verdict().map(Verdict::id),
             "output_unit": self.output_unit,
             "noise_floor": {"lower": null, "upper": null, "class": null},
-            "baseline": coupling.map_or(nothing, |one| stage(&one.without)),
+            "baseline": of_loop.map_or(nothing, |one| stage(&one.without)),
             "extended": extended,
             "explained_fraction": {"train": null, "validate": null, "validate_interval": null},
             "mismatch": {
