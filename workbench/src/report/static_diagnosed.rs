@@ -161,6 +161,8 @@ impl StaticDiagnosed<'_> {
             "version": env!("CARGO_PKG_VERSION"),
             "seed": self.seed,
             "verdict": self.verdict().map(Verdict::id),
+            // The loop by itself is for `sma identify`.
+            "implausible": null,
             "output_unit": self.output_unit,
             "noise_floor": {"lower": null, "upper": null, "class": null},
             "baseline": of_loop.map_or(nothing, |one| stage(&one.without)),
