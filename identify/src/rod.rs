@@ -354,12 +354,19 @@ impl Rod {
     ///
     /// # Errors
     ///
-    /// [`IdentifyError::Missing`] if a duty drive has no supply voltage.
+    /// [`IdentifyError::Missing`] if a duty drive has no supply voltage, and length and resistance of the rod are given.
     pub fn drive(&self) -> Result<Drive, IdentifyError> {
         let length_m = self.length_m.unwrap_or(1.0) + self.leads_as_rod_m();
         match (self.drive_kind, self.supply_v) {
             (Quantity::Current, _) => Ok(Drive::Current),
             (Quantity::Duty, Some(supply_v)) => Ok(Drive::Duty { supply_v, length_m }),
+            // Powers are known by their ratios only, whatever the supply.
+            (Quantity::Duty, None) if self.length_m.is_none() || !self.knows_resistance() => {
+                Ok(Drive::Duty {
+                    supply_v: 1.0,
+                    length_m,
+                })
+            }
             (Quantity::Duty, None) => Err(IdentifyError::Missing {
                 file: self.file.clone(),
                 key: "drive.supply_v",
@@ -420,6 +427,11 @@ impl Rod {
         })
     }
 
+    /// Whether the resistance is given, or the section that it follows from.
+    fn knows_resistance(&self) -> bool {
+        self.resistance_ohm_per_m.is_some() || self.diameter_m.is_some()
+    }
+
     /// Cross section, m², where the diameter is given.
     #[must_use]
     pub fn section_m2(&self) -> Option<f64> {
@@ -443,7 +455,7 @@ impl Rod {
     }
 
     /// The keys without which temperatures are known by their ratios only: heat capacity and
-    /// resistance per meter, and the length unless current drives the rod.
+    /// resistance per meter, the length unless current drives the rod, and the supply of a duty.
     #[must_use]
     pub fn missing_for_temperature(&self) -> Vec<&'static str> {
         let needs_length = self.drive_kind != Quantity::Current;
@@ -460,6 +472,10 @@ impl Rod {
                 needs_resistance && self.resistance_ohm_per_m.is_none(),
             ),
             ("length_mm", needs_length && self.length_m.is_none()),
+            (
+                "supply_v",
+                self.drive_kind == Quantity::Duty && self.supply_v.is_none(),
+            ),
         ]
         .into_iter()
         .filter_map(|(key, missing)| missing.then_some(key))

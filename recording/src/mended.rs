@@ -3,10 +3,11 @@
 use crate::adapt::Adaptation;
 use crate::drive_noise::smooth;
 use crate::recording::Recording;
+use crate::slip::slips;
 use crate::wild::wild;
 
 /// The recording as fits take it: samples that stand far from both neighbors ([`wild`]) are replaced by what lies between these,
-/// and a drive with a sensor's noise ([`drive_noise`](crate::drive_noise)) by its levels and ramps. What was done is among its [`Recording::adaptations`].
+/// slips of the output ([`slips`]) are taken back, and a drive with a sensor's noise ([`drive_noise`](crate::drive_noise)) by its levels and ramps. What was done is among its [`Recording::adaptations`].
 ///
 /// A rod has inertia: what neither neighbor knows of did not reach it, or did not come from it. One such sample weighs as much in a
 /// least-squares fit as thousands of others.
@@ -43,6 +44,14 @@ pub fn mended(recording: &Recording) -> Recording {
         wild.replace(values);
         let done = Adaptation::of_recording(format!("{wild}, {}", wild.replacement()));
         mended = mended.also_adapted_by(done);
+    }
+    for slip in slips(&mended) {
+        slip.take_back(mended.output_mut());
+        let done = format!(
+            "{}, is taken back: what comes after is moved by as much",
+            slip.short()
+        );
+        mended = mended.also_adapted_by(Adaptation::of_recording(done));
     }
     if let Some((noise, Some(smooth))) = smooth(&mended) {
         mended.drive_mut().copy_from_slice(&smooth);

@@ -56,11 +56,46 @@ impl fmt::Display for Slip {
         let file = &self.file;
         write!(
             f,
-            " at {} s, while the drive is held, and stays there: no model follows that; use a part without it, --window \
-             {file}:{start_s}..{end_s}, or window_s = [{start_s}, {end_s}] under [recordings.\"{file}\"] in the rod file",
+            " at {} s, while the drive is held, and stays there: no model follows that; fits take it back unless as_recorded = true; \
+             a part without it is --window {file}:{start_s}..{end_s}, or window_s = [{start_s}, {end_s}] under \
+             [recordings.\"{file}\"] in the rod file",
             Short(self.time_s)
         )
     }
+}
+
+impl Slip {
+    /// Its size and place alone.
+    pub(crate) fn short(&self) -> String {
+        let unit = match self.unit.as_str() {
+            "1" => String::new(),
+            unit => format!(" {unit}"),
+        };
+        format!(
+            "a slip of the output by {}{unit} at {} s, while the drive is held",
+            Short(self.step),
+            Short(self.time_s)
+        )
+    }
+
+    /// Takes it back: what comes after the slip is moved onto what was before, as far as a straight line through either tells.
+    pub(crate) fn take_back(&self, output: &mut [f64]) {
+        let step = step_between_lines(output, self.index);
+        for value in output.iter_mut().skip(self.index + 1) {
+            *value -= step;
+        }
+    }
+}
+
+/// Step from a sample to the next, by the samples on either side: the noise of two samples alone would stay in all that follow.
+fn step_between_lines(output: &[f64], k: usize) -> f64 {
+    let (before, after) = (&output[k + 1 - AROUND..=k], &output[k + 1..=k + AROUND]);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let half = AROUND / 2;
+    // Of halves that are as far apart as their number of samples.
+    let slope = |values: &[f64]| (mean(&values[half..]) - mean(&values[..half])) / half as f64;
+    let slope = 0.5 * (slope(before) + slope(after));
+    mean(after) - mean(before) - slope * AROUND as f64
 }
 
 /// Where the output slips: it goes to another level from one sample to the next, alone among the samples around, while the drive

@@ -51,6 +51,8 @@ pub struct SurveyedColumn {
     pub largest_step: f64,
     /// Whether each number is above the one before.
     pub rises: bool,
+    /// Whether each number is whole.
+    pub is_whole: bool,
     /// Whether it counts rows: 0, 1, 2, or from 1.
     pub counts: bool,
     /// Whether it holds dates or times of day.
@@ -137,6 +139,7 @@ pub fn survey(path: impl AsRef<Path>) -> Result<Survey, RecordingError> {
                     .windows(2)
                     .map(|pair| (pair[1] - pair[0]).abs())
                     .fold(0.0, f64::max),
+                is_whole: values.iter().all(|value| value.fract() == 0.0),
                 counts: counts_rows(&values),
                 rises: values.len() > 1 && values.is_sorted_by(|a, b| a < b),
                 holds_stamps: table.holds_stamps(k),
@@ -198,6 +201,9 @@ const DRIVES: [Quantity; 4] = [
     Quantity::Duty,
 ];
 
+/// Whole numbers above are no amperes, but the counts of a converter: wires for actuators take a few.
+const LARGEST_CURRENT_A: f64 = 20.0;
+
 /// Columns that get their meanings.
 struct Reading<'a> {
     columns: &'a mut [SurveyedColumn],
@@ -227,9 +233,7 @@ impl Reading<'_> {
                 column.n_levels > 1 && (is_so || column.is_in(units_of(quantity)))
             });
         }
-        self.set(Meaning::Drive(Quantity::Current), false, |column| {
-            column.n_levels > 1 && column.is_called(&guess::ANY_DRIVE)
-        });
+        self.set_drive(|column| column.n_levels > 1 && column.is_called(&guess::ANY_DRIVE));
         for words in [&guess::OUTPUT, &guess::OTHER_OUTPUT] {
             self.set(Meaning::Output, true, |column| {
                 column.n_levels > 1 && column.is_called(words)
@@ -280,10 +284,16 @@ impl Reading<'_> {
                 }
             }
         } else {
-            self.set(Meaning::Drive(Quantity::Current), false, |column| {
-                is_free(column) && !column.rises
-            });
+            self.set_drive(|column| is_free(column) && !column.rises);
         }
+    }
+
+    /// Gives the first column that fits a drive of which no name says what it is: counts of a converter, or a current.
+    fn set_drive(&mut self, fits: impl Fn(&SurveyedColumn) -> bool) {
+        self.set(Meaning::Drive(Quantity::Duty), false, |column| {
+            column.is_whole && column.highest > LARGEST_CURRENT_A && fits(column)
+        });
+        self.set(Meaning::Drive(Quantity::Current), false, fits);
     }
 
     fn has(&self, meaning: Meaning) -> bool {

@@ -116,7 +116,7 @@ fn drive(rod: &mut Writing, survey: &Survey) {
     } else if quantity == Quantity::Duty {
         rod.asked(
             "# supply_v = 12.0",
-            "which voltage does the bridge switch? V",
+            "which voltage does the bridge switch? V; without it and the wire's data temperatures are known by their ratios only",
         );
     }
 }
@@ -130,8 +130,8 @@ fn column(rod: &mut Writing, key: &str, column: Option<&SurveyedColumn>, survey:
                     .is_none_or(|(_, quantity)| quantity != Quantity::Temperature) =>
             {
                 rod.asked(
-                    "# time = { every_s = 0.1 }",
-                    "how long is it from row to row? s",
+                    "time = { every_s = 1.0 }",
+                    "how long is it from row to row? Until you say, times are in rows",
                 );
             }
             "output" => rod.asked(

@@ -1,6 +1,6 @@
 //! An output that slips is told from one that moves.
 
-use recording::{Recording, inspect, slips};
+use recording::{Recording, inspect, mended, slips};
 
 use crate::inspect::{Noise, recording, response};
 
@@ -48,8 +48,8 @@ fn a_slip_is_said_with_its_place_and_the_way_round_it() {
     );
     assert!(
         said[0].ends_with(
-            " mm at 155 s, while the drive is held, and stays there: no model follows that; use a part without it, --window \
-             run3.csv:0..154.95, or window_s = [0, 154.95] under [recordings.\"run3.csv\"] in the rod file"
+            " mm at 155 s, while the drive is held, and stays there: no model follows that; fits take it back unless \
+             as_recorded = true; a part without it is --window run3.csv:0..154.95, or window_s = [0, 154.95] under [recordings.\"run3.csv\"] in the rod file"
         ),
         "{}",
         said[0]
@@ -61,6 +61,26 @@ fn a_slip_is_said_with_its_place_and_the_way_round_it() {
         .longest_s
         .map(|end_s| (end_s / DT_S).round() as usize);
     assert_eq!(ends, [1100, 3099]);
+}
+
+#[test]
+fn fits_take_a_slip_back() {
+    let whole = slipped(&[], 1);
+    let taken_back = mended(&slipped(&[(1100, 0.8), (3100, -0.5)], 1));
+    let said: Vec<String> = taken_back
+        .adaptations()
+        .iter()
+        .map(ToString::to_string)
+        .collect();
+    assert_eq!(said.len(), 2, "{said:?}");
+    assert!(
+        said[0].ends_with("is taken back: what comes after is moved by as much"),
+        "{said:?}"
+    );
+    // By the noise of ten samples on either side, twice; two samples alone would leave 0.01 mm.
+    let pairs = whole.output().iter().zip(taken_back.output());
+    let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(worst < 0.005, "{worst}");
 }
 
 #[test]

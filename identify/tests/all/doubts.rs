@@ -1,0 +1,85 @@
+//! What keeps a fit from being believed: bounds, loops where no recording has been, outputs before their drive.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "tests fail by panicking, in their helpers too"
+)]
+
+use std::ops::ControlFlow;
+
+use crate::common;
+
+use common::{ROD, recording, rod, steps, triangles, with_output};
+use identify::{Fit, FitConfig, WienerModel, early_output, fit};
+use recording::Recording;
+use wiener::hysteresis::Rule;
+
+fn fitted(text: &str, training: &[Recording]) -> (WienerModel, Fit) {
+    let model = WienerModel::new(&rod(text), Rule::LastReversal, training).unwrap();
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let fit = fit(&model, training, &FitConfig::default(), go_on).unwrap();
+    (model, fit)
+}
+
+#[test]
+fn a_bound_of_the_search_holds_a_fit() {
+    let training = [recording("a.csv", triangles(800, 4.2), 0.5)];
+    let (_, free) = fitted(ROD, &training);
+    assert!(free.is_found(), "{:?}", free.termination);
+    let text = format!("{ROD}[model]\ntau_s = {{ bounds = [1.0, 5.0] }}\n");
+    let (_, held) = fitted(&text, &training);
+    let names: Vec<&str> = held.held_by_bounds().map(|one| one.info.name).collect();
+    assert!(names.contains(&"tau_s"), "{names:?}");
+    assert!(!held.is_found());
+}
+
+/// The rod of the tests transforms between 62 and 78 °C.
+#[test]
+fn a_branch_that_was_not_reached_has_no_place() {
+    let whole = [recording("a.csv", triangles(1200, 4.2), 0.5)];
+    let (_, seen) = fitted(ROD, &whole);
+    assert_eq!(seen.beyond_reach, []);
+    assert!(seen.parameter("loop_center_degc").unwrap().intervals[0].is_some());
+    // Turned back before the middle of the heating branch.
+    let partial = [recording("a.csv", triangles(1200, 3.0), 0.5)];
+    let (_, unseen) = fitted(ROD, &partial);
+    let highest = unseen.recordings[0].peak_temperature_degc;
+    assert!(highest < 78.0, "{highest}");
+    let beyond = unseen.beyond_reach[0];
+    assert!(beyond.is_heating && beyond.branch_degc > beyond.reached_degc);
+    assert!((beyond.reached_degc - highest).abs() < 1e-9);
+    for name in ["loop_center_degc", "loop_half_width_k"] {
+        assert_eq!(unseen.parameter(name).unwrap().intervals, [None], "{name}");
+    }
+    assert!(!unseen.is_found());
+}
+
+/// The recording with its output some samples earlier, or later.
+fn shifted(whole: &Recording, samples: usize, earlier: bool) -> Recording {
+    let output = whole.output();
+    let n = output.len();
+    let from = |k: usize| {
+        if earlier {
+            (k + samples).min(n - 1)
+        } else {
+            k.saturating_sub(samples)
+        }
+    };
+    with_output(whole, "mm", (0..n).map(|k| output[from(k)]).collect())
+}
+
+#[test]
+fn an_output_before_its_drive_is_said_and_a_dead_time_is_not() {
+    let whole = recording("a.csv", steps(900), 0.5);
+    let dt_s = whole.time_s()[1] - whole.time_s()[0];
+    let early = [shifted(&whole, 4, true)];
+    let (model, fit) = fitted(ROD, &early);
+    let found = early_output(&model, &early, &fit).unwrap().unwrap();
+    assert!((found.by_s / (4.0 * dt_s) - 1.0).abs() < 0.15, "{found:?}");
+    assert!(found.rmse < 0.5 * fit.train_rmse);
+    for other in [whole.clone(), shifted(&whole, 4, false)] {
+        let training = [other];
+        let (model, fit) = fitted(ROD, &training);
+        assert_eq!(early_output(&model, &training, &fit).unwrap(), None);
+    }
+}
