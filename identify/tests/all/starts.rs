@@ -35,11 +35,12 @@ fn value(fit: &Fit, name: &str) -> f64 {
 
 #[test]
 fn a_warm_start_is_found_with_the_rest() {
-    let whole = recording("a.csv", triangles(1200, 4.2), 0.5);
+    let whole = recording("a.csv", triangles(1200, 5.8), 0.5);
     for first in [150, 330] {
         let training = [cut(&whole, first)];
         let (_, fit) = fitted(ROD, &training);
-        assert!(fit.train_rmse < 1e-4, "{first}: {}", fit.train_rmse);
+        // What went before leaves more than a place between the curves: by less than a thousandth of the stroke.
+        assert!(fit.train_rmse < 3e-3, "{first}: {}", fit.train_rmse);
         assert!((value(&fit, "tau_s") / TRUE_TAU_S - 1.0).abs() < 5e-3);
         assert!((value(&fit, "loop_half_width_k") / 8.0 - 1.0).abs() < 5e-3);
         assert!(value(&fit, "start_rise_k") > 5.0);
@@ -48,7 +49,7 @@ fn a_warm_start_is_found_with_the_rest() {
 
 #[test]
 fn what_is_at_rest_begins_at_rest_and_what_is_said_stays() {
-    let whole = recording("a.csv", triangles(1200, 4.2), 0.5);
+    let whole = recording("a.csv", triangles(1200, 5.8), 0.5);
     let state = |text: &str, training: &[Recording]| {
         let model = RigModel::new(&rod(text), Rule::LastReversal, training)
             .unwrap()
@@ -71,8 +72,8 @@ fn what_is_at_rest_begins_at_rest_and_what_is_said_stays() {
 
 #[test]
 fn an_unseen_recording_may_start_warm_where_the_training_did_not_and_the_other_way_round() {
-    let whole = recording("a.csv", triangles(1200, 4.2), 0.5);
-    let other = recording("b.csv", triangles(900, 3.9), -1.0);
+    let whole = recording("a.csv", triangles(1200, 5.8), 0.5);
+    let other = recording("b.csv", triangles(900, 5.4), -1.0);
     let (model, fit) = fitted(ROD, std::slice::from_ref(&whole));
     let warm = validate(&model, &fit, &cut(&other, 200)).unwrap();
     assert!(warm.rmse < 1e-3, "{}", warm.rmse);
