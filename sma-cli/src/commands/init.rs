@@ -66,10 +66,18 @@ pub(crate) fn run(args: &InitArgs) -> anyhow::Result<Outcome> {
     for question in &rod.questions {
         let _ = writeln!(text, "  ? {question}");
     }
-    let file = &surveys[0].file;
+    let files: Vec<&str> = surveys.iter().map(|one| one.file.as_str()).collect();
+    // The last of several tests the fit of the others.
+    let recordings = match files.as_slice() {
+        [training @ .., last] if !training.is_empty() => {
+            format!("{} --validate {last}", training.join(" "))
+        }
+        all => all.join(" "),
+    };
     let _ = writeln!(
         text,
-        "\nNext: sma inspect {file} --rod {written}\n      sma identify {written} --train {file}"
+        "\nNext: sma inspect {} --rod {written}\n      sma identify {written} --train {recordings}",
+        files[0]
     );
     write_stdout(&text)?;
     Ok(Outcome::Done)

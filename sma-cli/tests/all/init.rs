@@ -40,7 +40,7 @@ fn from_a_file_to_a_fit_in_two_commands() {
         "read as: numbers have a decimal comma",
         "drive, current",
         "? ambient_degc = 22.0: what was the temperature of the room?",
-        "sma identify rod.toml --train lauf1.csv",
+        "sma identify rod.toml --train lauf1.csv --validate lauf2.csv",
     ] {
         assert!(said.contains(expected), "{expected}:\n{said}");
     }
