@@ -3,7 +3,7 @@
 //! A row of the table is a rule with its limits and one sentence. Limits are those of physics and of what is on sale, far
 //! from what is merely odd: a row that fires says that the numbers are not to be used.
 
-use identify::{Fit, NITI_OHM_M, ParameterState, Rod};
+use identify::{EarlyOutput, Fit, NITI_OHM_M, ParameterState, Rod};
 use recording::{Quantity, Recording};
 use serde_json::{Value, json};
 
@@ -37,6 +37,8 @@ pub struct Facts<'a> {
     /// Finest sampling and longest recording, s.
     step_s: f64,
     longest_s: f64,
+    /// Whether the output comes before its drive, and root mean square of the fit that does not know of it.
+    early: Option<(EarlyOutput, f64)>,
 }
 
 /// A parameter and how surely it is known.
@@ -94,6 +96,16 @@ impl<'a> Facts<'a> {
                 f64::min,
             ),
             longest_s: of_all(&duration_s, f64::max),
+            early: None,
+        }
+    }
+
+    /// The same, with an output of the recordings that comes before its drive.
+    #[must_use]
+    pub fn with_early_output(self, early: Option<EarlyOutput>, fit: &Fit) -> Self {
+        Self {
+            early: early.map(|early| (early, fit.train_rmse)),
+            ..self
         }
     }
 
@@ -153,6 +165,7 @@ const OF_ROD: &[Row] = &[
 
 /// What the model makes of it.
 const OF_MODEL: &[Row] = &[
+    ("output-before-drive", output_before_drive),
     ("rod-temperature", rod_temperature),
     ("rod-stays-cold", rod_stays_cold),
     ("drive-melts-the-rod", drive_melts_the_rod),
@@ -201,6 +214,21 @@ fn resistivity(facts: &Facts<'_>) -> Option<String> {
         spoken(facts.rod.resistance_ohm_per_m?),
         spoken(1e3 * facts.rod.diameter_m?),
         spoken(1e6 * ohm_m)
+    ))
+}
+
+fn output_before_drive(facts: &Facts<'_>) -> Option<String> {
+    let (early, rmse) = facts.early?;
+    let unit = match facts.output_unit.as_str() {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    Some(format!(
+        "the output comes {} s before the drive that causes it: with the drive that much earlier the error is {}{unit} instead of \
+         {}{unit}, and time constant and loop are others. Put both columns on one clock, and look for a filter that looks ahead.",
+        spoken(early.by_s),
+        spoken(early.rmse),
+        spoken(rmse)
     ))
 }
 
@@ -483,6 +511,7 @@ mod tests {
             largest_drive: 1.1,
             step_s: 0.05,
             longest_s: 150.0,
+            early: None,
         }
     }
 
@@ -502,6 +531,24 @@ mod tests {
         let all = said(facts);
         assert_eq!(all.len(), 1, "{all:?}");
         all[0].clone()
+    }
+
+    #[test]
+    fn an_output_has_its_cause_before_it() {
+        let rod = rod(ROD);
+        let early = EarlyOutput {
+            by_s: 0.6,
+            rmse: 0.0042,
+        };
+        let facts = Facts {
+            early: Some((early, 0.011)),
+            ..sound(&rod)
+        };
+        let (rule, said) = one(&facts);
+        assert_eq!(rule, "output-before-drive");
+        let expected = "the output comes 0.6 s before the drive that causes it";
+        assert!(said.starts_with(expected), "{said}");
+        assert!(said.contains("0.0042 mm instead of 0.011 mm"), "{said}");
     }
 
     #[test]

@@ -264,7 +264,7 @@ impl Known {
             resistivity: None,
             memory: MEMORY.name(),
             missing_for_temperature: Vec::new(),
-            implausible: implausible(&self.files, self.plain(), diagnosis),
+            implausible: implausible(&self.files, self.plain(), diagnosis)?,
             input_notes: vec![demo_rig::CONCEALED.to_owned()],
         };
         let (recording, models) = before_and_after(self.plain(), diagnosis, &self.files)?;

@@ -4,7 +4,10 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use identify::{FitConfig, FitProgress, RigModel, Rod, WienerModel, predict, static_effects};
+use identify::{
+    FitConfig, FitProgress, IdentifyError, RigModel, Rod, WienerModel, early_output, predict,
+    static_effects,
+};
 use indicatif::ProgressBar;
 use missing_physics::{
     DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Hypothesis, Setting, Verdict,
@@ -241,7 +244,7 @@ fn with_time(
         specific_heat,
         resistivity,
         memory: args.memory.name(),
-        implausible: implausible(&rig, plain, &diagnosis),
+        implausible: implausible(&rig, plain, &diagnosis)?,
         missing_for_temperature: if plain.knows_temperature() {
             Vec::new()
         } else {
@@ -295,10 +298,22 @@ pub(crate) fn implausible(
     rig: &Rig,
     plain: &WienerModel,
     diagnosis: &Diagnosis,
-) -> Vec<Implausible> {
+) -> Result<Vec<Implausible>, IdentifyError> {
+    let before = &diagnosis.baseline.fit;
     let extended = diagnosis.extended.as_ref();
-    let fit = extended.map_or(&diagnosis.baseline.fit, |extended| &extended.stage.fit);
-    Facts::of(&rig.rod, fit, &rig.training, plain.knows_temperature()).implausible()
+    let fit = extended.map_or(before, |extended| &extended.stage.fit);
+    // What has a name is no clock.
+    let early = match diagnosis.verdict {
+        Verdict::ExplainedInPart | Verdict::Unexplained => {
+            early_output(plain, &rig.training, before)?
+        }
+        _ => None,
+    };
+    Ok(
+        Facts::of(&rig.rod, fit, &rig.training, plain.knows_temperature())
+            .with_early_output(early, before)
+            .implausible(),
+    )
 }
 
 fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result<Outcome> {

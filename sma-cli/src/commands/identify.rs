@@ -159,11 +159,12 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             .iter()
             .map(|one| is_trained_on(one, &training))
             .collect(),
-        implausible: Facts::of(&rod, &fit, &training, model.knows_temperature()).implausible(),
+        implausible: Facts::of(&rod, &fit, &training, model.knows_temperature())
+            .with_early_output(early_output, &fit)
+            .implausible(),
         cross_check: checked.as_ref(),
         knows_temperature: model.knows_temperature(),
         missing_for_temperature: rod.missing_for_temperature(),
-        early_output,
         other_loops,
         specific_heat: rod.specific_heat_range.filter(|_| heat_carried),
         is_static: matches!(model, RigModel::Loop(_)),
@@ -226,7 +227,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let beaten = checked
         .as_ref()
         .is_some_and(|one| one.verdict == CrossVerdict::EndedLower);
-    Ok(if !fit.is_found() || beaten || early_output.is_some() {
+    Ok(if !fit.is_found() || beaten {
         Outcome::NotConverged
     } else if identified.implausible.is_empty() {
         Outcome::Done

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
 use identify::{
-    Bounds, CrossCheck, CrossVerdict, EarlyOutput, Fit, FittedParameter, OffsetSource, OneWay,
-    ParameterState, Scope, ThermalModel, Validated,
+    Bounds, CrossCheck, CrossVerdict, Fit, FittedParameter, OffsetSource, OneWay, ParameterState,
+    Scope, ThermalModel, Validated,
 };
 use serde_json::{Value, json};
 
@@ -35,8 +35,6 @@ pub struct Identified<'a> {
     pub missing_for_temperature: Vec<&'static str>,
     /// Whether temperatures are in kelvins.
     pub knows_temperature: bool,
-    /// Whether the output comes before the drive.
-    pub early_output: Option<EarlyOutput>,
     /// Families of loops for which the intervals hold beside the paper's, where the recordings have one rate only.
     pub other_loops: Option<Vec<&'static str>>,
     /// Range of the specific heat, J/(kg K), if the intervals hold for it.
@@ -189,9 +187,6 @@ impl Identified<'_> {
                  ({of}: {:.1} °C). These recordings do not tell where it is, nor how wide the loop is.",
                 beyond.branch_degc, beyond.reached_degc
             );
-        }
-        if let Some(early) = self.early_output {
-            let _ = writeln!(text, "{}", early_output_said(early, fit, &self.unit()));
         }
         text + &sanity::lines(&self.implausible)
     }
@@ -449,7 +444,6 @@ impl Identified<'_> {
                 },
                 "simulations": check.simulations,
             })),
-            "early_output_s": self.early_output.map(|early| early.by_s),
             "other_loops_carried": self.other_loops,
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "temperature_scale": if self.knows_temperature { "known" } else { "assumed" },
@@ -459,18 +453,6 @@ impl Identified<'_> {
             "recordings": trained.chain(unseen).collect::<Vec<_>>(),
         })
     }
-}
-
-/// That an output comes before its drive, and what to do.
-#[must_use]
-pub fn early_output_said(early: EarlyOutput, fit: &Fit, unit: &str) -> String {
-    format!(
-        "TWO CLOCKS: the output comes {} s before the drive. With the drive that much earlier the error is {}{unit} instead of \
-         {}{unit}; time constant and loop below are wrong. Put both columns on one clock, and look for a filter that looks ahead.",
-        significant(early.by_s),
-        significant(early.rmse),
-        significant(fit.train_rmse)
-    )
 }
 
 impl Identified<'_> {
