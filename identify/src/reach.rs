@@ -5,10 +5,15 @@ use rayon::prelude::*;
 use crate::IdentifyError;
 use crate::least_squares::{LeastSquaresConfig, Linearized, Minimum, SumOfSquares, minimize};
 use crate::problem::Problem;
+use crate::residual_noise::ResidualNoise;
 
 /// Sum of squares over the lowest up to which a fit counts: what lies no higher is told apart by what the model leaves out,
 /// not by the recordings.
 pub(crate) const NEAR: f64 = 1.5;
+
+/// Twice the logarithm of the odds with which recordings place a branch where none of them has been: very strong evidence
+/// [KassRaftery1995].
+const VERY_STRONG: f64 = 10.0;
 
 /// Share of the temperatures' span by which a branch may lie beyond them where that costs as much as [`NEAR`] allows.
 const SLIGHTLY: f64 = 0.05;
@@ -175,7 +180,7 @@ pub(crate) struct Held {
 }
 
 /// The lowest fit whose loop lies within the temperatures reached, where that of the lowest end does not; `None` where it does, and
-/// where the recordings are met much worse inside. `ends` are in the order of their height.
+/// where the recordings speak against one inside by as many independent samples as the residual of the lowest end counts. `ends` are in the order of their height.
 ///
 /// Where no recording has been, a branch bends what little is seen of it as it likes: the sum of squares may well be lowest
 /// there, and tells nothing of where the branch is.
@@ -212,8 +217,13 @@ pub(crate) fn held_within(
     let nearest = found
         .into_iter()
         .find(|(minimum, _)| minimum.sum_of_squares <= least);
+    let solved = problem.solve_one(&lowest.point)?;
+    let residuals = problem.residuals(&lowest.point, &solved)?;
+    let outputs: Vec<&[f64]> = residuals.iter().map(|one| one.values.as_slice()).collect();
+    let n_effective = ResidualNoise::of(&outputs).n_effective;
+    let most = NEAR.min((VERY_STRONG / n_effective.max(1.0)).exp());
     Ok(nearest
-        .filter(|(minimum, _)| minimum.sum_of_squares <= NEAR * lowest.sum_of_squares)
+        .filter(|(minimum, _)| minimum.sum_of_squares <= most * lowest.sum_of_squares)
         .map(|(minimum, is_pressed)| Held {
             minimum,
             agreeing,
