@@ -255,3 +255,29 @@ fn static_data_have_no_heat_balance() {
     assert_eq!(parameters[0]["unit"], "MPa");
     assert_eq!(json["output_unit"], "%");
 }
+
+#[test]
+fn a_rod_that_cannot_be_ends_with_4_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let rod = std::fs::read_to_string(bundled("rod.toml")).unwrap();
+    let rod = rod.replace("density_kg_per_m3 = 6450.0", "density_kg_per_m3 = 1e300");
+    let path = folder.path().join("rod.toml");
+    std::fs::write(&path, rod).unwrap();
+    let run = |command: &str, arguments: &[&str]| {
+        let mut call = sma();
+        call.arg(command).arg(&path);
+        call.args(["--train", "train.csv", "--quiet", "--no-plot"]);
+        let assert = call.args(arguments).assert().code(4);
+        String::from_utf8(assert.get_output().stdout.clone()).unwrap()
+    };
+    let text = run("identify", &["--starts", "2"]);
+    let first = "IMPLAUSIBLE: density_kg_per_m3 = 1.0e300, and no metal has that; NiTi has 6450.\n";
+    assert!(text.starts_with(first), "{text}");
+    for (command, arguments) in [
+        ("identify", ["--json", "-", "--starts", "2"].as_slice()),
+        ("diagnose", ["--json", "-"].as_slice()),
+    ] {
+        let json: serde_json::Value = serde_json::from_str(&run(command, arguments)).unwrap();
+        assert_eq!(json["implausible"][0]["rule"], "density", "{command}");
+    }
+}

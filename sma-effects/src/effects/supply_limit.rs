@@ -12,13 +12,14 @@ parameters! {
     /// ```
     ///
     /// a is the magnitude of the drive, or the power of a duty, and a_max the largest of the training recordings. b = 1 is
-    /// a supply that gives no more, a' = min(a, u_s a_max); less is one that gives way. The amplitude is linear in b; it does
+    /// a supply that gives no more, a' = min(a, u_s a_max); less stands for a limit that is not held. The amplitude is linear in b; it does
     /// nothing in a run that does not reach u_s a_max. Where all that is driven stands at one level it acts like another
     /// resistance.
     SupplyLimit {
-        /// Share of the drive beyond the limit that does not come b; 0 to 1. What holds back less than half is no limit.
+        /// Share of the drive beyond the limit that does not come b; 0 to 1. A supply changes over from constant current to
+        /// constant voltage sharply, within less than a percent: what lets a tenth of the rest through is no limit.
         supply_limit_share: EffectParameter::size("1", 1.0, [0.0, 1.0])
-            .at_least(0.5)
+            .at_least(0.9)
             // A supply that gives no more.
             .up_to_an_end(),
         /// Limit over the largest drive u_s; 0.2 to 1. A partner: where nothing is held back it does nothing.
