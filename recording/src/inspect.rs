@@ -161,6 +161,7 @@ impl Inspection {
 pub fn inspect(recording: &Recording) -> Inspection {
     Inspection {
         wild: wild(recording),
+        slips: slips(recording),
         drive_noise: drive_noise(recording),
         is_mended: true,
         adaptations: recording.adaptations().to_vec(),

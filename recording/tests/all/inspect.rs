@@ -700,7 +700,7 @@ fn resampling_says_what_it_accepts() {
 }
 
 #[test]
-fn a_sound_recording_has_no_warnings() {
+fn a_sound_recording_is_warned_of_its_one_rate_alone() {
     let mut noise = Noise(12);
     let drive = pulses(8000, 1000, 900, 2000);
     let output = response(&drive, 0.2, 8.0)
@@ -708,7 +708,7 @@ fn a_sound_recording_has_no_warnings() {
         .map(|y| ((y + 0.004 * noise.normal()) / 0.0012207).round() * 0.0012207)
         .collect();
     let found = inspect(&recording(0.2, drive, output));
-    assert_eq!(found.warnings(), []);
+    assert_eq!(found.warnings(), [Warning::OneRate]);
     assert_eq!((found.n_samples, found.rest_samples), (8000, 1000));
     assert_within(found.duration_s.unwrap(), 1599.8, 1e-12);
     assert_eq!((found.cycles.len(), found.holds.len()), (4, 8));
@@ -737,6 +737,9 @@ fn a_short_pulse_is_warned_of() {
              and must be fitted; start with 10 samples or more, cold and undriven",
             "whole cycles: 1: nothing can be held out, nor drift told from a slow response; record \
              at least 2, better 3 equal ones",
+            "the drive rises to one level at one rate: the time constant, the loop's center and its width trade against \
+             one another; record a second run at another rate or to another level, a slow ramp beside steps say, and fit \
+             both together",
             "at the highest drive, 1.8 A, the output still moves, by 20.83 % of its range in the \
              last fifth of the time: it is not seen to settle or saturate, and the far end of the \
              loop is a guess; hold longer, or drive higher if the rig allows",

@@ -211,8 +211,11 @@ fn kelvins_and_files_of_another_kind() {
 #[test]
 fn drives_that_lack_their_wiring() {
     let duty = "time_s,duty,displacement_mm\n0,0,0\n0.1,0.5,0.1\n";
+    // All that makes watts of a duty, but for the supply.
     assert_bad_input(
-        &format!("{ROD}[drive]\nkind = \"duty\"\n"),
+        &format!(
+            "{ROD}[rod]\nlength_mm = 200.0\nresistance_ohm_per_m = 4.3\n[drive]\nkind = \"duty\"\n"
+        ),
         duty,
         "rod.toml: drive.supply_v is missing: a duty says how long the supply is on, not how strong it is",
     );
