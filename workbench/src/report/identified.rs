@@ -188,7 +188,7 @@ impl Identified<'_> {
                 beyond.branch_degc, beyond.reached_degc
             );
         }
-        text + &sanity::lines(&self.implausible)
+        sanity::lines(&self.implausible) + &text
     }
 
     /// What argmin's end means.
