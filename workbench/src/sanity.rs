@@ -546,7 +546,7 @@ mod tests {
         };
         let (rule, said) = one(&facts);
         assert_eq!(rule, "output-before-drive");
-        let expected = "the output comes 0.6 s before the drive that causes it";
+        let expected = "the output comes 0.60 s before the drive that causes it";
         assert!(said.starts_with(expected), "{said}");
         assert!(said.contains("0.0042 mm instead of 0.011 mm"), "{said}");
     }
