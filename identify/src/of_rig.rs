@@ -37,7 +37,7 @@ impl<'a> OfRig<'a> {
         for (place, at_rest) in [rise, share] {
             let info = &mut self.parameters[place];
             match info.state {
-                ParameterState::Fixed(value) if value != at_rest => {}
+                ParameterState::Fixed(value) if (value - at_rest).abs() > 0.0 => {}
                 _ if is_warm => info.state = ParameterState::Free,
                 _ => info.state = ParameterState::Fixed(at_rest),
             }

@@ -48,12 +48,14 @@ pub(crate) fn beyond_reach(
         branch_degc,
         reached_degc,
     };
-    let branches = [of(true, heating, highest), of(false, cooling, lowest)];
-    Ok(branches
-        .into_iter()
-        .filter(|one| one.is_heating == (one.branch_degc > one.reached_degc))
-        .filter(|one| one.branch_degc != one.reached_degc)
-        .collect())
+    let mut beyond = Vec::new();
+    if heating > highest {
+        beyond.push(of(true, heating, highest));
+    }
+    if cooling < lowest {
+        beyond.push(of(false, cooling, lowest));
+    }
+    Ok(beyond)
 }
 
 /// How far the branches lie beyond the temperatures reached, at each point: shares of the span of these.

@@ -48,7 +48,7 @@ pub fn has_one_rate(recordings: &[Recording]) -> bool {
 
 impl Swing {
     fn is_like(&self, other: &Self) -> bool {
-        let alike = |a: f64, b: f64| a == b || a.max(b) <= ALIKE * a.min(b);
+        let alike = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
         let ends = [self.to, other.to];
         // Ends near rest are alike whatever their ratio.
         let same_end =
@@ -119,7 +119,7 @@ fn swing(levels: &[f64], time_s: &[f64]) -> Option<Swing> {
         .position(|level| done(level) >= 1.0 - MARGIN)?;
     let held = levels[left..=come]
         .windows(2)
-        .filter(|two| two[0] == two[1]);
+        .filter(|two| (two[1] - two[0]).abs() <= 0.0);
     let slope_per_s = if come <= left + STEP_SAMPLES {
         f64::INFINITY
     } else if 2 * held.count() > come - left {

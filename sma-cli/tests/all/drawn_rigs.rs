@@ -201,7 +201,6 @@ fn intervals_of_one_rate_hold_the_truth_or_the_parameter_is_called_not_fixed() {
         )
         .unwrap();
     }
-    println!("{table}{held:?} of {RIGS}");
     assert!(u64::from(said) >= RIGS * 9 / 10, "{said}\n{table}");
     let enough = |held: &u32| 10 * u64::from(*held) >= 9 * RIGS;
     assert!(held.iter().all(enough), "{held:?} of {RIGS}\n{table}");
@@ -229,6 +228,5 @@ fn the_loop_of_a_rig_that_starts_warm_is_found() {
     }
     errors.sort_by(f64::total_cmp);
     let median = errors[errors.len() / 2];
-    println!("{table}median error {median:.4}");
     assert!(median <= 0.02, "{median}\n{table}");
 }
