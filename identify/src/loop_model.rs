@@ -139,7 +139,7 @@ impl LoopModel {
     }
 
     /// The same loop with one that drifts with the cycles of its input, by the law of the effect `functional-fatigue`, and a lasting
-    /// part that each cycle leaves [Eggeler2004].
+    /// part that each cycle leaves (Eggeler2004 in REFERENCES.md).
     ///
     /// ```text
     /// y = gain ((1 - b s) ξ(u - a s) + c s) + offset,   s = (1 - exp(-k n))/(1 - exp(-k N))
