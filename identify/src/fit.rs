@@ -298,6 +298,9 @@ impl Start<'_> {
     }
 }
 
+/// Twice the logarithm of odds, and so a difference of Schwarz's criterion, that is very strong evidence [KassRaftery1995].
+pub(crate) const VERY_STRONG: f64 = 10.0;
+
 /// The least-squares searches so far.
 #[derive(Debug, Default)]
 struct Search {

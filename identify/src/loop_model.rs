@@ -92,17 +92,7 @@ impl LoopModel {
     /// values that cannot be.
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
-        let inputs = training.iter().flat_map(Recording::drive);
-        let range = inputs.fold(
-            Bounds {
-                lower: f64::INFINITY,
-                upper: f64::NEG_INFINITY,
-            },
-            |range, &input| Bounds {
-                lower: range.lower.min(input),
-                upper: range.upper.max(input),
-            },
-        );
+        let range = inputs(training);
         let mut parameters = parameters(first.drive_unit(), first.output_unit(), range);
         let one_way = InputPath::over(range.width()).one_way(training);
         if one_way.is_some() {
@@ -153,9 +143,7 @@ impl LoopModel {
     /// The effect counts cycles by what transforms, and its sizes are those of the first.
     #[must_use]
     pub fn with_fatigue(mut self, training: &[Recording]) -> Option<Self> {
-        let inputs = || training.iter().flat_map(Recording::drive).copied();
-        let range =
-            inputs().fold(f64::NEG_INFINITY, f64::max) - inputs().fold(f64::INFINITY, f64::min);
+        let range = inputs(training).width();
         let path = InputPath::over(range);
         let cycles = training.iter().map(|one| path.cycles(one.drive()));
         let cycles = cycles.fold(0.0, f64::max);
@@ -354,6 +342,11 @@ impl ForwardModel for LoopModel {
     fn branches_degc(&self, point: &[f64]) -> Option<[f64; 2]> {
         Some(branches_degc(point[CENTER], point[HALF_WIDTH]))
     }
+}
+
+/// The range of all inputs.
+fn inputs(training: &[Recording]) -> Bounds {
+    Bounds::of(training.iter().flat_map(Recording::drive).copied())
 }
 
 /// The stress of a recording that must have one.

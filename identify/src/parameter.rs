@@ -50,6 +50,18 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// The range of some values; upside down without any.
+    pub(crate) fn of(values: impl Iterator<Item = f64>) -> Self {
+        let none = Self {
+            lower: f64::INFINITY,
+            upper: f64::NEG_INFINITY,
+        };
+        values.fold(none, |range, value| Self {
+            lower: range.lower.min(value),
+            upper: range.upper.max(value),
+        })
+    }
+
     /// No bounds at all.
     pub const NONE: Self = Self {
         lower: f64::NEG_INFINITY,

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::IdentifyError;
+use crate::fit::VERY_STRONG;
 use crate::least_squares::{LeastSquaresConfig, Linearized, Minimum, SumOfSquares, minimize};
 use crate::problem::Problem;
 use crate::residual_noise::ResidualNoise;
@@ -10,10 +11,6 @@ use crate::residual_noise::ResidualNoise;
 /// Sum of squares over the lowest up to which a fit counts: what lies no higher is told apart by what the model leaves out,
 /// not by the recordings.
 pub(crate) const NEAR: f64 = 1.5;
-
-/// Twice the logarithm of the odds with which recordings place a branch where none of them has been: very strong evidence
-/// [KassRaftery1995].
-const VERY_STRONG: f64 = 10.0;
 
 /// Share of the temperatures' span by which a branch may lie beyond them where that costs as much as [`NEAR`] allows.
 const SLIGHTLY: f64 = 0.05;

@@ -5,10 +5,11 @@ use wiener::hysteresis::{LoopParams, Rule};
 use wiener::{Block, Drive, WienerParams};
 
 use crate::cascade::{Cascade, StartAbove};
+use crate::fit::VERY_STRONG;
 use crate::sensor_lag::SensorLag;
 use crate::temperature_unit::TemperatureUnit;
 use crate::validate::samples_at_rest;
-use crate::wiener_model::{AMBIENT_LEVEL, Heat, level, rise, tau_bounds_s};
+use crate::wiener_model::{AMBIENT_LEVEL, Heat, START, level, rise, tau_bounds_s};
 use crate::{
     Bounds, Enters, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState,
     ParameterVector, Rod, Scale, Scope,
@@ -16,11 +17,7 @@ use crate::{
 
 /// Names of what belongs to a recording.
 const AMBIENT: &str = "ambient_degc";
-const START_RISE: &str = "start_rise_k";
-
-/// By how much Schwarz's criterion must prefer a sensor that lags: "very strong" evidence (KassRaftery1995 in
-/// REFERENCES.md).
-const VERY_STRONG: f64 = 10.0;
+const START_RISE: &str = START[0].0;
 
 /// A rod whose temperature is the output: eqs 1-3 without the loop.
 ///
@@ -110,18 +107,15 @@ impl ThermalModel {
                 file: rod.file().to_owned(),
                 unit: output_unit.to_owned(),
             })?;
-        let (drive, heat) = match rod.drive() {
-            Ok(drive) => (drive, Heat::of(rod, drive)?),
+        let drive = match rod.drive() {
             // A duty without its supply: then only what a duty of 1 does counts.
-            Err(IdentifyError::Missing { .. }) => {
-                let drive = Drive::Duty {
-                    supply_v: 1.0,
-                    length_m: rod.length_m.unwrap_or(1.0),
-                };
-                (drive, Heat::constants(rod, drive))
-            }
-            Err(refused) => return Err(refused),
+            Err(IdentifyError::Missing { .. }) => Drive::Duty {
+                supply_v: 1.0,
+                length_m: rod.length_m.unwrap_or(1.0),
+            },
+            known => known?,
         };
+        let heat = Heat::of(rod, drive)?;
         let mut parameters = vec![
             ParameterInfo::searched("tau_s", "s", Scale::Logarithmic, Bounds::NONE),
             ambient(Some(0.0), Bounds::NONE),
@@ -415,17 +409,7 @@ fn lag() -> ParameterInfo {
 /// Lowest and highest temperature of some recordings, °C.
 fn seen(unit: TemperatureUnit, recordings: &[Recording]) -> Bounds {
     let all = recordings.iter().flat_map(Recording::output);
-    let none = Bounds {
-        lower: f64::INFINITY,
-        upper: f64::NEG_INFINITY,
-    };
-    all.fold(none, |seen, &shown| {
-        let degc = unit.degc(shown);
-        Bounds {
-            lower: seen.lower.min(degc),
-            upper: seen.upper.max(degc),
-        }
-    })
+    Bounds::of(all.map(|&shown| unit.degc(shown)))
 }
 
 /// How a recording of a temperature begins.

@@ -76,7 +76,13 @@ pub(crate) enum Heat {
 impl Heat {
     pub(crate) fn of(rod: &Rod, drive: Drive) -> Result<Self, IdentifyError> {
         Ok(match rod.material() {
-            None => Self::constants(rod, drive),
+            None => {
+                let resistance_ohm_per_m = rod.resistance_or_typical_ohm_per_m();
+                Self::Constants {
+                    unit_power_w_per_m: drive.power_w_per_m([1.0], [resistance_ohm_per_m])[0],
+                    resistance_ohm_per_m,
+                }
+            }
             Some(material) => {
                 let heat = material.heat_balance().map_err(wiener::WienerError::from)?;
                 Self::Known {
@@ -85,15 +91,6 @@ impl Heat {
                 }
             }
         })
-    }
-
-    /// Where only the steady rise per unit of drive counts.
-    pub(crate) fn constants(rod: &Rod, drive: Drive) -> Self {
-        let resistance_ohm_per_m = rod.resistance_or_typical_ohm_per_m();
-        Self::Constants {
-            unit_power_w_per_m: drive.power_w_per_m([1.0], [resistance_ohm_per_m])[0],
-            resistance_ohm_per_m,
-        }
     }
 
     /// The heat balance of a time constant τ, s, and where it does not follow from it of a steady rise per unit of drive.

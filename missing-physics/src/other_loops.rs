@@ -48,26 +48,17 @@ pub fn other_loops(
 
 /// Widens the intervals of a fit to hold what loops of other families say: where recordings do not tell which family it is, they
 /// do not tell its parameters any better. Values stay. Shapes of branches mean another thing in another family, and keep their
-/// intervals. Returns the largest widening, as a factor; 1 if there is none.
-pub fn carry_loop_shape(fit: &mut Fit, others: &[OtherLoop]) -> f64 {
-    let mut most: f64 = 1.0;
+/// intervals.
+pub fn carry_loop_shape(fit: &mut Fit, others: &[OtherLoop]) {
     for parameter in fit.parameters.iter_mut().filter(|one| is_common(one)) {
         let Some(own) = parameter.intervals[0] else {
             continue;
         };
-        let widened = others.iter().fold(own, |hull, other| {
-            match other.fit.parameter(parameter.info.name) {
-                Some(other) => hull_of(hull, other),
-                None => hull,
-            }
-        });
-        let factor = (widened.upper - widened.lower) / (own.upper - own.lower);
-        if factor.is_finite() {
-            most = most.max(factor);
-        }
-        parameter.intervals[0] = Some(widened);
+        let theirs = others
+            .iter()
+            .filter_map(|other| other.fit.parameter(parameter.info.name));
+        parameter.intervals[0] = Some(theirs.fold(own, hull_of));
     }
-    most
 }
 
 /// Whether a parameter is of the rod or of the limiting loop, which all families have.

@@ -42,11 +42,6 @@ impl Recording {
         for drive in &mut self.parts.drive {
             *drive = drive.abs().min(limit).copysign(*drive);
         }
-        self.adaptations.push(Adaptation {
-            what,
-            n_lines: 0,
-            first_line: 0,
-        });
-        Ok(self)
+        Ok(self.also_adapted_by(Adaptation::of_recording(what)))
     }
 }

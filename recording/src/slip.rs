@@ -7,7 +7,7 @@ use crate::Recording;
 use crate::holds::HOLD_TOLERANCE;
 use crate::quantization::quantization_step;
 use crate::sampling::Sampling;
-use crate::warning::{Short, quantity};
+use crate::warning::{Short, WithUnit, quantity};
 use crate::wild::{Ordered, usual_size};
 
 /// Step of the output over what neighbors usually differ by, from which it may be a slip: the same as of a sample that stands apart.
@@ -67,13 +67,9 @@ impl fmt::Display for Slip {
 impl Slip {
     /// Its size and place alone.
     pub(crate) fn short(&self) -> String {
-        let unit = match self.unit.as_str() {
-            "1" => String::new(),
-            unit => format!(" {unit}"),
-        };
         format!(
-            "a slip of the output by {}{unit} at {} s, while the drive is held",
-            Short(self.step),
+            "a slip of the output by {} at {} s, while the drive is held",
+            WithUnit(self.step, &self.unit),
             Short(self.time_s)
         )
     }

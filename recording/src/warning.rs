@@ -257,11 +257,21 @@ fn is_still(channel: &Channel) -> bool {
 }
 
 /// Number and unit, without a unit of one.
-pub(crate) fn quantity(f: &mut fmt::Formatter<'_>, value: f64, unit: &str) -> fmt::Result {
-    match unit {
-        "1" => write!(f, "{}", Short(value)),
-        _ => write!(f, "{} {unit}", Short(value)),
+pub(crate) struct WithUnit<'a>(pub(crate) f64, pub(crate) &'a str);
+
+impl fmt::Display for WithUnit<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, unit) = self;
+        match *unit {
+            "1" => write!(f, "{}", Short(*value)),
+            unit => write!(f, "{} {unit}", Short(*value)),
+        }
     }
+}
+
+/// The same, into a text under way.
+pub(crate) fn quantity(f: &mut fmt::Formatter<'_>, value: f64, unit: &str) -> fmt::Result {
+    write!(f, "{}", WithUnit(value, unit))
 }
 
 /// How often.

@@ -7,7 +7,7 @@ use identify::{EarlyOutput, Fit, NITI_OHM_M, ParameterState, Rod};
 use recording::{Quantity, Recording};
 use serde_json::{Value, json};
 
-use crate::report::number::spoken;
+use crate::report::number::{behind, spoken};
 
 /// A rule that a model breaks.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -219,10 +219,7 @@ fn resistivity(facts: &Facts<'_>) -> Option<String> {
 
 fn output_before_drive(facts: &Facts<'_>) -> Option<String> {
     let (early, rmse) = facts.early?;
-    let unit = match facts.output_unit.as_str() {
-        "1" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = behind(&facts.output_unit);
     Some(format!(
         "the output comes {} s before the drive that causes it: with the drive that much earlier the error is {}{unit} instead of \
          {}{unit}, and time constant and loop are others. Put both columns on one clock, and look for a filter that looks ahead.",

@@ -5,21 +5,11 @@
     reason = "tests fail by panicking, in their helpers too"
 )]
 
-use std::ops::ControlFlow;
-
 use crate::common;
 
-use common::{ROD, recording, rod, steps, triangles, with_output};
-use identify::{Fit, FitConfig, WienerModel, early_output, fit};
+use common::{ROD, fitted, recording, steps, triangles, with_output};
+use identify::early_output;
 use recording::Recording;
-use wiener::hysteresis::Rule;
-
-fn fitted(text: &str, training: &[Recording]) -> (WienerModel, Fit) {
-    let model = WienerModel::new(&rod(text), Rule::LastReversal, training).unwrap();
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let fit = fit(&model, training, &FitConfig::default(), go_on).unwrap();
-    (model, fit)
-}
 
 #[test]
 fn a_bound_of_the_search_holds_a_fit() {

@@ -9,22 +9,12 @@
 #[allow(dead_code, reason = "tests use different parts of what they share")]
 use crate::common;
 
-use std::ops::ControlFlow;
-
-use common::{ROD, recording, rod, triangles, with_output};
-use identify::{Fit, FitConfig, WienerModel, fit};
+use common::{ROD, fitted, recording, triangles, with_output};
+use identify::Fit;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::Recording;
-use wiener::hysteresis::Rule;
-
-fn fitted(text: &str, training: &[Recording]) -> (WienerModel, Fit) {
-    let model = WienerModel::new(&rod(text), Rule::LastReversal, training).unwrap();
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let fit = fit(&model, training, &FitConfig::default(), go_on).unwrap();
-    (model, fit)
-}
 
 #[test]
 fn a_range_of_specific_heat_is_carried_into_the_intervals() {

@@ -5,19 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
-
-fn sma(folder: &Path, call: &str) -> (i32, String, String) {
-    let mut sma = Command::cargo_bin("sma").unwrap();
-    let run = sma.args(call.split_whitespace()).current_dir(folder);
-    let output = run.output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code().unwrap(),
-        text(output.stdout),
-        text(output.stderr),
-    )
-}
+use crate::folder::sma;
 
 /// The bundled recording as a spreadsheet of another country saves it.
 fn as_german(name: &str) -> String {

@@ -7,6 +7,7 @@ mod demo;
 mod diagnose;
 mod docs;
 mod drawn_rigs;
+mod folder;
 #[path = "../../examples/generate_recording.rs"]
 mod generate_recording;
 mod identify;

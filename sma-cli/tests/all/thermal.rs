@@ -4,22 +4,10 @@
 
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 
-use assert_cmd::Command;
 use serde_json::Value;
 
-fn sma(folder: &Path, call: &str) -> (i32, String, String) {
-    let mut sma = Command::cargo_bin("sma").unwrap();
-    let run = sma.args(call.split_whitespace()).current_dir(folder);
-    let output = run.output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code().unwrap(),
-        text(output.stdout),
-        text(output.stderr),
-    )
-}
+use crate::folder::sma;
 
 /// A duty of steps on a rod of τ = 3 s that a duty of 1 heats by 80 K, in surroundings of 23 °C, to a tenth of a kelvin.
 fn polled() -> String {

@@ -10,7 +10,7 @@ use identify::{
 use serde_json::{Value, json};
 
 use super::label::label;
-use super::number::{count, percent, significant};
+use super::number::{behind, count, percent, significant};
 use super::table::{right, table, unpadded};
 use crate::sanity::{self, Implausible};
 
@@ -61,10 +61,7 @@ impl Identified<'_> {
 
     /// Unit of the output behind a number: nothing where it has none.
     fn unit(&self) -> String {
-        match self.fit.output_unit.as_str() {
-            "1" => String::new(),
-            unit => format!(" {unit}"),
-        }
+        behind(&self.fit.output_unit)
     }
 
     /// For people: the verdict first, then the tables.
@@ -162,10 +159,7 @@ impl Identified<'_> {
             .held_by_bounds()
             .map(|one| {
                 let value = significant(one.values[0]);
-                match one.info.unit.as_str() {
-                    "1" => format!("{} {value}", one.info.name),
-                    unit => format!("{} {value} {unit}", one.info.name),
-                }
+                format!("{} {value}{}", one.info.name, behind(&one.info.unit))
             })
             .collect();
         if !held.is_empty() {
@@ -612,11 +606,7 @@ fn thermal_notes(thermal: &ThermalModel, fit: &Fit, missing: &[&str]) -> Vec<Str
     if !thermal.tells_which_lags() {
         notes.push(format!(
             "watts are not told, only the steady rise per unit of drive: rod.toml does not give {}",
-            if missing.is_empty() {
-                "supply_v".to_owned()
-            } else {
-                missing.join(", ")
-            }
+            missing.join(", ")
         ));
     }
     notes

@@ -16,6 +16,15 @@ pub fn significant(value: f64) -> String {
     }
 }
 
+/// A unit behind a number: nothing where there is none.
+#[must_use]
+pub fn behind(unit: &str) -> String {
+    match unit {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
 /// A value with two significant digits, to be read aloud.
 #[must_use]
 pub fn spoken(value: f64) -> String {

@@ -7,7 +7,7 @@ use missing_physics::{
     Candidate, Diagnosis, EffectBlock, Finding, NoiseClass, Remainder, RuleId, Verdict,
 };
 
-use super::number::{percent, significant, spoken, spoken_percent};
+use super::number::{behind, percent, significant, spoken, spoken_percent};
 
 /// Distance to a bound, as a share of the range, at which a value stands on it.
 const NEAR_BOUND: f64 = 1e-6;
@@ -335,10 +335,7 @@ pub fn named(effects: &[Candidate], word: &str) -> String {
 /// Unit of the output behind a number: nothing where it has none.
 #[must_use]
 pub fn unit(diagnosis: &Diagnosis) -> String {
-    match diagnosis.baseline.fit.output_unit.as_str() {
-        "1" => String::new(),
-        unit => format!(" {unit}"),
-    }
+    behind(&diagnosis.baseline.fit.output_unit)
 }
 
 /// "a, b and c".

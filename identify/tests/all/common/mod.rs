@@ -1,6 +1,8 @@
 //! A rig that the tests share: its rod file, its truth, and recordings generated from it.
 
-use identify::Rod;
+use std::ops::ControlFlow;
+
+use identify::{Fit, FitConfig, Rod, WienerModel, fit};
 use recording::{Quantity, Recording, RecordingParts};
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
@@ -107,4 +109,12 @@ pub(crate) fn steps(samples: usize) -> Vec<f64> {
             }
         })
         .collect()
+}
+
+/// The plain model of a rod file, and its fit from the default settings.
+pub(crate) fn fitted(text: &str, training: &[Recording]) -> (WienerModel, Fit) {
+    let model = WienerModel::new(&rod(text), Rule::LastReversal, training).unwrap();
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let fit = fit(&model, training, &FitConfig::default(), go_on).unwrap();
+    (model, fit)
 }
