@@ -49,7 +49,19 @@ impl Cascade {
         visit: &mut dyn FnMut(Block<'_>),
         member: impl Fn(&[f64]) -> (WienerParams, StartAbove),
     ) -> Result<(), IdentifyError> {
-        let profile = self.profile(recording)?;
+        self.simulate_driven(points, recording, recording.drive(), visit, member)
+    }
+
+    /// The same under another drive, of as many samples.
+    pub(crate) fn simulate_driven(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        drive: &[f64],
+        visit: &mut dyn FnMut(Block<'_>),
+        member: impl Fn(&[f64]) -> (WienerParams, StartAbove),
+    ) -> Result<(), IdentifyError> {
+        let profile = self.profile_driven(recording, drive)?;
         let members: Vec<Member> = points
             .iter()
             .map(|point| {
@@ -74,6 +86,14 @@ impl Cascade {
         &self,
         recording: &'a Recording,
     ) -> Result<Profile<'a>, IdentifyError> {
+        self.profile_driven(recording, recording.drive())
+    }
+
+    fn profile_driven<'a>(
+        &self,
+        recording: &'a Recording,
+        drive: &'a [f64],
+    ) -> Result<Profile<'a>, IdentifyError> {
         let untimed = || IdentifyError::Untimed {
             recording: recording.name().to_owned(),
         };
@@ -90,10 +110,8 @@ impl Cascade {
             }
         };
         let profile = match recording.sampling() {
-            Sampling::Uniform { dt_s } => Profile::uniform(recording.drive(), dt_s, ambient_degc)?,
-            Sampling::Jittered { .. } => {
-                Profile::timed(recording.drive(), recording.time_s(), ambient_degc)?
-            }
+            Sampling::Uniform { dt_s } => Profile::uniform(drive, dt_s, ambient_degc)?,
+            Sampling::Jittered { .. } => Profile::timed(drive, recording.time_s(), ambient_degc)?,
             Sampling::Untimed => return Err(untimed()),
         };
         Ok(match recorded {

@@ -100,6 +100,22 @@ pub enum IdentifyError {
         /// Recording.
         recording: String,
     },
+    /// A model of one rod is asked for of recordings with two drives.
+    #[error(
+        "{recording}: two drives: the paper's unknowns are those of one rod; use `sma identify` without a preset"
+    )]
+    TwoRods {
+        /// Recording.
+        recording: String,
+    },
+    /// A recording has one drive, and the model two rods.
+    #[error(
+        "{recording}: one drive: the model is of two rods; name the other drive by [columns] antagonist"
+    )]
+    NoAntagonist {
+        /// Recording.
+        recording: String,
+    },
     /// Recordings measure the output in different units.
     #[error("{recording}: output in {found}, but {first} is in {expected}: one unit is needed")]
     Units {

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod antagonist_model;
 mod cascade;
 mod clocks;
 mod cross_check;
@@ -47,6 +48,7 @@ mod uncertainty;
 mod validate;
 mod wiener_model;
 
+pub use antagonist_model::AntagonistModel;
 pub use clocks::{EarlyOutput, early_output};
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;

@@ -10,7 +10,7 @@ use wiener::{
 };
 
 use crate::input_path::{InputPath, OneWay};
-use crate::wiener_model::{branches_degc, start_share, zeta};
+use crate::wiener_model::{START, branches_degc, start_share, zeta};
 use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale};
 
 /// Narrowest loop that is searched, as a share of the input's range: below, a width is that of a sample.
@@ -380,7 +380,7 @@ fn parameters(input_unit: &str, output_unit: &str, range: Bounds) -> Vec<Paramet
         zeta(),
         ParameterInfo::gain(output_unit),
         ParameterInfo::offset(output_unit),
-        start_share(),
+        start_share(START[1]),
     ]
 }
 

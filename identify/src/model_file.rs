@@ -12,9 +12,9 @@ use crate::rod::{DriveTable, LimitsTable, LoadTable, RodFile, RodTable, Surround
 use crate::saved_model::{Provenance, Role, SavedModel, SavedRecording, Scores};
 use crate::source::{Source, read};
 use crate::{
-    Enters, FittedParameter, IdentifyError, LoopModel, ParameterCovariance, ParameterInfo,
-    ParameterState, RigModel, Rod, SadeghiModel, SavedEffects, Scope, ThermalModel, WienerModel,
-    parameters_of_family,
+    AntagonistModel, Enters, FittedParameter, IdentifyError, LoopModel, ParameterCovariance,
+    ParameterInfo, ParameterState, RigModel, Rod, SadeghiModel, SavedEffects, Scope, ThermalModel,
+    WienerModel, parameters_of_family,
 };
 
 /// Says which parameters an effect has, or what would be accepted in its place.
@@ -113,6 +113,7 @@ enum Kind {
     Sadeghi,
     StaticLoop,
     Thermal,
+    Antagonist,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -259,11 +260,15 @@ impl SavedModel {
             ..RodFile::default()
         };
         let rod = Rod::of(&source, rod)?;
+        let assumed = parsed.temperature_scale == TemperatureScale::Assumed;
         let mut model = match parsed.model {
             Kind::Wiener => {
-                let assumed = parsed.temperature_scale == TemperatureScale::Assumed;
-                let model = WienerModel::template(&rod, rule, assumed)?;
+                let model = WienerModel::template(&rod, rule, assumed, &|_| Vec::new())?;
                 RigModel::Wiener(model.with_reference(trained.first().copied()))
+            }
+            Kind::Antagonist => {
+                let reference = trained.first().copied();
+                RigModel::Antagonist(AntagonistModel::template(&rod, rule, assumed, reference)?)
             }
             Kind::Sadeghi => RigModel::Sadeghi(SadeghiModel::template(&rod, rule, &[])?),
             Kind::StaticLoop => RigModel::Loop(LoopModel::template(rule, &parsed.drive_unit)),
@@ -309,6 +314,7 @@ impl SavedModel {
                 RigModel::Sadeghi(_) => Kind::Sadeghi,
                 RigModel::Loop(_) => Kind::StaticLoop,
                 RigModel::Thermal(_) => Kind::Thermal,
+                RigModel::Antagonist(_) => Kind::Antagonist,
             },
             memory: match self.rule {
                 Rule::LastReversal => Memory::LastReversal,

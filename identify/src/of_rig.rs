@@ -1,7 +1,7 @@
 use recording::Recording;
 use wiener::Block;
 
-use crate::wiener_model::START;
+use crate::wiener_model::STARTS;
 use crate::{ForwardModel, IdentifyError, ParameterInfo, ParameterState, Scope, may_begin_warm};
 
 /// A model whose shared parameters are known; what is left to find is a recording's own.
@@ -25,21 +25,23 @@ impl<'a> OfRig<'a> {
         Self { model, parameters }
     }
 
-    /// Leaves the start of a heated rod with its loop open in a recording that may begin warm ([`may_begin_warm`]), and has it begin
+    /// Leaves the start of each heated rod with its loop open in a recording that may begin warm ([`may_begin_warm`]), and has it begin
     /// at rest in every other. A start that is fixed elsewhere stays, and so do those of other models.
     pub fn begin_as(&mut self, recording: &Recording) {
         let is_warm = may_begin_warm(recording);
         let place = |name: &str| self.parameters.iter().position(|info| info.name == name);
-        let places = START.map(|(name, at_rest)| place(name).map(|place| (place, at_rest)));
-        let [Some(rise), Some(share)] = places else {
-            return;
-        };
-        for (place, at_rest) in [rise, share] {
-            let info = &mut self.parameters[place];
-            match info.state {
-                ParameterState::Fixed(value) if (value - at_rest).abs() > 0.0 => {}
-                _ if is_warm => info.state = ParameterState::Free,
-                _ => info.state = ParameterState::Fixed(at_rest),
+        let places = STARTS.map(|start| start.map(|(name, at_rest)| Some((place(name)?, at_rest))));
+        for start in places {
+            let [Some(rise), Some(share)] = start else {
+                continue;
+            };
+            for (place, at_rest) in [rise, share] {
+                let info = &mut self.parameters[place];
+                match info.state {
+                    ParameterState::Fixed(value) if (value - at_rest).abs() > 0.0 => {}
+                    _ if is_warm => info.state = ParameterState::Free,
+                    _ => info.state = ParameterState::Fixed(at_rest),
+                }
             }
         }
     }

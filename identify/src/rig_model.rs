@@ -5,8 +5,8 @@ use wiener::hysteresis::Rule;
 use wiener::{Block, WienerParams};
 
 use crate::{
-    Fit, ForwardModel, IdentifyError, LoopModel, ParameterInfo, Rod, SadeghiModel, ThermalModel,
-    WienerModel,
+    AntagonistModel, Fit, ForwardModel, IdentifyError, LoopModel, ParameterInfo, Rod, SadeghiModel,
+    ThermalModel, WienerModel,
 };
 
 /// The plain model of a rig.
@@ -20,11 +20,13 @@ pub enum RigModel {
     Loop(LoopModel),
     /// The output is the temperature: the heat balance alone.
     Thermal(ThermalModel),
+    /// Two rods that pull against one another, each with its drive.
+    Antagonist(AntagonistModel),
 }
 
 impl RigModel {
-    /// The model for what drives the rig and what was recorded of it: the cascade, for static data the loop alone, and where the
-    /// output is the temperature the heat balance alone.
+    /// The model for what drives the rig and what was recorded of it: the cascade, two of them where there are two drives, for static
+    /// data the loop alone, and where the output is the temperature the heat balance alone.
     ///
     /// # Errors
     ///
@@ -35,6 +37,9 @@ impl RigModel {
             _ if training.first().is_some_and(shows_temperature) => {
                 Self::Thermal(ThermalModel::new(rod, training)?)
             }
+            _ if AntagonistModel::is_for(training) => {
+                Self::Antagonist(AntagonistModel::new(rod, rule, training)?)
+            }
             _ => Self::Wiener(WienerModel::new(rod, rule, training)?),
         })
     }
@@ -44,17 +49,18 @@ impl RigModel {
     pub fn with_open_starts(self, training: &[Recording]) -> Self {
         match self {
             Self::Wiener(model) => Self::Wiener(model.with_open_starts(training)),
+            Self::Antagonist(model) => Self::Antagonist(model.with_open_starts(training)),
             other => other,
         }
     }
 
-    /// The parameters of the cascade at a point; `None` for a static loop and for a heat balance.
+    /// The parameters of the cascade at a point; `None` for a static loop, a heat balance and a pair of rods.
     #[must_use]
     pub fn wiener_params(&self, point: &[f64]) -> Option<WienerParams> {
         match self {
             Self::Wiener(model) => Some(model.wiener_params(point)),
             Self::Sadeghi(model) => Some(model.wiener_params(point)),
-            Self::Loop(_) | Self::Thermal(_) => None,
+            Self::Loop(_) | Self::Thermal(_) | Self::Antagonist(_) => None,
         }
     }
 
@@ -75,7 +81,7 @@ impl RigModel {
                 let (model, from) = model.with_lag(without)?;
                 Some((Self::Thermal(model), from))
             }
-            Self::Wiener(_) | Self::Sadeghi(_) | Self::Loop(_) => None,
+            Self::Wiener(_) | Self::Sadeghi(_) | Self::Loop(_) | Self::Antagonist(_) => None,
         }
     }
 
@@ -89,6 +95,7 @@ impl RigModel {
     pub fn carry_specific_heat(&self, fit: &mut Fit) -> bool {
         match self {
             Self::Wiener(model) => model.carry_specific_heat(fit),
+            Self::Antagonist(model) => model.carry_specific_heat(fit),
             Self::Sadeghi(_) | Self::Loop(_) | Self::Thermal(_) => false,
         }
     }
@@ -98,6 +105,7 @@ impl RigModel {
     pub fn knows_temperature(&self) -> bool {
         match self {
             Self::Wiener(model) => model.knows_temperature(),
+            Self::Antagonist(model) => model.knows_temperature(),
             Self::Sadeghi(_) => false,
             Self::Loop(_) | Self::Thermal(_) => true,
         }
@@ -112,6 +120,7 @@ impl RigModel {
             Self::Sadeghi(model) => model.parameters_mut(),
             Self::Loop(model) => model.parameters_mut(),
             Self::Thermal(model) => model.parameters_mut(),
+            Self::Antagonist(model) => model.parameters_mut(),
         }
     }
 }
@@ -123,6 +132,7 @@ impl ForwardModel for RigModel {
             Self::Sadeghi(model) => model.parameters(),
             Self::Loop(model) => model.parameters(),
             Self::Thermal(model) => model.parameters(),
+            Self::Antagonist(model) => model.parameters(),
         }
     }
 
@@ -137,6 +147,7 @@ impl ForwardModel for RigModel {
             Self::Sadeghi(model) => model.simulate(points, recording, visit),
             Self::Loop(model) => model.simulate(points, recording, visit),
             Self::Thermal(model) => model.simulate(points, recording, visit),
+            Self::Antagonist(model) => model.simulate(points, recording, visit),
         }
     }
 
@@ -145,6 +156,7 @@ impl ForwardModel for RigModel {
             Self::Wiener(model) => model.branches_degc(point),
             Self::Sadeghi(model) => model.branches_degc(point),
             Self::Loop(model) => model.branches_degc(point),
+            Self::Antagonist(model) => model.branches_degc(point),
             Self::Thermal(_) => None,
         }
     }

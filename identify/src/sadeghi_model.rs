@@ -7,7 +7,9 @@ use wiener::{Block, WienerParams};
 
 use crate::cascade::{Cascade, StartAbove, ambient_degc};
 use crate::wiener_model::zeta;
-use crate::{Bounds, ForwardModel, IdentifyError, ParameterInfo, Rod, Scale, ThermalModel};
+use crate::{
+    AntagonistModel, Bounds, ForwardModel, IdentifyError, ParameterInfo, Rod, Scale, ThermalModel,
+};
 
 /// Smallest resistance and conductance: the bound of zero that is printed is no rod.
 const SMALLEST: f64 = 1e-3;
@@ -50,6 +52,11 @@ impl SadeghiModel {
     /// of parameters that do not exist or of values that cannot be.
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
+        if AntagonistModel::is_for(training) {
+            return Err(IdentifyError::TwoRods {
+                recording: first.name().to_owned(),
+            });
+        }
         if ThermalModel::is_for(first.output_unit()) {
             return Err(IdentifyError::OnlyTemperature {
                 recording: first.name().to_owned(),

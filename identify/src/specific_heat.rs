@@ -4,8 +4,15 @@ use crate::{Bounds, Fit, FittedParameter, ParameterState, Rod};
 
 /// The temperatures of a model whose differences scale with that of the rod: those above ambient, then
 /// those that are differences.
-const CENTER: &str = "loop_center_degc";
-const DIFFERENCES: [&str; 3] = ["loop_half_width_k", "loop_spread_k", "start_rise_k"];
+const CENTERS: [&str; 2] = ["loop_center_degc", "antagonist_center_degc"];
+const DIFFERENCES: [&str; 6] = [
+    "loop_half_width_k",
+    "loop_spread_k",
+    "start_rise_k",
+    "antagonist_half_width_k",
+    "antagonist_spread_k",
+    "antagonist_start_rise_k",
+];
 
 /// A specific heat and the range that the rod file gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +44,7 @@ impl SpecificHeat {
     pub(crate) fn widen(self, fit: &mut Fit) -> bool {
         let follows = |parameter: &FittedParameter| {
             let name = parameter.info.name;
-            (name != CENTER && !DIFFERENCES.contains(&name))
+            !(CENTERS.contains(&name) || DIFFERENCES.contains(&name))
                 || parameter.info.state == ParameterState::Free
                 // A start at ambient stays there.
                 || parameter.info.state == ParameterState::Fixed(0.0)
@@ -48,7 +55,7 @@ impl SpecificHeat {
         let factors = [self.value / self.range.upper, self.value / self.range.lower];
         for parameter in &mut fit.parameters {
             let zero = match parameter.info.name {
-                CENTER => self.ambient_degc,
+                name if CENTERS.contains(&name) => self.ambient_degc,
                 name if DIFFERENCES.contains(&name) => 0.0,
                 _ => continue,
             };

@@ -443,7 +443,7 @@ impl Begins {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let first_degc = mean(&degc[..few]);
         let doubt_k = Self::BEYOND_NOISE * noise_k(&degc) / (few as f64).sqrt();
-        let at_rest = samples_at_rest(recording.drive());
+        let at_rest = samples_at_rest(recording);
         let is_seen = at_rest >= 2 * Self::FEW;
         let is_moved =
             is_seen && (mean(&degc[at_rest - few..at_rest]) - first_degc).abs() > doubt_k;

@@ -6,7 +6,7 @@ use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
 use crate::thermal_model::rest_tells_all;
-use crate::wiener_model::START;
+use crate::wiener_model::STARTS;
 use crate::{Fit, ForwardModel, IdentifyError};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
@@ -101,7 +101,7 @@ pub fn validate_at(
     let mut frozen = OfRig::at(model, point);
     frozen.begin_as(recording);
     let mut problem = Problem::new(&frozen, std::slice::from_ref(recording))?;
-    let at_rest = samples_at_rest(recording.drive());
+    let at_rest = samples_at_rest(recording);
     let offset_source = if at_rest == recording.len() {
         OffsetSource::NeverDriven
     } else if at_rest >= FEWEST_AT_REST && rest_tells_all(&frozen.parameters) {
@@ -146,12 +146,14 @@ fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
     if middle.is_empty() {
         return Vec::new();
     }
-    let [(rise, no_rise_k), (share, _)] = START;
     let cold = [1.0, 0.0].map(|branch| {
-        vector.coordinates(|parameter, _| match vector.infos()[parameter].name {
-            name if name == rise => Some(no_rise_k),
-            name if name == share => Some(branch),
-            _ => None,
+        vector.coordinates(|parameter, _| {
+            let name = vector.infos()[parameter].name;
+            STARTS.iter().find_map(|[rise, share]| match name {
+                name if name == rise.0 => Some(rise.1),
+                name if name == share.0 => Some(branch),
+                _ => None,
+            })
         })
     });
     let mut starts = vec![middle];
@@ -163,9 +165,14 @@ fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
     starts
 }
 
-/// Samples before the drive first rises from its lowest level by more than a hundredth of its range,
-/// the one at which it does included: its output is read before. All, if it never does.
-pub(crate) fn samples_at_rest(drive: &[f64]) -> usize {
+/// Samples before a drive first rises from its lowest level by more than a hundredth of its range,
+/// the one at which it does included: its output is read before. All, if none ever does.
+pub(crate) fn samples_at_rest(recording: &Recording) -> usize {
+    let of_each = recording.drives().map(before_rise);
+    of_each.fold(recording.len(), usize::min)
+}
+
+fn before_rise(drive: &[f64]) -> usize {
     let size = drive.iter().map(|drive| drive.abs());
     let lowest = size.clone().fold(f64::INFINITY, f64::min);
     let highest = size.clone().fold(0.0, f64::max);

@@ -40,8 +40,21 @@ const SMALLEST_ZETA: f64 = 0.05;
 /// Name of the parameter that says how much warmer than stated the surroundings of a recording were.
 pub(crate) const AMBIENT_LEVEL: &str = "ambient_level_k";
 
-/// Names of what says how a recording begins, and their values at rest: no warmer than its surroundings, on the cooling curve.
-pub(crate) const START: [(&str, f64); 2] = [("start_rise_k", 0.0), ("start_share", 1.0)];
+/// Names of what says how a recording begins, and their values at rest: no warmer than its surroundings, on the cooling curve. Those
+/// of a rod, and of one that pulls against it.
+pub(crate) const STARTS: [[(&str, f64); 2]; 2] = [
+    [("start_rise_k", 0.0), ("start_share", 1.0)],
+    [
+        ("antagonist_start_rise_k", 0.0),
+        ("antagonist_start_share", 1.0),
+    ],
+];
+
+/// Those of a rod.
+pub(crate) const START: [(&str, f64); 2] = STARTS[0];
+
+/// Says which parameters a model has behind those of a rod, which it is shown.
+pub(crate) type More<'a> = &'a dyn Fn(&[ParameterInfo]) -> Vec<ParameterInfo>;
 
 /// The plain Wiener model of a rig, with the parameters that its rod file leaves open.
 #[derive(Debug, Clone)]
@@ -120,15 +133,15 @@ impl Heat {
 }
 
 // Order of the parameters in a point.
-const TAU: usize = 0;
-const CENTER: usize = 1;
-const HALF_WIDTH: usize = 2;
-const SPREAD: usize = 3;
+pub(crate) const TAU: usize = 0;
+pub(crate) const CENTER: usize = 1;
+pub(crate) const HALF_WIDTH: usize = 2;
+pub(crate) const SPREAD: usize = 3;
 const ZETA: usize = 4;
-const GAIN: usize = 5;
-const OFFSET: usize = 6;
-const START_RISE: usize = 7;
-const START_SHARE: usize = 8;
+pub(crate) const GAIN: usize = 5;
+pub(crate) const OFFSET: usize = 6;
+pub(crate) const START_RISE: usize = 7;
+pub(crate) const START_SHARE: usize = 8;
 const LEVEL: usize = 9;
 const RISE: usize = 10;
 
@@ -140,13 +153,24 @@ impl WienerModel {
     /// [`IdentifyError`] for recordings without time, a missing ambient temperature or supply, and what
     /// `[model]` says of parameters that do not exist or of values that cannot be.
     pub fn new(rod: &Rod, rule: Rule, training: &[Recording]) -> Result<Self, IdentifyError> {
+        Self::with_more(rod, rule, training, &|_| Vec::new())
+    }
+
+    /// The same with further parameters behind its own, which are for a model that holds this one.
+    pub(crate) fn with_more(
+        rod: &Rod,
+        rule: Rule,
+        training: &[Recording],
+        more: More<'_>,
+    ) -> Result<Self, IdentifyError> {
         let first = training.first().ok_or(IdentifyError::NoRecordings)?;
         let ambient_degc = ambient_degc(rod, training)?;
         let cascade = Cascade::new(rod, rule)?;
         let drive = cascade.drive;
         let heat = Heat::of(rod, drive)?;
         let mut parameters = parameters(first.output_unit(), ambient_degc, tau_bounds_s(training)?);
-        if let Heat::Constants { .. } = heat {
+        let has_rise = matches!(heat, Heat::Constants { .. });
+        if has_rise {
             let mut rise = rise(drive, training);
             // A recorded temperature fixes the scale.
             if training
@@ -157,9 +181,11 @@ impl WienerModel {
             }
             parameters.push(rise);
         }
-        let assumed = parameters.get(RISE).map(|rise| rise.state);
+        parameters.extend(more(&parameters));
+        let state = |parameters: &[ParameterInfo]| has_rise.then(|| parameters[RISE].state);
+        let assumed = state(&parameters);
         rod.apply_model(&mut parameters)?;
-        let kept = parameters.get(RISE).map(|rise| rise.state);
+        let kept = state(&parameters);
         let names = parameters.iter().map(|info| info.name);
         Ok(Self {
             stated: names.filter(|name| rod.says_of(name)).collect(),
@@ -179,6 +205,7 @@ impl WienerModel {
         rod: &Rod,
         rule: Rule,
         rise_is_assumed: bool,
+        more: More<'_>,
     ) -> Result<Self, IdentifyError> {
         let cascade = Cascade::new(rod, rule)?;
         let heat = Heat::of(rod, cascade.drive)?;
@@ -186,6 +213,7 @@ impl WienerModel {
         if matches!(heat, Heat::Constants { .. }) {
             parameters.push(rise(cascade.drive, &[]));
         }
+        parameters.extend(more(&parameters));
         Ok(Self {
             cascade,
             heat,
@@ -307,11 +335,34 @@ impl WienerModel {
         model
     }
 
-    fn leave_open(&mut self, index: usize) {
+    /// Leaves a parameter open unless `[model]` says something of it.
+    pub(crate) fn leave_open(&mut self, index: usize) {
         let info = &mut self.parameters[index];
         if !self.stated.contains(&info.name) {
             info.state = ParameterState::Free;
         }
+    }
+
+    /// Simulates under another drive than that of the recording, of as many samples; as [`ForwardModel::simulate`].
+    pub(crate) fn simulate_driven(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        drive: &[f64],
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let level_k = |point: &Vec<f64>| self.level_k(point, recording);
+        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
+        self.cascade
+            .simulate_driven(points, recording, drive, &mut visit, |point| {
+                let start = StartAbove {
+                    rise_k: point[START_RISE],
+                    share: point[START_SHARE],
+                };
+                let mut params = self.wiener_params(point);
+                params.limiting_loop.loop_center_degc -= self.level_k(point, recording);
+                (params, start)
+            })
     }
 
     /// Temperature of a recording's surroundings above what is stated, K. Of the first training recording it is none: a level
@@ -334,18 +385,7 @@ impl ForwardModel for WienerModel {
         recording: &Recording,
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
-        let level_k = |point: &Vec<f64>| self.level_k(point, recording);
-        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
-        self.cascade
-            .simulate(points, recording, &mut visit, |point| {
-                let start = StartAbove {
-                    rise_k: point[START_RISE],
-                    share: point[START_SHARE],
-                };
-                let mut params = self.wiener_params(point);
-                params.limiting_loop.loop_center_degc -= self.level_k(point, recording);
-                (params, start)
-            })
+        self.simulate_driven(points, recording, recording.drive(), visit)
     }
 
     fn branches_degc(&self, point: &[f64]) -> Option<[f64; 2]> {
@@ -371,8 +411,8 @@ fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<Parame
         zeta(),
         ParameterInfo::gain(output_unit),
         ParameterInfo::offset(output_unit),
-        start_rise(),
-        start_share(),
+        start_rise(START[0]),
+        start_share(START[1]),
         level(),
     ]
 }
@@ -393,20 +433,20 @@ pub(crate) fn zeta() -> ParameterInfo {
 }
 
 /// Temperature at the start above ambient: none, unless `[model]` frees it.
-fn start_rise() -> ParameterInfo {
+pub(crate) fn start_rise((name, at_rest): (&'static str, f64)) -> ParameterInfo {
     let bounds = Bounds {
         lower: 0.0,
         upper: HIGHEST_START_K,
     };
     ParameterInfo {
         scope: Scope::PerRecording,
-        state: ParameterState::Fixed(START[0].1),
-        ..ParameterInfo::searched(START[0].0, "K", Scale::Linear, bounds)
+        state: ParameterState::Fixed(at_rest),
+        ..ParameterInfo::searched(name, "K", Scale::Linear, bounds)
     }
 }
 
 /// Place between the limiting curves at the start: on the cooling one, unless `[model]` frees it.
-pub(crate) fn start_share() -> ParameterInfo {
+pub(crate) fn start_share((name, at_rest): (&'static str, f64)) -> ParameterInfo {
     let bounds = Bounds {
         lower: 0.0,
         upper: 1.0,
@@ -414,8 +454,8 @@ pub(crate) fn start_share() -> ParameterInfo {
     ParameterInfo {
         admissible: bounds,
         scope: Scope::PerRecording,
-        state: ParameterState::Fixed(START[1].1),
-        ..ParameterInfo::searched(START[1].0, "1", Scale::Linear, bounds)
+        state: ParameterState::Fixed(at_rest),
+        ..ParameterInfo::searched(name, "1", Scale::Linear, bounds)
     }
 }
 
@@ -447,8 +487,8 @@ pub fn may_begin_warm(recording: &Recording) -> bool {
     const FEW: usize = 5;
     /// Share of the output's range that is no noise.
     const MOVED: f64 = 0.02;
-    let (drive, output) = (recording.drive(), recording.output());
-    let at_rest = samples_at_rest(drive);
+    let output = recording.output();
+    let at_rest = samples_at_rest(recording);
     if at_rest < 2 * FEW {
         return at_rest < 2;
     }

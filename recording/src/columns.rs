@@ -13,6 +13,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 /// | --- | --- |
 /// | `time` | `time_s` or `time_ms` |
 /// | `drive` | by its quantity: `current_a` or `current_ma`, `duty`, `voltage_v`, `power_w`, `temperature_degc` (`_c`, `_k`) |
+/// | `antagonist` | nothing |
 /// | `output` | `displacement_mm`, or else the one column called `displacement`, `position`, `displacement_*` or `position_*` |
 /// | `temperature` | `temperature_degc` (`_c`, `_k`), if it is there; never beside a drive that is a temperature |
 /// | `ambient` | `ambient_degc` (`_c`, `_k`), if it is there |
@@ -41,6 +42,8 @@ pub struct Columns {
     pub time: Option<ColumnSpec>,
     /// What drives the actuator.
     pub drive: Option<ColumnSpec>,
+    /// What drives a second actuator that pulls the other way, in a unit of the drive's quantity.
+    pub antagonist: Option<ColumnSpec>,
     /// What the actuator does: displacement, angle, force; keeps its unit.
     pub output: Option<ColumnSpec>,
     /// Measured temperature of the actuator.

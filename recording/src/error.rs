@@ -24,7 +24,7 @@ impl fmt::Display for Position {
 /// A fault of a recording.
 ///
 /// `file` is the path or name that the caller gave. `role` is the key of the `[columns]` table
-/// (`time`, `drive`, `output`, `temperature`, `ambient`), `column` the column's name in the file, or
+/// (`time`, `drive`, `antagonist`, `output`, `temperature`, `ambient`), `column` the column's name in the file, or
 /// `column 3` where it has none.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -274,6 +274,15 @@ pub enum RecordingError {
     /// A drive that is a temperature has a measured temperature beside it.
     #[error("{file}: both drive and temperature are temperatures; expected one of them")]
     TwoTemperatures {
+        /// The recording.
+        file: String,
+    },
+
+    /// A static loop has the drive of an antagonist.
+    #[error(
+        "{file}: a drive that is a temperature has no antagonist; expected a current, a duty, a voltage or a power"
+    )]
+    StaticAntagonist {
         /// The recording.
         file: String,
     },
@@ -534,6 +543,7 @@ impl RecordingError {
             Self::Unreadable { .. }
                 | Self::TooManySamples { .. }
                 | Self::TwoTemperatures { .. }
+                | Self::StaticAntagonist { .. }
                 | Self::UnequalColumns { .. }
                 | Self::MissingFullScale { .. }
                 | Self::WrongUnit { .. }

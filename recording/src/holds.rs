@@ -49,29 +49,29 @@ pub struct Hold {
 /// ```
 #[must_use]
 pub fn holds(recording: &Recording, longer_than_s: f64) -> Vec<Hold> {
-    let (time_s, drive) = (recording.time_s(), recording.drive());
+    let time_s = recording.time_s();
+    let n = recording.len();
     let longest_step_s = match recording.sampling() {
         Sampling::Uniform { .. } => f64::INFINITY,
         Sampling::Jittered { median_dt_s, .. } => GAP_FACTOR * median_dt_s,
         Sampling::Untimed => return Vec::new(),
     };
-    let (lowest, highest) = range(drive.iter().copied());
-    let tolerance = HOLD_TOLERANCE * (highest - lowest).min(f64::MAX);
+    // An antagonist moves the output as well.
+    let mut drives: Vec<Held<'_>> = recording.drives().map(Held::of).collect();
     let mut found = Vec::new();
     let mut start = 0;
-    while start < drive.len() {
-        let (mut low, mut high) = (drive[start], drive[start]);
+    while start < n {
+        drives.iter_mut().for_each(|held| held.begin(start));
         let mut end = start + 1;
-        while end < drive.len() && time_s[end] - time_s[end - 1] <= longest_step_s {
-            let (next_low, next_high) = (low.min(drive[end]), high.max(drive[end]));
-            if next_high - next_low > tolerance {
-                break;
-            }
-            (low, high) = (next_low, next_high);
+        while end < n
+            && time_s[end] - time_s[end - 1] <= longest_step_s
+            && drives.iter().all(|held| held.stands(end))
+        {
+            drives.iter_mut().for_each(|held| held.take(end));
             end += 1;
         }
-        let ends_in_gap = end < drive.len() && time_s[end] - time_s[end - 1] > longest_step_s;
-        let last = if ends_in_gap || end == drive.len() {
+        let ends_in_gap = end < n && time_s[end] - time_s[end - 1] > longest_step_s;
+        let last = if ends_in_gap || end == n {
             end - 1
         } else {
             end
@@ -80,13 +80,53 @@ pub fn holds(recording: &Recording, longer_than_s: f64) -> Vec<Hold> {
         if duration_s > longer_than_s && end - start >= FEWEST_SAMPLES {
             found.push(Hold {
                 samples: start..end,
-                drive: 0.5 * low + 0.5 * high,
+                drive: drives[0].middle(),
                 duration_s,
             });
         }
         start = end;
     }
     found
+}
+
+/// A drive, and its range in a hold.
+struct Held<'a> {
+    drive: &'a [f64],
+    /// How far it may move, in its unit.
+    tolerance: f64,
+    low: f64,
+    high: f64,
+}
+
+impl<'a> Held<'a> {
+    fn of(drive: &'a [f64]) -> Self {
+        let (low, high) = range(drive.iter().copied());
+        Self {
+            drive,
+            tolerance: HOLD_TOLERANCE * (high - low).min(f64::MAX),
+            low,
+            high,
+        }
+    }
+
+    fn begin(&mut self, at: usize) {
+        (self.low, self.high) = (self.drive[at], self.drive[at]);
+    }
+
+    /// Whether it is held with one sample more.
+    fn stands(&self, at: usize) -> bool {
+        let drive = self.drive[at];
+        self.high.max(drive) - self.low.min(drive) <= self.tolerance
+    }
+
+    fn take(&mut self, at: usize) {
+        let drive = self.drive[at];
+        (self.low, self.high) = (self.low.min(drive), self.high.max(drive));
+    }
+
+    fn middle(&self) -> f64 {
+        0.5 * self.low + 0.5 * self.high
+    }
 }
 
 /// Lowest and highest of finite values; (∞, −∞) of none.

@@ -36,7 +36,7 @@ pub(crate) const MOVING: f64 = 0.02;
 /// What is in one column of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// `drive`, `output`, `temperature`, `ambient`, `stress` or `resistance`.
+    /// `drive`, `antagonist`, `output`, `temperature`, `ambient`, `stress` or `resistance`.
     pub role: &'static str,
     /// Unit of the numbers below.
     pub unit: String,
@@ -87,6 +87,8 @@ pub struct Inspection {
     pub gaps: Vec<Gap>,
     /// The drive.
     pub drive: Channel,
+    /// The drive of an actuator that pulls the other way.
+    pub antagonist: Option<Channel>,
     /// The output.
     pub output: Channel,
     /// The measured temperature of the actuator.
@@ -214,6 +216,9 @@ pub fn inspect_as_recorded(recording: &Recording) -> Inspection {
         motion_at_highest_drive: noise_floor
             .and_then(|floor| motion_at_highest_drive(recording, output.range(), &floor)),
         drive,
+        antagonist: recording
+            .antagonist_drive()
+            .map(|drive| Channel::of("antagonist", recording.drive_unit(), drive)),
         output,
         holds,
         cycles: cycles(recording),
@@ -225,7 +230,15 @@ pub fn inspect_as_recorded(recording: &Recording) -> Inspection {
 /// Samples before the drive first leaves the lowest part of its range.
 fn rest_samples(recording: &Recording) -> usize {
     let quantity = recording.drive_quantity();
-    let levels = || recording.drive().iter().map(|drive| quantity.level(*drive));
+    // An antagonist moves the output as well.
+    let levels = || {
+        let antagonist = recording.antagonist_drive();
+        let drives = recording.drive().iter().enumerate();
+        drives.map(move |(k, drive)| {
+            let other = antagonist.map_or(f64::NEG_INFINITY, |drive| quantity.level(drive[k]));
+            quantity.level(*drive).max(other)
+        })
+    };
     let (lowest, highest) = range(levels());
     let low = lowest + NEAR_END * (highest - lowest).min(f64::MAX);
     levels()

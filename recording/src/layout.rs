@@ -32,6 +32,7 @@ pub(crate) struct Layout {
     pub(crate) every_s: Option<f64>,
     pub(crate) time: Option<Column>,
     pub(crate) drive: Column,
+    pub(crate) antagonist: Option<Column>,
     /// `None` where only the drive is wanted.
     pub(crate) output: Option<Column>,
     pub(crate) temperature: Option<Column>,
@@ -241,6 +242,10 @@ impl Layout {
                 self.time.is_none() && then.time.is_none() && self.every_s.is_none(),
             ),
             ("drive", drive_unit(self) == drive_unit(then)),
+            (
+                "antagonist",
+                self.antagonist.is_some() == then.antagonist.is_some(),
+            ),
             ("output", output_unit(self) == output_unit(then)),
             (
                 "temperature",
@@ -281,6 +286,20 @@ impl Layout {
                 file: header.file.to_owned(),
             });
         }
+        if columns.antagonist.is_some() && drive_is_temperature {
+            return Err(RecordingError::StaticAntagonist {
+                file: header.file.to_owned(),
+            });
+        }
+        // By its key alone: that there are two actuators is of the rig, not of a file.
+        let antagonist = Role {
+            key: "antagonist",
+            ..drive
+        };
+        let antagonist = match &columns.antagonist {
+            None => None,
+            spec => header.column(&antagonist, spec.as_ref())?,
+        };
         let drive = header
             .column(&drive, columns.drive.as_ref())?
             .ok_or_else(|| header.missing_default(&drive))?;
@@ -294,8 +313,11 @@ impl Layout {
         };
         // A drive or an output may be a temperature, a stress or a resistance itself.
         let is_taken = |column: &Column| {
-            let taken = [Some(&drive), output.as_ref()].into_iter().flatten();
-            taken.into_iter().any(|other| other.index == column.index)
+            let taken = [Some(&drive), antagonist.as_ref(), output.as_ref()];
+            taken
+                .into_iter()
+                .flatten()
+                .any(|other| other.index == column.index)
         };
         let beside = |role: &Role, spec: Option<&ColumnSpec>| {
             let column = header.column(role, spec)?;
@@ -325,6 +347,7 @@ impl Layout {
                 }
             },
             drive,
+            antagonist,
             output,
         };
         layout.check_distinct(header)?;
@@ -335,6 +358,7 @@ impl Layout {
         let all = [
             ("time", self.time.as_ref()),
             ("drive", Some(&self.drive)),
+            ("antagonist", self.antagonist.as_ref()),
             ("output", self.output.as_ref()),
             ("temperature", self.temperature.as_ref()),
             ("ambient", self.ambient.as_ref()),

@@ -24,10 +24,17 @@ impl Recording {
             });
         }
         let is_beyond = |drive: &f64| drive.abs() > limit;
-        let Some(first) = self.drive().iter().position(is_beyond) else {
+        let firsts = self
+            .drives()
+            .filter_map(|drive| drive.iter().position(is_beyond));
+        let Some(first) = firsts.min() else {
             return Ok(self);
         };
-        let n_beyond = self.drive().iter().filter(|drive| is_beyond(drive)).count();
+        let n_beyond = self
+            .drives()
+            .flatten()
+            .filter(|drive| is_beyond(drive))
+            .count();
         let unit = match self.drive_unit() {
             "1" => String::new(),
             unit => format!(" {unit}"),
@@ -39,7 +46,7 @@ impl Recording {
             "the supply gives at most {limit}{unit}: {n_beyond} samples of the drive, up to {largest}{unit} and the first at {since}, \
              count as that"
         );
-        for drive in &mut self.parts.drive {
+        for drive in self.drives_mut().flatten() {
             *drive = drive.abs().min(limit).copysign(*drive);
         }
         Ok(self.also_adapted_by(Adaptation::of_recording(what)))

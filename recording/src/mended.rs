@@ -37,11 +37,17 @@ use crate::wild::wild;
 pub fn mended(recording: &Recording) -> Recording {
     let mut mended = recording.clone();
     for wild in wild(recording) {
-        let values = match wild.role {
-            "drive" => mended.drive_mut(),
-            _ => mended.output_mut(),
-        };
-        wild.replace(values);
+        match wild.role {
+            "output" => wild.replace(mended.output_mut()),
+            role => {
+                let place = usize::from(role != "drive");
+                mended
+                    .drives_mut()
+                    .skip(place)
+                    .take(1)
+                    .for_each(|drive| wild.replace(drive));
+            }
+        }
         let done = Adaptation::of_recording(format!("{wild}, {}", wild.replacement()));
         mended = mended.also_adapted_by(done);
     }

@@ -252,6 +252,7 @@ struct Rows<'a> {
     last_time: f64,
     time_s: Vec<f64>,
     drive: Vec<f64>,
+    antagonist_drive: Vec<f64>,
     output: Vec<f64>,
     temperature_degc: Vec<f64>,
     ambient_degc: Vec<f64>,
@@ -270,6 +271,7 @@ impl<'a> Rows<'a> {
             last_time: f64::NEG_INFINITY,
             time_s: Vec::new(),
             drive: Vec::new(),
+            antagonist_drive: Vec::new(),
             output: Vec::new(),
             temperature_degc: Vec::new(),
             ambient_degc: Vec::new(),
@@ -282,6 +284,7 @@ impl<'a> Rows<'a> {
     /// These rows and then others, of equal columns.
     fn followed_by(mut self, then: Self) -> Self {
         self.drive.extend(then.drive);
+        self.antagonist_drive.extend(then.antagonist_drive);
         self.output.extend(then.output);
         self.temperature_degc.extend(then.temperature_degc);
         self.ambient_degc.extend(then.ambient_degc);
@@ -332,21 +335,10 @@ impl<'a> Rows<'a> {
                 }
             }
         }
-        let column = &self.layout.drive;
-        let raw = faults.or_zero(row.number(column));
-        let full_scale = match column.unit {
-            Unit::One => Some(1.0),
-            Unit::Percent => Some(100.0),
-            Unit::Counts => Some(column.full_scale),
-            _ => None,
-        };
-        if let Some(full_scale) = full_scale {
-            faults.check(check_duty(raw, full_scale, &row.place(column)));
+        self.drive.push(row.drive(&self.layout.drive, faults));
+        if let Some(column) = &self.layout.antagonist {
+            self.antagonist_drive.push(row.drive(column, faults));
         }
-        self.drive.push(match column.unit {
-            Unit::Counts => raw / column.full_scale,
-            unit => unit.to_base(raw),
-        });
         self.output.push(match &self.layout.output {
             Some(column) => faults.or_zero(row.number(column)),
             None => 0.0,
@@ -399,6 +391,7 @@ impl<'a> Rows<'a> {
         let Layout {
             time,
             drive,
+            antagonist,
             output,
             temperature,
             ambient,
@@ -416,6 +409,7 @@ impl<'a> Rows<'a> {
             time_s: time.map(|_| self.time_s).or(counted_s),
             drive_quantity,
             drive: self.drive,
+            antagonist_drive: antagonist.map(|_| self.antagonist_drive),
             drive_unit: match drive.unit {
                 Unit::Own => drive.unit_text,
                 _ => String::new(),
@@ -450,6 +444,24 @@ impl<'a> Row<'a> {
             file: self.file,
             at: Position::Line(self.line),
             column: &column.label,
+        }
+    }
+
+    /// The drive in `column`, in the unit of its quantity; what is wrong with it is among the faults.
+    fn drive(&self, column: &Column, faults: &mut Faults) -> f64 {
+        let raw = faults.or_zero(self.number(column));
+        let full_scale = match column.unit {
+            Unit::One => Some(1.0),
+            Unit::Percent => Some(100.0),
+            Unit::Counts => Some(column.full_scale),
+            _ => None,
+        };
+        if let Some(full_scale) = full_scale {
+            faults.check(check_duty(raw, full_scale, &self.place(column)));
+        }
+        match column.unit {
+            Unit::Counts => raw / column.full_scale,
+            unit => unit.to_base(raw),
         }
     }
 

@@ -56,6 +56,8 @@ pub struct RecordingParts {
     pub drive_quantity: Quantity,
     /// Drive in the unit of its quantity: A, 0..1, V, W or °C.
     pub drive: Vec<f64>,
+    /// Drive of a second actuator that pulls the other way, in the unit of `drive`. `None` beside a drive that is a temperature.
+    pub antagonist_drive: Option<Vec<f64>>,
     /// Unit of `drive` where a [`Quantity::Temperature`] stands for another input of a static loop, a
     /// stress or the voltage of a source; empty otherwise.
     pub drive_unit: String,
@@ -101,6 +103,12 @@ impl Recording {
         &mut self.parts.drive
     }
 
+    /// The drives of all actuators, to be put right.
+    pub(crate) fn drives_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let antagonist = self.parts.antagonist_drive.as_mut();
+        std::iter::once(&mut self.parts.drive).chain(antagonist)
+    }
+
     /// The output, to be put right.
     pub(crate) fn output_mut(&mut self) -> &mut [f64] {
         &mut self.parts.output
@@ -122,7 +130,13 @@ impl Recording {
                 unit => unit,
             },
         );
+        let antagonist = (
+            "antagonist_drive",
+            drive.1,
+            parts.antagonist_drive.as_deref(),
+        );
         let mut rest = vec![
+            antagonist,
             (
                 "output",
                 parts.output_unit.as_str(),
@@ -157,8 +171,10 @@ impl Recording {
         }
         check_time(&parts.name, parts.time_s.as_deref().unwrap_or(&[]))?;
         if parts.drive_quantity == Quantity::Duty {
-            for (sample, &duty) in parts.drive.iter().enumerate() {
-                check_duty(duty, 1.0, &place(&parts.name, drive.0, sample))?;
+            for (column, _, duties) in [drive, antagonist] {
+                for (sample, &duty) in duties.unwrap_or(&[]).iter().enumerate() {
+                    check_duty(duty, 1.0, &place(&parts.name, column, sample))?;
+                }
             }
         }
         Self::from_checked(parts)
@@ -175,6 +191,9 @@ impl Recording {
         }
         if parts.drive_quantity == Quantity::Temperature && parts.temperature_degc.is_some() {
             return Err(RecordingError::TwoTemperatures { file: parts.name });
+        }
+        if parts.drive_quantity == Quantity::Temperature && parts.antagonist_drive.is_some() {
+            return Err(RecordingError::StaticAntagonist { file: parts.name });
         }
         if parts.drive_quantity != Quantity::Temperature && !parts.drive_unit.is_empty() {
             return Err(RecordingError::DriveUnit {
@@ -198,6 +217,7 @@ impl Recording {
         parts.output.shrink_to_fit();
         let optional = [
             &mut parts.time_s,
+            &mut parts.antagonist_drive,
             &mut parts.temperature_degc,
             &mut parts.ambient_degc,
             &mut parts.stress_pa,
@@ -229,6 +249,17 @@ impl Recording {
         &self.parts.drive
     }
 
+    /// Drive of a second actuator that pulls the other way, in the unit of [`Self::drive`].
+    #[must_use]
+    pub fn antagonist_drive(&self) -> Option<&[f64]> {
+        self.parts.antagonist_drive.as_deref()
+    }
+
+    /// The drives of all actuators, one or two, that of the first one first.
+    pub fn drives(&self) -> impl Iterator<Item = &[f64]> + Clone {
+        std::iter::once(self.drive()).chain(self.antagonist_drive())
+    }
+
     /// Unit of the drive: that of its quantity, but for a static loop with an input of its own.
     #[must_use]
     pub fn drive_unit(&self) -> &str {
@@ -243,10 +274,10 @@ impl Recording {
         self.parts.drive_unit.clone()
     }
 
-    /// Largest magnitude of the drive, in its unit.
+    /// Largest magnitude of the drives, in their unit.
     #[must_use]
     pub fn largest_drive(&self) -> f64 {
-        let drives = self.drive().iter();
+        let drives = self.drives().flatten();
         drives.fold(0.0, |largest, drive| largest.max(drive.abs()))
     }
 
@@ -363,6 +394,7 @@ impl Recording {
             time_s: self.parts.time_s.as_ref().map(part),
             drive_quantity: self.parts.drive_quantity,
             drive: part(&self.parts.drive),
+            antagonist_drive: self.parts.antagonist_drive.as_ref().map(part),
             drive_unit: self.parts.drive_unit.clone(),
             output_unit: self.parts.output_unit.clone(),
             output: part(&self.parts.output),
@@ -373,29 +405,31 @@ impl Recording {
         })
     }
 
-    /// The same with a drive that acts `by_s` seconds earlier than it was recorded; after its last sample it is held. As it is for
-    /// static data.
+    /// The same with drives that act `by_s` seconds earlier than they were recorded; after the last sample they are held. As it is
+    /// for static data.
     ///
     /// A sample's drive is the mean of what is held over its span then, so that no step is rounded to a sample.
     #[must_use]
     pub fn driven_earlier(&self, by_s: f64) -> Self {
-        let (time_s, drive) = (self.time_s(), self.drive());
+        let time_s = self.time_s();
         let mut moved = self.clone();
         if time_s.is_empty() {
             return moved;
         }
-        // Of the drive from the first sample on.
-        let mut integral = vec![0.0; time_s.len()];
-        for k in 1..time_s.len() {
-            integral[k] = integral[k - 1] + drive[k - 1] * (time_s[k] - time_s[k - 1]);
-        }
-        let up_to = |at_s: f64| {
-            let k = time_s.partition_point(|time_s| *time_s <= at_s).max(1) - 1;
-            integral[k] + drive[k] * (at_s - time_s[k])
-        };
-        for k in 0..time_s.len() - 1 {
-            let (from_s, to_s) = (time_s[k] + by_s, time_s[k + 1] + by_s);
-            moved.parts.drive[k] = (up_to(to_s) - up_to(from_s)) / (to_s - from_s);
+        for (moved, drive) in moved.drives_mut().zip(self.drives()) {
+            // Of the drive from the first sample on.
+            let mut integral = vec![0.0; time_s.len()];
+            for k in 1..time_s.len() {
+                integral[k] = integral[k - 1] + drive[k - 1] * (time_s[k] - time_s[k - 1]);
+            }
+            let up_to = |at_s: f64| {
+                let k = time_s.partition_point(|time_s| *time_s <= at_s).max(1) - 1;
+                integral[k] + drive[k] * (at_s - time_s[k])
+            };
+            for k in 0..time_s.len() - 1 {
+                let (from_s, to_s) = (time_s[k] + by_s, time_s[k + 1] + by_s);
+                moved[k] = (up_to(to_s) - up_to(from_s)) / (to_s - from_s);
+            }
         }
         moved
     }
@@ -431,8 +465,13 @@ impl Recording {
     /// [`RecordingError::NeverChanges`], for the drive first.
     pub fn check_identifiable(&self) -> Result<(), RecordingError> {
         let drive = ("drive", self.drive(), self.drive_unit());
+        let antagonist = self.antagonist_drive();
+        let antagonist = antagonist.map(|drive| ("antagonist drive", drive, self.drive_unit()));
         let output = ("output", self.output(), self.output_unit());
-        for (role, values, unit) in [drive, output] {
+        for (role, values, unit) in [Some(drive), antagonist, Some(output)]
+            .into_iter()
+            .flatten()
+        {
             let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
             let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             if highest > lowest {

@@ -125,7 +125,10 @@ pub fn resample(recording: &Recording, dt_s: f64) -> Result<Recording, Recording
         name: file(),
         time_s: Some((0..n_new).map(|j| time_s[0] + j as f64 * dt_s).collect()),
         drive_quantity: recording.drive_quantity(),
-        drive: averaged_drive(recording, dt_s, n_new),
+        drive: averaged_drive(recording, recording.drive(), dt_s, n_new),
+        antagonist_drive: recording
+            .antagonist_drive()
+            .map(|drive| averaged_drive(recording, drive, dt_s, n_new)),
         drive_unit: recording.own_drive_unit(),
         output_unit: recording.output_unit().to_owned(),
         output: filter.apply(recording.output()),
@@ -138,9 +141,9 @@ pub fn resample(recording: &Recording, dt_s: f64) -> Result<Recording, Recording
     })
 }
 
-/// The drive of each new step, averaged in what it heats by.
-fn averaged_drive(recording: &Recording, dt_s: f64, n_new: usize) -> Vec<f64> {
-    let (time_s, drive) = (recording.time_s(), recording.drive());
+/// One of the drives at each new step, averaged in what it heats by.
+fn averaged_drive(recording: &Recording, drive: &[f64], dt_s: f64, n_new: usize) -> Vec<f64> {
+    let time_s = recording.time_s();
     let squared = matches!(
         recording.drive_quantity(),
         Quantity::Current | Quantity::Voltage

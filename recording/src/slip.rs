@@ -1,6 +1,7 @@
 //! Where an output slips.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use crate::Recording;
@@ -98,7 +99,7 @@ fn step_between_lines(output: &[f64], k: usize) -> f64 {
 /// is held, and never comes back by such a step. None in static data.
 #[must_use]
 pub fn slips(recording: &Recording) -> Vec<Slip> {
-    let (time_s, drive, output) = (recording.time_s(), recording.drive(), recording.output());
+    let (time_s, output) = (recording.time_s(), recording.output());
     if recording.sampling() == Sampling::Untimed || output.len() < 2 * AROUND {
         return Vec::new();
     }
@@ -108,7 +109,14 @@ pub fn slips(recording: &Recording) -> Vec<Slip> {
     let least = (FAR * usual_size(steps.iter().copied()))
         .max(LEAST * range)
         .max(ALONE * converter);
-    let still = HOLD_TOLERANCE * Ordered::new(drive).range();
+    let drives: Vec<(&[f64], f64)> = recording
+        .drives()
+        .map(|drive| (drive, HOLD_TOLERANCE * Ordered::new(drive).range()))
+        .collect();
+    let are_held = |samples: RangeInclusive<usize>| {
+        let mut drives = drives.iter();
+        drives.all(|(drive, still)| is_held(&drive[samples.clone()], *still))
+    };
     let jumps: Vec<usize> = (AROUND..steps.len() - AROUND)
         .filter(|&k| steps[k].abs() > least && is_alone(&steps, k))
         .collect();
@@ -119,7 +127,7 @@ pub fn slips(recording: &Recording) -> Vec<Slip> {
     let slips: Vec<usize> = jumps
         .iter()
         .copied()
-        .filter(|&k| is_held(&drive[k - AROUND..=k], still) && stays(output, k, steps[k]))
+        .filter(|&k| are_held(k - AROUND..=k) && stays(output, k, steps[k]))
         .filter(|&k| !comes_back(k))
         .collect();
     if slips.len() > MOST {

@@ -86,6 +86,12 @@ impl Recording {
             };
             rows().map(around).collect()
         };
+        let heating = |drive: &[f64]| -> Vec<f64> {
+            let until_next = rows().map(|k| k..(k + n).min(self.len()));
+            until_next
+                .map(|samples| self.heating_drive(drive, samples))
+                .collect()
+        };
         let time_s = self.time_s();
         let decimated = Self::new(RecordingParts {
             name: self.name().to_owned(),
@@ -93,10 +99,9 @@ impl Recording {
             drive_quantity: self.drive_quantity(),
             drive: match self.drive_quantity() {
                 Quantity::Temperature => mean(self.drive()),
-                _ => rows()
-                    .map(|k| self.heating_drive(k..(k + n).min(self.len())))
-                    .collect(),
+                _ => heating(self.drive()),
             },
+            antagonist_drive: self.antagonist_drive().map(heating),
             drive_unit: self.own_drive_unit(),
             output_unit: self.output_unit().to_owned(),
             output: mean(self.output()),
@@ -113,9 +118,9 @@ impl Recording {
             .also_adapted_by(Adaptation::of_recording(what)))
     }
 
-    /// The one drive that heats as those of some samples do.
-    fn heating_drive(&self, samples: Range<usize>) -> f64 {
-        let (time_s, drive) = (self.time_s(), &self.drive()[samples.clone()]);
+    /// The one drive that heats as those of some samples of one of its drives do.
+    fn heating_drive(&self, drive: &[f64], samples: Range<usize>) -> f64 {
+        let (time_s, drive) = (self.time_s(), &drive[samples.clone()]);
         let first = drive[0];
         if drive.iter().all(|other| other.to_bits() == first.to_bits()) {
             return first;

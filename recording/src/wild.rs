@@ -45,7 +45,7 @@ const AROUND: usize = 5;
 /// Samples far from both of their neighbors, which agree: glitches of a logger, dropouts of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wild {
-    /// `drive` or `output`.
+    /// `drive`, `antagonist drive` or `output`.
     pub role: &'static str,
     /// Unit of the value.
     pub unit: String,
@@ -119,25 +119,36 @@ impl Wild {
 /// jumps and from which it comes back. A drive of one sample that comes again and again is none.
 #[must_use]
 pub fn wild(recording: &Recording) -> Vec<Wild> {
-    let drive = Ordered::new(recording.drive());
+    let drives: Vec<(&[f64], Ordered)> = recording
+        .drives()
+        .map(|drive| (drive, Ordered::new(drive)))
+        .collect();
     let output = Ordered::new(recording.output());
-    let large = A_STEP * drive.range();
-    let mut of_drive = wild_in(recording.drive(), LEAST_OF_A_DRIVE / FAR * drive.range(), 1);
-    of_drive.retain(|run| !drive.has_level(recording.drive()[run.start]));
+    let of_drives = drives.iter().map(|(drive, ordered)| {
+        let mut wild = wild_in(drive, LEAST_OF_A_DRIVE / FAR * ordered.range(), 1);
+        wild.retain(|run| !ordered.has_level(drive[run.start]));
+        wild
+    });
+    let is_after_a_step = |run: &Range<usize>| {
+        let mut drives = drives.iter();
+        drives.any(|(drive, ordered)| is_after_a_step(drive, A_STEP * ordered.range(), run))
+    };
     let converter = quantization_step(recording.output()).unwrap_or(0.0);
     let least = (LEAST * output.range()).max(STEPS / FAR * converter);
     let mut of_output = wild_in(recording.output(), least, LONGEST);
-    of_output.retain(|run| !is_after_a_step(recording.drive(), large, run));
-    let series = [
-        ("drive", recording.drive_unit(), recording.drive(), of_drive),
-        (
-            "output",
-            recording.output_unit(),
-            recording.output(),
-            of_output,
-        ),
-    ];
-    let found = series.into_iter().filter_map(|(role, unit, values, runs)| {
+    of_output.retain(|run| !is_after_a_step(run));
+    let series = ["drive", "antagonist drive"]
+        .into_iter()
+        .zip(recording.drives().zip(of_drives))
+        .map(|(role, (drive, runs))| (role, recording.drive_unit(), drive, runs));
+    let output = (
+        "output",
+        recording.output_unit(),
+        recording.output(),
+        of_output,
+    );
+    let series = series.chain([output]);
+    let found = series.filter_map(|(role, unit, values, runs)| {
         let samples: Vec<usize> = runs.into_iter().flatten().collect();
         let &first = samples.first()?;
         if samples.len() as f64 > MOST * values.len() as f64 {

@@ -11,8 +11,8 @@ use crate::unit::is_suffix;
 /// columns and the same drive quantity (the column of an input in a unit of its own must be named; and
 /// [`allow_untimed`](crate::ReadOptions::allow_untimed) is needed if it has no time).
 ///
-/// Columns: `time_s`, the drive ([`Quantity::column`](crate::Quantity::column)), the output as
-/// `displacement_mm` (in its unit, whatever it is), `temperature_degc`, `ambient_degc`, `stress_pa`,
+/// Columns: `time_s`, the drive ([`Quantity::column`](crate::Quantity::column)), that of an antagonist (`antagonist_` and the
+/// same, to be named when read), the output as `displacement_mm` (in its unit, whatever it is), `temperature_degc`, `ambient_degc`, `stress_pa`,
 /// `resistance_ohm`; those that the recording has. Voltage and current of a resistance are written as
 /// `resistance_voltage_v` and `resistance_current_a`, to be named when read. Numbers are the shortest that read back as the same; they are written line
 /// by line, so give a buffered writer.
@@ -28,6 +28,10 @@ pub fn write_csv(recording: &Recording, mut writer: impl Write) -> io::Result<()
     let mut columns = vec![
         ("time_s".to_owned(), time),
         (drive_column(recording), Some(recording.drive())),
+        (
+            format!("antagonist_{}", recording.drive_quantity().column()),
+            recording.antagonist_drive(),
+        ),
         (
             output_column(recording.output_unit()),
             Some(recording.output()),

@@ -12,6 +12,7 @@ use wiener::{Profile, Start, WienerParams};
 
 const AMBIENT_DEGC: f64 = 22.0;
 const DT_S: f64 = 0.2;
+const LARGEST_A: f64 = 2.4;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let rod = RodParams {
@@ -36,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Two full cycles with an inner one between them.
     let mut current_a = Vec::new();
     for (level, samples) in [
-        (2.4, 75),
+        (LARGEST_A, 75),
         (0.0, 90),
         (2.1, 60),
         (1.4, 40),
@@ -52,6 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         surface_m2_per_m: Some(rod.surface_m2_per_m()),
         length_output: Some(125.0),
         run_length_s: Some(DT_S * current_a.len() as f64),
+        largest_drive: Some(LARGEST_A),
         ..Setting::default()
     };
     let member = |effects| Member {

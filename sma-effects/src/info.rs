@@ -228,8 +228,8 @@ impl Presence {
 /// What happens to a rod in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Occurrence {
-    /// It is heated at more levels than one, in one recording or in two.
-    DriveLevels,
+    /// It follows three levels of the drive or more: they last, or are gone through slowly, in one recording or in several.
+    FollowedLevels,
     /// It transforms while it cools.
     Cooling,
     /// It transforms while it heats and while it cools, in one recording or in two.
@@ -247,7 +247,7 @@ impl Occurrence {
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
-            Self::DriveLevels => "drive-levels",
+            Self::FollowedLevels => "followed-levels",
             Self::Cooling => "cooling",
             Self::BothBranches => "both-branches",
             Self::Reversal => "reversal",

@@ -78,6 +78,14 @@ pub enum WorkbenchError {
         /// The recording.
         recording: String,
     },
+    /// A diagnosis is asked for of two rods that pull against one another.
+    #[error(
+        "{recording}: two drives: effects are known of one rod only; `sma identify` fits both; for a diagnosis record each with the other cold, and name one drive"
+    )]
+    TwoRods {
+        /// The recording.
+        recording: String,
+    },
     /// The folder of a result is not there.
     #[error("{}: cannot be {action}: there is no folder {}", path.display(), folder.display())]
     NoFolder {
@@ -147,6 +155,7 @@ impl WorkbenchError {
                 | Self::Exists { .. }
                 | Self::OtherColumns { .. }
                 | Self::OnlyTemperature { .. }
+                | Self::TwoRods { .. }
         )
     }
 }

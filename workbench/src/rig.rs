@@ -69,6 +69,14 @@ pub enum RigError {
         /// File of the model.
         file: String,
     },
+    /// The model is of two rods.
+    #[error(
+        "{file}: two rods with two drives: a controller is tuned for one; identify that one from a recording with the other cold"
+    )]
+    Antagonist {
+        /// File of the model.
+        file: String,
+    },
     /// The largest drive is not known.
     #[error(
         "{file}: limits.drive_max is missing: the controller needs it; give it there or as --drive-max; the recordings went to {largest}"
@@ -150,8 +158,10 @@ impl Rig {
     ) -> Result<Self, WorkbenchError> {
         let rod = saved.rod();
         let file = || rod.file().to_owned();
-        if matches!(saved.model(), RigModel::Thermal(_)) {
-            return Err(RigError::Thermal { file: file() }.into());
+        match saved.model() {
+            RigModel::Thermal(_) => return Err(RigError::Thermal { file: file() }.into()),
+            RigModel::Antagonist(_) => return Err(RigError::Antagonist { file: file() }.into()),
+            RigModel::Wiener(_) | RigModel::Sadeghi(_) | RigModel::Loop(_) => {}
         }
         // That the temperature is known is checked last.
         let at_rest = Start::rest(rod.ambient_degc.unwrap_or_default());

@@ -127,7 +127,10 @@ impl<'a> RestoredModel<'a> {
         let setting = &mut restored.fleet.setting;
         setting.rule = saved.rule();
         setting.largest_drive = Some(saved.largest_drive()).filter(|largest| *largest > 0.0);
-        let has_cascade = !matches!(saved.model(), RigModel::Loop(_) | RigModel::Thermal(_));
+        let has_cascade = !matches!(
+            saved.model(),
+            RigModel::Loop(_) | RigModel::Thermal(_) | RigModel::Antagonist(_)
+        );
         if has_cascade && rod.drive_kind != Quantity::Temperature {
             setting.drive = rod.drive()?;
         }

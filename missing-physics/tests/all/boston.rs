@@ -37,10 +37,8 @@ fn the_lag_of_the_thermocouple_is_closest() {
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: setting_of_rod(&rod, "deg"),
-        // A coil's wire is long, and heat along it takes ten times as long. Two pulses hardly tell a limit of the supply.
-        catalogue: EffectSet::all()
-            .without(EffectId::EndConduction)
-            .without(EffectId::SupplyLimit),
+        // A coil's wire is long, and heat along it takes ten times as long.
+        catalogue: EffectSet::all().without(EffectId::EndConduction),
         ..DiagnoseConfig::default()
     };
     let found = diagnose(&base, &training, &[], &config, &mut |_| {

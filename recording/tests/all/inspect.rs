@@ -185,6 +185,29 @@ fn holds_are_the_stretches_of_constant_drive() {
 }
 
 #[test]
+fn an_antagonist_that_moves_ends_a_hold_and_a_rest() {
+    let drive = pulses(600, 300, 300, 400);
+    let antagonist = pulses(600, 100, 400, 900);
+    let pair = Recording::new(RecordingParts {
+        time_s: Some((0..600).map(|k| 0.5 * f64::from(k)).collect()),
+        output: vec![0.0; 600],
+        drive,
+        antagonist_drive: Some(antagonist),
+        ..RecordingParts::default()
+    })
+    .unwrap();
+    let ranges: Vec<_> = holds(&pair, 20.0)
+        .into_iter()
+        .map(|hold| hold.samples)
+        .collect();
+    assert_eq!(ranges, [0..100, 100..300, 300..500, 500..600]);
+    let found = inspect(&pair);
+    assert_eq!(found.rest_samples, 100);
+    let antagonist = found.antagonist.unwrap();
+    assert_eq!((antagonist.role, antagonist.highest), ("antagonist", 1.8));
+}
+
+#[test]
 fn a_gap_ends_a_hold() {
     let time_s = (0..100).map(|k| {
         if k < 50 {

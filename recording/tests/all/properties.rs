@@ -63,6 +63,7 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
                 quantity(),
                 column(),
                 column(),
+                prop::option::of(column()),
             ),
             "mm|DEG|N|MPa|1|%||degc|[a-zA-Zµ/·²,;() ]{0,6}",
             prop::option::of(column()),
@@ -72,7 +73,7 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
         )
             .prop_map(
                 |(
-                    (time_s, drive_quantity, drive, output),
+                    (time_s, drive_quantity, drive, output, antagonist),
                     unit,
                     temperature,
                     ambient,
@@ -81,15 +82,16 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
                 )| {
                     let is_temperature = drive_quantity == Quantity::Temperature;
                     let is_duty = drive_quantity == Quantity::Duty;
+                    let driven = |drive: Vec<f64>| match is_duty {
+                        true => drive.iter().map(|d| d.sin().abs()).collect(),
+                        false => drive,
+                    };
                     RecordingParts {
                         name: "generated".to_owned(),
                         time_s,
                         drive_quantity,
-                        drive: if is_duty {
-                            drive.iter().map(|d| d.sin().abs()).collect()
-                        } else {
-                            drive
-                        },
+                        drive: driven(drive),
+                        antagonist_drive: antagonist.filter(|_| !is_temperature).map(driven),
                         drive_unit: String::new(),
                         output_unit: unit,
                         output,
@@ -162,8 +164,16 @@ proptest! {
         let written = Recording::new(parts).unwrap();
         let mut csv = Vec::new();
         write_csv(&written, &mut csv).unwrap();
-        let options =
-            ReadOptions { allow_untimed: true, ..ReadOptions::new(written.drive_quantity()) };
+        let antagonist = format!("antagonist_{}", written.drive_quantity().column());
+        let columns = Columns {
+            antagonist: written.antagonist_drive().map(|_| ColumnSpec::name(antagonist)),
+            ..Columns::default()
+        };
+        let options = ReadOptions {
+            allow_untimed: true,
+            columns,
+            ..ReadOptions::new(written.drive_quantity())
+        };
         let read = parse_csv(csv.as_slice(), "generated", &options).unwrap();
         prop_assert_eq!(bits(read.time_s()), bits(written.time_s()));
         prop_assert_eq!(bits(read.drive()), bits(written.drive()));

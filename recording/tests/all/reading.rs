@@ -200,7 +200,7 @@ fn columns_refuse_what_they_do_not_know() {
     };
     assert_eq!(
         fault("dirve = 2"),
-        "unknown field `dirve`, expected one of `time`, `drive`, `output`, `temperature`, `ambient`, `stress`, `resistance`, `then`, `skip`, `decimal`, \
+        "unknown field `dirve`, expected one of `time`, `drive`, `antagonist`, `output`, `temperature`, `ambient`, `stress`, `resistance`, `then`, `skip`, `decimal`, \
          `strict`, `as_recorded`"
     );
     assert_eq!(

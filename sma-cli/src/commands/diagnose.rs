@@ -164,6 +164,10 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     match &model {
         RigModel::Wiener(plain) => with_time(args, &model, plain, rig, places),
         RigModel::Loop(_) | RigModel::Sadeghi(_) => without_time(args, rig, places),
+        RigModel::Antagonist(_) => Err(WorkbenchError::TwoRods {
+            recording: rig.training[0].name().to_owned(),
+        }
+        .into()),
         RigModel::Thermal(_) => Err(WorkbenchError::OnlyTemperature {
             recording: rig.training[0].name().to_owned(),
         }

@@ -87,6 +87,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
         },
         drive_quantity: recording.drive_quantity(),
         drive: recording.drive().to_vec(),
+        antagonist_drive: recording.antagonist_drive().map(<[f64]>::to_vec),
         drive_unit: match recording.drive_quantity() {
             Quantity::Temperature => recording.drive_unit().to_owned(),
             _ => String::new(),

@@ -40,7 +40,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     belongs_to: Belongs::Rig,
     presence: Presence::Seldom,
     acts_like: &[],
-    needs_in_recording: &[Occurrence::DriveLevels],
+    needs_in_recording: &[Occurrence::FollowedLevels],
     ..EffectInfo::ORDINARY
 };
 

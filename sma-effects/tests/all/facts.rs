@@ -91,7 +91,11 @@ fn likeness_is_that_of_groups() {
 fn what_waits_for_a_reversal_says_so() {
     let needing = |occurrence| ids(move |info| info.needs_in_recording.contains(&occurrence));
     for (occurrence, name, effects) in [
-        (Occurrence::DriveLevels, "drive-levels", ["supply-limit"]),
+        (
+            Occurrence::FollowedLevels,
+            "followed-levels",
+            ["supply-limit"],
+        ),
         (Occurrence::Cooling, "cooling", ["r-phase"]),
         (
             Occurrence::BothBranches,

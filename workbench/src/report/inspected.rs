@@ -77,8 +77,9 @@ pub fn text(inspection: &Inspection) -> String {
 }
 
 fn channels(inspection: &Inspection) -> impl Iterator<Item = &Channel> {
-    [&inspection.drive, &inspection.output]
-        .into_iter()
+    std::iter::once(&inspection.drive)
+        .chain(&inspection.antagonist)
+        .chain([&inspection.output])
         .chain(&inspection.temperature)
         .chain(&inspection.ambient)
         .chain(&inspection.stress)
