@@ -110,6 +110,7 @@ fn refined(
         least_squares: LeastSquaresConfig {
             iterations: ITERATIONS,
             relative_offset: 1e-2,
+            ..LeastSquaresConfig::default()
         },
         ..RefineConfig::default()
     };

@@ -12,6 +12,7 @@ use crate::fitted::{fitted_parameters, parameter_covariance};
 use crate::identifiability::unfixed_directions;
 use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
 use crate::moments::BATCH;
+use crate::own_anew::own_anew;
 use crate::problem::{Problem, Residuals};
 use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
 use crate::uncertainty::covariance;
@@ -288,10 +289,11 @@ impl Start<'_> {
             Start::Point(point) => (point.to_vec(), 0),
             Start::Swarm(stream) => swarm_start(&problem, config, stream)?,
         };
+        let end = minimize(&problem, problem.bounds(), &point, &config.least_squares)?;
         Ok(EndedStart {
             seed: config.seed,
             start: number,
-            minimum: minimize(&problem, problem.bounds(), &point, &config.least_squares)?,
+            minimum: own_anew(&problem, end, &config.least_squares)?,
             rejected_costs,
             simulations: problem.simulations(),
         })

@@ -16,6 +16,9 @@ pub struct LeastSquaresConfig {
     /// Relative offset below which the search has converged: the share of the residual that the
     /// parameters could still explain, as a ratio of norms (Bates1981 in REFERENCES.md).
     pub relative_offset: f64,
+    /// Share of the sum of squares that an iteration gains, below which twice in a row the search ends; 0 goes on for any gain.
+    /// Along a direction that the data hardly fix a search creeps for long and ends nowhere else that could be told.
+    pub least_gain: f64,
 }
 
 impl Default for LeastSquaresConfig {
@@ -23,6 +26,7 @@ impl Default for LeastSquaresConfig {
         Self {
             iterations: 200,
             relative_offset: 1e-5,
+            least_gain: 0.0,
         }
     }
 }
@@ -45,6 +49,11 @@ pub enum Termination {
         /// Relative offset reached.
         relative_offset: f64,
     },
+    /// The cost hardly falls any more, at a relative offset above the limit.
+    HardlyFalls {
+        /// Relative offset reached.
+        relative_offset: f64,
+    },
     /// The cost at the start was no number: nothing could be done.
     NotFinite,
     /// The limit of iterations.
@@ -63,6 +72,7 @@ impl Termination {
             Self::NotFinite => false,
             Self::Converged { relative_offset }
             | Self::NoFurtherStep { relative_offset }
+            | Self::HardlyFalls { relative_offset }
             | Self::Iterations { relative_offset } => *relative_offset < 1e-3,
         }
     }
@@ -175,7 +185,7 @@ pub(crate) fn minimize(
     let mut damping = 1e-2;
     let mut weights = vec![0.0_f64; point.len()];
     let mut local = problem.linearize(&point)?;
-    let mut iterations = 0;
+    let (mut iterations, mut hardly) = (0, 0);
     let termination = loop {
         if !local.sum_of_squares.is_finite() {
             break Termination::NotFinite;
@@ -193,6 +203,9 @@ pub(crate) fn minimize(
         }
         if iterations == config.iterations {
             break Termination::Iterations { relative_offset };
+        }
+        if hardly == 2 {
+            break Termination::HardlyFalls { relative_offset };
         }
         iterations += 1;
         let factors = damping_trials(problem.n_derivatives());
@@ -216,6 +229,8 @@ pub(crate) fn minimize(
             Some(best) => {
                 let will_do = gain(likeliest) >= NEARLY * gain(best);
                 let k = if will_do { likeliest } else { best };
+                let falls = gain(k) >= config.least_gain * local.sum_of_squares;
+                hardly = if falls { 0 } else { hardly + 1 };
                 point.clone_from(&trials[k]);
                 damping = (damping * factors[k]).clamp(1e-12, 1e12);
                 local = if will_do {

@@ -23,6 +23,7 @@ mod model_file;
 mod moments;
 mod of_family;
 mod of_rig;
+mod own_anew;
 mod parameter;
 mod predict;
 mod problem;

@@ -127,6 +127,28 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The problem of one recording alone with another model, whose samples weigh as they do here.
+    pub(crate) fn of_one<'b>(
+        &self,
+        model: &'b dyn ForwardModel,
+        r: usize,
+    ) -> Result<Problem<'b>, IdentifyError>
+    where
+        'a: 'b,
+    {
+        let weighed = self.recordings[r].clone();
+        let recording = std::slice::from_ref(weighed.recording);
+        Ok(Problem {
+            recordings: vec![weighed],
+            temperature_weight: self.temperature_weight,
+            ..Problem::new(model, recording)?
+        })
+    }
+
+    pub(crate) fn model(&self) -> &'a dyn ForwardModel {
+        self.model
+    }
+
     /// Counts points that were simulated.
     pub(crate) fn count(&self, simulations: u64) {
         self.simulations.fetch_add(simulations, Ordering::Relaxed);

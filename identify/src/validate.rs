@@ -140,7 +140,7 @@ pub fn validate_at(
 
 /// Where to begin a search of what belongs to a recording: in the middle of the bounds, and on either branch as cold as its
 /// surroundings. Nowhere, if nothing is sought.
-fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
+pub(crate) fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
     let vector = problem.vector();
     let middle = problem.middle();
     if middle.is_empty() {

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel, fit};
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel};
 use recording::Recording;
 
+use crate::agreed::agreed;
 use crate::config::DiagnoseConfig;
 use crate::watch::{Caller, Watched};
 
@@ -39,7 +40,7 @@ pub(crate) fn with_unknowns(
         watch: caller,
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let fitted = fit(&watched, training, &fit_config, go_on)?;
+    let fitted = agreed(&watched, training, &fit_config, go_on)?;
     if fitted.train_rmse < ASKED_FOR * plain.train_rmse {
         Ok((open, fitted))
     } else {

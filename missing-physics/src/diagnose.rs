@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel, fit};
+use identify::{Fit, FitConfig, IdentifyError, WienerModel};
 use recording::Recording;
 
+use crate::agreed::agreed;
 use crate::baseline::with_unknowns;
 use crate::config::DiagnoseConfig;
 use crate::decide::{Named, Verdict, decide, leading};
@@ -19,7 +20,7 @@ use crate::noise::floor::measured;
 use crate::report::catalogue::{catalogue, finding};
 use crate::report::diagnosis::{Diagnosis, Finding, Stage};
 use crate::report::explained::explained;
-use crate::report::held::{extended, held_to};
+use crate::report::held::{extended, held_to, told};
 use crate::report::ladder::ladder;
 use crate::report::remains::{blocks_of, located, remainder};
 use crate::search::complete::Completing;
@@ -34,9 +35,6 @@ use crate::{Candidate, CandidateSet};
 
 /// Gap between what is fitted and what is left out, time constants.
 const GAP: f64 = 5.0;
-
-/// Starts of a second fit of the baseline over those of the first, where no two of these agreed.
-const HARDER: u64 = 4;
 
 /// Says which physics the plain model of a rig leaves out.
 ///
@@ -58,29 +56,17 @@ pub fn diagnose<'p>(
         seed: config.seed,
         ..config.baseline.clone()
     };
-    let fitted = |config: &FitConfig| {
-        let base = Watched {
-            model: base,
-            watch: &caller,
-        };
-        fit(&base, training, config, &mut |so_far| {
-            // If this ends it, so does the next simulation.
-            match caller.tell(DiagnoseProgress::Baseline(so_far.clone())) {
-                Ok(()) => ControlFlow::Continue(()),
-                Err(_) => ControlFlow::Break(()),
-            }
-        })
+    let watched = Watched {
+        model: base,
+        watch: &caller,
     };
-    let mut plain = fitted(&baseline_config)?;
-    if !plain.converged() {
-        let vector = ParameterVector::new(base.parameters(), training.len());
-        plain = fitted(&FitConfig {
-            starts: HARDER * baseline_config.starts,
-            seed: config.seed.wrapping_add(1),
-            from: vec![plain.coordinates(&vector)],
-            ..baseline_config
-        })?;
-    }
+    let plain = agreed(&watched, training, &baseline_config, &mut |so_far| {
+        // If this ends it, so does the next simulation.
+        match caller.tell(DiagnoseProgress::Baseline(so_far.clone())) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        }
+    })?;
     from_baseline(base, plain, [training, unseen], config, &caller)
 }
 
@@ -184,6 +170,7 @@ fn from_baseline(
     let extended = extended(&mut search, effects, unseen)?;
     let mut shares = None;
     if let Some(extended) = &extended {
+        decided = told(decided, extended);
         let after = unseen::unseen(&extended.model, &extended.stage.fit.point(0), unseen)?;
         let before = unseen::unseen(base, &plain.point(0), unseen)?;
         let own = explained([&before, &after], decided.explained, ceiling, config.seed);

@@ -209,6 +209,7 @@ impl<'a> Bench<'a> {
             least_squares: LeastSquaresConfig {
                 iterations,
                 relative_offset: 1e-3,
+                ..LeastSquaresConfig::default()
             },
             temperature_weight,
             ..RefineConfig::default()

@@ -2,9 +2,12 @@
 
 use std::ops::Range;
 
-use crate::decide::rules::{RuleId, rule};
+use crate::decide::rules::RuleId;
 use crate::decide::trace::Traces;
 use crate::{Candidate, CandidateSet};
+
+/// What a formula of a loop is exact to at best, as a share of what it shows.
+const EXACT: f64 = 1e-3;
 
 /// What is known beside the population.
 #[derive(Debug, Clone)]
@@ -33,7 +36,7 @@ pub(crate) struct Known {
 impl Known {
     /// Root mean square from which on it matters what an effect shows, in the output's unit.
     pub(crate) fn least_that_matters(&self, n_outputs: usize) -> f64 {
-        rule(RuleId::Matters).threshold * self.output_deviation(n_outputs)
+        EXACT * self.output_deviation(n_outputs)
     }
 
     /// Standard deviation of the output.
@@ -49,10 +52,8 @@ impl Known {
         predicted: f64,
         n_outputs: usize,
     ) -> bool {
-        let is_no_rounding =
-            self.rounding == 0.0 || traces.ask(RuleId::Rounding, of, predicted / self.rounding);
-        let share = predicted.max(0.0).sqrt() / self.output_deviation(n_outputs);
-        traces.ask(RuleId::Matters, of, share) && is_no_rounding
+        let least = self.least_that_matters(n_outputs).max(self.rounding.sqrt());
+        traces.ask(RuleId::Matters, of, predicted.max(0.0).sqrt() / least)
     }
 
     /// Number of names that were tried beside some.

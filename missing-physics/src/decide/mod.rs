@@ -16,4 +16,5 @@ pub(crate) use names::Named;
 pub use rules::{Basis, Comparison, RULES, Rule, RuleId};
 pub use said::Verdict;
 pub use trace::Trace;
+pub(crate) use trace::Traces;
 pub(crate) use verdict::{Decided, decide};

@@ -17,9 +17,7 @@ pub enum RuleId {
     Own,
     /// Something is left beside the names.
     Remainder,
-    /// The error is larger than rounding.
-    Rounding,
-    /// It is more than the formulas themselves are exact to.
+    /// The error is larger than rounding, and more than the formulas themselves are exact to.
     Matters,
     /// The size of what is left follows the drive.
     Disturbed,
@@ -29,6 +27,8 @@ pub enum RuleId {
     Slow,
     /// What looks like a drift of the zero is a slip of the mount.
     Slip,
+    /// The size of a name is told from none.
+    Told,
     /// A name helps on recordings that were not used.
     UnseenGain,
     /// What was explained is explained there, too.
@@ -153,22 +153,13 @@ pub const RULES: [Rule; 15] = [
         reason: "19 to 1 that something else is left",
     },
     Rule {
-        id: RuleId::Rounding,
-        name: "rounding",
-        statistic: "mean square that is predicted, over that of the converter's rounding",
-        comparison: Comparison::AtLeast,
-        threshold: 1.0,
-        basis: Basis::Derivation,
-        reason: "rounding is a function of the output, and so of the drive, as physics is",
-    },
-    Rule {
         id: RuleId::Matters,
         name: "matters",
-        statistic: "root mean square that is predicted, over the standard deviation of the output",
+        statistic: "root mean square that is predicted, over a thousandth of the output's standard deviation, or over the converter's rounding if that is more",
         comparison: Comparison::AtLeast,
-        threshold: 0.001,
+        threshold: 1.0,
         basis: Basis::Chosen,
-        reason: "no formula of a loop, and hardly a sensor, is exact to a thousandth of what it shows",
+        reason: "no formula of a loop, and hardly a sensor, is exact to a thousandth of what it shows, and rounding follows the output as physics does",
     },
     Rule {
         id: RuleId::Disturbed,
@@ -205,6 +196,15 @@ pub const RULES: [Rule; 15] = [
         threshold: 1.0,
         basis: Basis::Derivation,
         reason: "a drift of the sensor knows nothing of the rod",
+    },
+    Rule {
+        id: RuleId::Told,
+        name: "told",
+        statistic: "size of a name over half of its 95 % interval, of several sizes the largest",
+        comparison: Comparison::AtLeast,
+        threshold: 1.0,
+        basis: Basis::Quantile,
+        reason: "what may have no size is no finding",
     },
     Rule {
         id: RuleId::UnseenGain,

@@ -210,8 +210,8 @@ fn a_plain_model_that_predicts_too_little_describes_nothing() {
 fn what_is_smaller_than_rounding_has_no_name() {
     let population = with_lag(1.0, 0.0);
     let lost = |names: usize| population.models[names].evidence.squares()[0] / N as f64;
-    let found = around(&population, RuleId::Rounding, |known, over| {
-        known.rounding = (lost(0) - lost(1)) / over;
+    let found = around(&population, RuleId::Matters, |known, over| {
+        known.rounding = (lost(0) - lost(1)) / over.powi(2);
     });
     assert_ne!(found[0], Verdict::Explained);
     assert_eq!(found[1], Verdict::Explained);
@@ -222,7 +222,7 @@ fn what_is_less_than_any_formula_is_exact_to_has_no_name() {
     let population = with_lag(1.0, 0.0);
     let squares = |names: usize| population.models[names].evidence.squares()[0];
     let found = around(&population, RuleId::Matters, |known, share| {
-        known.output_squares = (squares(0) - squares(1)) / share.powi(2);
+        known.output_squares = (squares(0) - squares(1)) / (1e-3 * share).powi(2);
     });
     assert_eq!(found, [Verdict::Adequate, Verdict::Explained]);
 }

@@ -25,6 +25,16 @@ pub(crate) struct Decided {
     pub(crate) traces: Traces,
 }
 
+impl Decided {
+    /// Whether the verdict is that something has a name.
+    pub(crate) fn is_of_names(&self) -> bool {
+        matches!(
+            self.verdict,
+            Verdict::Explained | Verdict::ExplainedInPart | Verdict::Ambiguous
+        )
+    }
+}
+
 /// What a population says.
 pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     let mut traces = Traces::default();
@@ -101,8 +111,7 @@ fn is_found(traces: &Traces, suspect: &Named) -> bool {
             trace.rule.id == id && trace.of == suspect.effect.id() && trace.passed == passed
         })
     };
-    let is_immaterial = is_about(RuleId::Rounding, false) || is_about(RuleId::Matters, false);
-    is_about(RuleId::Own, true) && !is_immaterial
+    is_about(RuleId::Own, true) && !is_about(RuleId::Matters, false)
 }
 
 /// Share of the output's variance that is predicted on blocks which were left out, by any model or with the curve on top. Drifts

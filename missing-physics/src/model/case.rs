@@ -28,6 +28,10 @@ const RACE: usize = 4;
 const NEAR_THE_END: f64 = 2e-2;
 const AT_THE_END: f64 = 1e-3;
 
+/// Logarithm of a likelihood, if each sample were told by itself, that an iteration must gain: what all iterations together would gain
+/// with less moves no belief.
+const LEAST_NATS: f64 = 0.1 / TO_THE_END as f64;
+
 /// Iterations until a refinement has its end.
 const TO_THE_END: usize = 60;
 
@@ -233,6 +237,11 @@ impl<'a> Case<'a> {
         )
     }
 
+    /// Share of a sum of squares that cannot change a verdict.
+    pub(crate) fn least_gain(&self) -> f64 {
+        2.0 * LEAST_NATS / self.layout.n_outputs() as f64
+    }
+
     /// Both channels count as well as they are met by a node from which the search goes out.
     fn config(&self, near: &Node, iterations: usize) -> RefineConfig {
         let Noise {
@@ -248,6 +257,7 @@ impl<'a> Case<'a> {
                 } else {
                     AT_THE_END
                 },
+                least_gain: self.least_gain(),
             },
             race_iterations: RACE,
             weights: None,

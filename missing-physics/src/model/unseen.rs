@@ -126,6 +126,7 @@ fn of_recording(
             least_squares: LeastSquaresConfig {
                 iterations: ITERATIONS,
                 relative_offset: 1e-3,
+                ..LeastSquaresConfig::default()
             },
             weights: Some(vec![weights.collect()]),
             error_variance,

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use identify::{IdentifyError, Validated};
+use identify::{IdentifyError, ParameterState, Validated};
 use recording::Recording;
 
-use crate::decide::{Decided, Named, RuleId, Verdict};
+use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
 use crate::model::elsewhere::{spread, validated};
 use crate::model::unseen::{self, Unseen};
 use crate::report::diagnosis::{Explained, ExtendedStage, Stage};
 use crate::search::roads::Search;
-use crate::{CandidateSet, LoopFamily};
+use crate::{Candidate, CandidateSet, LoopFamily, Role};
 
 /// Standard deviations up to which an error may be the parameters' uncertainty.
 const TWICE: f64 = 2.0;
@@ -38,6 +38,43 @@ pub(crate) fn extended(
         model,
         stage: Stage { fit, validated },
     }))
+}
+
+/// What was decided, without names whose sizes may be none.
+pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
+    let fit = &extended.stage.fit;
+    let is_told = |effect: Candidate, traces: &mut Traces| {
+        let sizes = effect.info().parameters.iter();
+        let free = sizes
+            .filter(|parameter| parameter.role == Role::Size)
+            .filter_map(|size| fit.parameter(size.name))
+            .filter(|size| size.info.state == ParameterState::Free);
+        let over = free.map(|size| match size.intervals[0] {
+            Some(own) => {
+                let value = size.values[0];
+                // An end that stands at a bound is no end of the interval.
+                value.abs() / (own.upper - value).max(value - own.lower)
+            }
+            // At an end of what can be it is as large as that.
+            None if size.at_bound => f64::INFINITY,
+            None => 0.0,
+        });
+        // A loop of another family has no size.
+        let largest = over.reduce(f64::max);
+        largest.is_none_or(|largest| traces.ask(RuleId::Told, effect.id(), largest))
+    };
+    let named = std::mem::take(&mut decided.named);
+    for one in named {
+        if is_told(one.effect, &mut decided.traces) {
+            decided.named.push(one);
+        } else {
+            decided.suspects.push(one);
+        }
+    }
+    if decided.named.is_empty() && decided.is_of_names() {
+        decided.verdict = decided.nameless;
+    }
+    decided
 }
 
 /// What was decided, held to the recordings that were not used: names that make them worse do not hold, and what is not

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit};
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector};
 
+use crate::agreed::agreed;
 use crate::decide::leading;
 use crate::evidence::Population;
 use crate::model::case::{Case, Node};
@@ -37,12 +38,16 @@ pub(crate) fn plain_fits(
             from: vec![case.fit.coordinates(&vector)],
             starts,
             seed,
+            least_squares: LeastSquaresConfig {
+                least_gain: case.least_gain(),
+                ..LeastSquaresConfig::default()
+            },
             ..FitConfig::default()
         };
         let go_on = &mut |_: &_| ControlFlow::Continue(());
         Ok((
             family,
-            fit(&case.watched(&model), case.training, &config, go_on)?,
+            agreed(&case.watched(&model), case.training, &config, go_on)?,
         ))
     });
     let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;

@@ -14,8 +14,8 @@ use crate::{CandidateSet, LoopFamily};
 /// Nats behind the best model from which another can have no share of the belief on all samples: odds of e¹².
 const HOPELESS: f64 = 12.0;
 
-/// Rounds until the leading model stays.
-const ROUNDS: usize = 4;
+/// Rounds until the leading model stays: each takes one to its end, or searches around it.
+const ROUNDS: usize = 12;
 
 /// Models that are judged on all samples: at least, and at most, of those that may be chosen; and of those that may not.
 const FEWEST: usize = 12;

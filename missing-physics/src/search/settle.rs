@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit};
+use identify::{
+    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, fit,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -63,6 +65,10 @@ pub(crate) fn settled(
             .collect(),
         starts: swarms,
         seed,
+        least_squares: LeastSquaresConfig {
+            least_gain: case.least_gain(),
+            ..LeastSquaresConfig::default()
+        },
         ..FitConfig::default()
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
@@ -75,6 +81,10 @@ pub(crate) fn fitted(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Ide
         from: vec![node.coordinates.clone()],
         starts: 0,
         seed,
+        least_squares: LeastSquaresConfig {
+            least_gain: case.least_gain(),
+            ..LeastSquaresConfig::default()
+        },
         ..FitConfig::default()
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
