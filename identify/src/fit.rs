@@ -15,6 +15,7 @@ use crate::moments::BATCH;
 use crate::own_anew::own_anew;
 use crate::problem::{Problem, Residuals};
 use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
+use crate::thinned::{basin, thinned};
 use crate::uncertainty::covariance;
 use crate::{EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording};
 
@@ -133,6 +134,15 @@ pub fn fit(
         return Err(IdentifyError::NothingFree);
     }
     problem.weigh_temperature(equal_spreads(&problem, training));
+    let few = match config.least_squares.iterations {
+        // Nothing follows a swarm, as in the paper: it sees all.
+        0 => None,
+        _ => thinned(training)?,
+    };
+    let few = match &few {
+        Some(few) => Some(Few::new(model, few)?),
+        None => None,
+    };
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
     let points = config.from.iter().map(|point| Start::Point(point));
@@ -151,7 +161,7 @@ pub fn fit(
                 };
                 match config.ended.iter().find(is_it) {
                     Some(known) => Ok(known.clone()),
-                    None => start.search(number, &problem, config),
+                    None => start.search(number, &problem, few.as_ref(), config),
                 }
             })
             .collect::<Result<Vec<EndedStart>, _>>()?;
@@ -276,6 +286,7 @@ impl Start<'_> {
         self,
         number: u64,
         problem: &Problem<'_>,
+        few: Option<&Few<'_>>,
         config: &FitConfig,
     ) -> Result<EndedStart, IdentifyError> {
         let problem = problem.apart();
@@ -287,13 +298,17 @@ impl Start<'_> {
                 });
             }
             Start::Point(point) => (point.to_vec(), 0),
-            Start::Swarm(stream) => swarm_start(&problem, config, stream)?,
+            Start::Swarm(stream) => begun(&problem, few, config, stream)?,
         };
         let end = minimize(&problem, problem.bounds(), &point, &config.least_squares)?;
         Ok(EndedStart {
             seed: config.seed,
             start: number,
-            minimum: own_anew(&problem, end, &config.least_squares)?,
+            minimum: match (self, few) {
+                // That was done on fewer samples.
+                (Start::Swarm(_), Some(_)) => end,
+                _ => own_anew(&problem, end, &config.least_squares)?,
+            },
             rejected_costs,
             simulations: problem.simulations(),
         })
@@ -457,6 +472,49 @@ pub(crate) fn squares_about_own_mean(values: &[f64]) -> f64 {
 
 pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Recordings with fewer samples, on which basins are found.
+#[derive(Debug)]
+struct Few<'a> {
+    recordings: &'a [Recording],
+    problem: Problem<'a>,
+}
+
+impl<'a> Few<'a> {
+    fn new(
+        model: &'a dyn ForwardModel,
+        recordings: &'a [Recording],
+    ) -> Result<Self, IdentifyError> {
+        let mut problem = Problem::new(model, recordings)?;
+        problem.weigh_temperature(equal_spreads(&problem, recordings));
+        Ok(Self {
+            recordings,
+            problem,
+        })
+    }
+}
+
+/// Where a search on all samples begins: at the end of one on fewer samples if there are such, else at the best point of a short
+/// swarm; and how many costs were no numbers.
+fn begun(
+    problem: &Problem<'_>,
+    few: Option<&Few<'_>>,
+    config: &FitConfig,
+    stream: u64,
+) -> Result<(Vec<f64>, u64), IdentifyError> {
+    if let Some(few) = few {
+        let own = few.problem.apart();
+        let (best, rejected_costs) = swarm_start(&own, config, stream)?;
+        let end = basin(&own, few.recordings, &best)?;
+        // One of them takes as long as the share of the samples that it has.
+        let share = own.n_samples() as f64 / problem.n_samples() as f64;
+        problem.count((own.simulations() as f64 * share).ceil() as u64);
+        if let Some(end) = end {
+            return Ok((end, rejected_costs));
+        }
+    }
+    swarm_start(problem, config, stream)
 }
 
 /// The best point of a short swarm, and how many costs were no numbers.

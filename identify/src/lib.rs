@@ -45,6 +45,7 @@ mod supply;
 mod surroundings;
 mod temperature_unit;
 mod thermal_model;
+mod thinned;
 mod uncertainty;
 mod validate;
 mod wiener_model;
