@@ -24,7 +24,7 @@ use crate::report::held::{extended, held_to, told};
 use crate::report::ladder::ladder;
 use crate::report::remains::{blocks_of, located, remainder};
 use crate::search::complete::Completing;
-use crate::search::families::{self, begun, may_be_the_loop};
+use crate::search::families::{self, begun, is_anything, may_be_the_loop};
 use crate::search::known::known;
 use crate::search::occurs::testable;
 use crate::search::promote::promoted;
@@ -115,17 +115,22 @@ fn from_baseline(
     let mut completing = Completing::new(&few_blocks, config.seed);
     let mut coarse_searches = vec![begun(&case, catalogue_set)?];
     caller.tell_of_search()?;
-    // More effects than one are worth their search where a curve finds more than one has.
-    let population = completing.completed(&mut coarse_searches)?;
     // A loop of another family bends what is found of the rest: it comes before more effects do.
-    let goes_on = may_be_the_loop(&population);
-    let names = leading(&population).names;
     let mut fits = Vec::new();
-    if (goes_on || !names.is_empty()) && catalogue_set.contains(Candidate::other_loop()) {
+    if catalogue_set.contains(Candidate::other_loop())
+        && is_anything(&completing.audited(&coarse_searches)?)
+    {
         fits = families::fits(&case, config.seed)?;
     }
+    let mut goes_on = families::is_another(&fits, &coarse_searches[0]);
     if !goes_on {
-        families::retain_rivals(&mut fits, coarse_searches[0].get(names));
+        // More effects than one are worth their search where a curve finds more than one has.
+        let population = completing.completed(&mut coarse_searches)?;
+        goes_on = may_be_the_loop(&population);
+        if !goes_on {
+            let named = coarse_searches[0].get(leading(&population).names);
+            families::retain_rivals(&mut fits, named);
+        }
     }
     let cases = families::cases(&case, &fits);
     for case in &cases {

@@ -64,6 +64,16 @@ pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>,
     Ok(fits)
 }
 
+/// Whether a loop of another family is the rig's: by itself it comes nearer than the paper's with any one effect that has a form
+/// of its own.
+pub(crate) fn is_another(fits: &[(LoopFamily, Fit)], papers: &Search<'_>) -> bool {
+    let has_form = |node: &&Node| node.effects.iter().all(|one| !one.info().flexible);
+    let with_one = papers.nodes().filter(has_form).map(Node::mean_square);
+    let least = with_one.fold(f64::INFINITY, f64::min);
+    let nearest = fits.first();
+    nearest.is_some_and(|(_, fit)| fit.train_rmse.powi(2) < least)
+}
+
 /// Those alone that come about as near with nothing missing as a model of the paper's loop does with what it names: what
 /// another loop shows by itself is a rival of every name, since each is but a formula.
 pub(crate) fn retain_rivals(fits: &mut Vec<(LoopFamily, Fit)>, named: Option<&Node>) {
@@ -78,17 +88,22 @@ pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [(LoopFamily, Fit)]) -> Vec<C
         .collect()
 }
 
-/// Goes the whole way with the paper's loop, the first, and with each other that does not stay further from the recordings than
-/// another's with as many effects.
+/// Goes the whole way with each loop that does not stay further from the recordings than another's with as many effects.
 pub(crate) fn grow(searches: &mut [Search<'_>]) -> Result<(), IdentifyError> {
     let least = |search: &Search<'_>| search.nearest().mean_square();
     let nearest = searches.iter().map(least).fold(f64::INFINITY, f64::min);
-    for (place, search) in searches.iter_mut().enumerate() {
-        if place == 0 || !search.is_misfit() || least(search) <= IN_VAIN * nearest {
+    for search in searches {
+        if !search.is_misfit() || least(search) <= IN_VAIN * nearest {
             search.grow()?;
         }
     }
     Ok(())
+}
+
+/// Whether there is anything to explain: something has a name, or a curve finds more than the plain model has.
+pub(crate) fn is_anything(population: &Population) -> bool {
+    let model = leading(population);
+    !model.names.is_empty() || !model.is_whole()
 }
 
 /// Whether a loop of another family may do instead: a curve finds more than the leading model has, or a name is of the loop.
