@@ -9,7 +9,7 @@ use recording::{Quantity, Recording, RecordingParts};
 const SAMPLES: usize = 1_500;
 
 /// Longest distance between samples, as a share of the time constant.
-const LONGEST: f64 = 0.125;
+const LONGEST: f64 = 0.25;
 
 /// Fewest samples of a recording.
 const FEWEST: usize = 50;
@@ -17,11 +17,12 @@ const FEWEST: usize = 50;
 /// Swings of the temperature that count, K: smaller ones hardly show beside any loop.
 const SWING_K: f64 = 0.25;
 
-/// Each recording with every n-th sample and those where the temperature turns back: driven by the mean power between, and with
-/// the mean of what a fitted plain model leaves around each.
+/// Each recording with every n-th sample and those where the temperature turns back: driven by the power between that takes the rod
+/// to the same temperature, and with the mean of what a fitted plain model leaves around each.
 ///
-/// The plain model leaves of the result the means of what it leaves of the recordings, whatever its steps are too long for; so
-/// what another model does otherwise is off only by what of that difference bends from one sample to the next.
+/// Between turns the loop knows temperatures and no time: on the same temperatures the plain model shows the same, however long a step
+/// is. It leaves of the result the means of what it leaves of the recordings; what another model does otherwise is off only by what
+/// of that difference bends from one sample to the next.
 ///
 /// # Errors
 ///
@@ -31,7 +32,8 @@ pub(crate) fn coarse(
     plain: &Fit,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let every = every(plain, training);
+    let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+    let every = every(tau_s, training);
     let recordings = training.iter().enumerate();
     recordings
         .map(|(r, recording)| {
@@ -39,14 +41,13 @@ pub(crate) fn coarse(
             if every < 2 {
                 return Ok(recording.clone());
             }
-            of_every(every, base, &plain.point(r), recording)
+            of_every(every, base, (&plain.point(r), tau_s), recording)
         })
         .collect()
 }
 
 /// Every how many samples one is kept.
-fn every(plain: &Fit, training: &[Recording]) -> usize {
-    let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+fn every(tau_s: f64, training: &[Recording]) -> usize {
     let by_time = training.iter().map(|recording| {
         let time_s = recording.time_s();
         let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
@@ -59,7 +60,7 @@ fn every(plain: &Fit, training: &[Recording]) -> usize {
 fn of_every(
     every: usize,
     base: &WienerModel,
-    point: &[f64],
+    (point, tau_s): (&[f64], f64),
     recording: &Recording,
 ) -> Result<Recording, IdentifyError> {
     let n = recording.len();
@@ -89,12 +90,22 @@ fn of_every(
     let time_s = recording.time_s();
     let lasts_s = |k: usize| time_s.get(k + 1).map_or(1.0, |next_s| next_s - time_s[k]);
     let quantity = recording.drive_quantity();
-    let drive = between.iter().map(|range| match quantity {
-        // Heat goes with their squares.
-        Quantity::Current | Quantity::Voltage => {
-            mean(range, lasts_s, |k| recording.drive()[k].powi(2)).sqrt()
+    let drive = between.iter().map(|range| {
+        let end_s = time_s[range.end.min(n - 1)];
+        // What comes late is less cooled away by the end.
+        let counts = |k: usize| {
+            let since_s = |k: usize| end_s - time_s.get(k).copied().unwrap_or(end_s);
+            let left = |since_s: f64| (-since_s / tau_s).exp();
+            left(since_s(k + 1)) - left(since_s(k))
+        };
+        match quantity {
+            _ if range.len() == 1 => recording.drive()[range.start],
+            // Heat goes with their squares.
+            Quantity::Current | Quantity::Voltage => {
+                mean(range, counts, |k| recording.drive()[k].powi(2)).sqrt()
+            }
+            _ => mean(range, counts, |k| recording.drive()[k]),
         }
-        _ => mean(range, lasts_s, |k| recording.drive()[k]),
     });
     let between_mean = |series: &[f64]| -> Vec<f64> {
         let means = between
@@ -164,7 +175,17 @@ mod tests {
         let fine = synthetic.case();
         let before = fine.baseline().unwrap();
         let recording = &fine.training[0];
-        let few = of_every(5, fine.base, &fine.fit.point(0), recording).unwrap();
+        let point = fine.fit.point(0);
+        let tau_s = fine.fit.parameter("tau_s").unwrap().values[0];
+        let few = of_every(5, fine.base, (&point, tau_s), recording).unwrap();
+        // The rod is taken to the same temperatures.
+        let [on_all, on_few] =
+            [recording, &few].map(|one| predict(fine.base, &point, one).unwrap());
+        for (j, time_s) in few.time_s().iter().enumerate() {
+            let k = recording.time_s().partition_point(|one| one < time_s);
+            let off_k = on_few.temperature_degc[j] - on_all.temperature_degc[k];
+            assert!(off_k.abs() < 1e-9, "{j} {off_k}");
+        }
         let few = [few];
         let coarse = Case::new(fine.base, fine.fit, &few, Setting::default());
         let after = coarse.baseline().unwrap();
