@@ -139,10 +139,7 @@ pub fn fit(
         0 => None,
         _ => thinned(training)?,
     };
-    let few = match &few {
-        Some(few) => Some(Few::new(model, few)?),
-        None => None,
-    };
+    let few = few.as_deref().map(|few| Few::new(model, few)).transpose()?;
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
     let points = config.from.iter().map(|point| Start::Point(point));

@@ -1,7 +1,7 @@
 //! One rig with its recordings, and models of it with ever other effects.
 
 use identify::{
-    Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
+    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
     ParameterVector, RefineConfig, Refined, WienerModel, refine,
 };
 use recording::Recording;
@@ -237,8 +237,20 @@ impl<'a> Case<'a> {
         )
     }
 
+    /// Settings of fits of its models, which end as refinements do.
+    pub(crate) fn fit_config(&self, seed: u64) -> FitConfig {
+        FitConfig {
+            seed,
+            least_squares: LeastSquaresConfig {
+                least_gain: self.least_gain(),
+                ..LeastSquaresConfig::default()
+            },
+            ..FitConfig::default()
+        }
+    }
+
     /// Share of a sum of squares that cannot change a verdict.
-    pub(crate) fn least_gain(&self) -> f64 {
+    fn least_gain(&self) -> f64 {
         2.0 * LEAST_NATS / self.layout.n_outputs() as f64
     }
 

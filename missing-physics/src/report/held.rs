@@ -63,14 +63,11 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
         let largest = over.reduce(f64::max);
         largest.is_none_or(|largest| traces.ask(RuleId::Told, effect.id(), largest))
     };
-    let named = std::mem::take(&mut decided.named);
-    for one in named {
-        if is_told(one.effect, &mut decided.traces) {
-            decided.named.push(one);
-        } else {
-            decided.suspects.push(one);
-        }
-    }
+    let (told, fallen) = std::mem::take(&mut decided.named)
+        .into_iter()
+        .partition::<Vec<Named>, _>(|one| is_told(one.effect, &mut decided.traces));
+    decided.named = told;
+    decided.suspects.extend(fallen);
     if decided.named.is_empty() && decided.is_of_names() {
         decided.verdict = decided.nameless;
     }

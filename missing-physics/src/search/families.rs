@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector};
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector};
 
 use crate::agreed::agreed;
 use crate::decide::leading;
@@ -37,12 +37,7 @@ pub(crate) fn plain_fits(
         let config = FitConfig {
             from: vec![case.fit.coordinates(&vector)],
             starts,
-            seed,
-            least_squares: LeastSquaresConfig {
-                least_gain: case.least_gain(),
-                ..LeastSquaresConfig::default()
-            },
-            ..FitConfig::default()
+            ..case.fit_config(seed)
         };
         let go_on = &mut |_: &_| ControlFlow::Continue(());
         Ok((

@@ -2,9 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, fit,
-};
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -64,12 +62,7 @@ pub(crate) fn settled(
             .chain(ends.map(|(_, end)| end))
             .collect(),
         starts: swarms,
-        seed,
-        least_squares: LeastSquaresConfig {
-            least_gain: case.least_gain(),
-            ..LeastSquaresConfig::default()
-        },
-        ..FitConfig::default()
+        ..case.fit_config(seed)
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     fit(&case.watched(&node.model), case.training, &config, go_on)
@@ -80,12 +73,7 @@ pub(crate) fn fitted(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Ide
     let config = FitConfig {
         from: vec![node.coordinates.clone()],
         starts: 0,
-        seed,
-        least_squares: LeastSquaresConfig {
-            least_gain: case.least_gain(),
-            ..LeastSquaresConfig::default()
-        },
-        ..FitConfig::default()
+        ..case.fit_config(seed)
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     fit(&case.watched(&node.model), case.training, &config, go_on)
