@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, IdentifyError, WienerModel};
-use recording::Recording;
+use recording::{Recording, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::baseline::with_unknowns;
@@ -100,8 +100,13 @@ fn from_baseline(
     };
     let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
     let noise = measured(training, tau_s);
+    let all: Vec<Recording> = [training, unseen].concat();
+    let repeats = repeat_floor(&all);
     if !has_converged && !plain.converged() {
-        return Ok(Diagnosis::not_converged(baseline, &noise, config.seed));
+        return Ok(Diagnosis {
+            repeats,
+            ..Diagnosis::not_converged(baseline, &noise, config.seed)
+        });
     }
     let fine_case = Case::new(base, plain, training, config.setting).watched_by(caller);
     caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
@@ -229,6 +234,7 @@ fn from_baseline(
     Ok(Diagnosis {
         verdict: decided.verdict,
         noise_floor,
+        repeats,
         baseline,
         extended,
         ladder,

@@ -60,6 +60,7 @@
 //! | is the column of the drive noisy? | [`drive_noise`] |
 //! | where is the drive constant? | [`holds`] |
 //! | which are its whole cycles, which repeat? | [`cycles`], [`repeats`] |
+//! | how far apart are runs of the same drive? | [`repeat_floor`] |
 //! | how large is the noise, at least and at most? | [`noise_floor`] |
 //! | parts of whole cycles | [`split_by_cycles`], [`Recording::slice`] |
 //! | a longer, equal step | [`resample`] |
@@ -103,6 +104,7 @@ mod quantization;
 mod rates;
 mod read;
 mod recording;
+mod repeated;
 mod resample;
 mod resistance;
 mod sampling;
@@ -130,6 +132,7 @@ pub use quantization::quantization_step;
 pub use rates::has_one_rate;
 pub use read::{ReadOptions, parse_csv, read_csv, read_drive_csv};
 pub use recording::{Recording, RecordingParts};
+pub use repeated::{Apart, Difference, Part, RepeatFloor, RepeatedDrive, repeat_floor};
 pub use resample::resample;
 pub use resistance::Resistance;
 pub use sampling::{GAP_FACTOR, Gap, Sampling};

@@ -1,6 +1,7 @@
 //! What a diagnosis ends with.
 
 use identify::{Fit, Validated};
+use recording::RepeatFloor;
 
 use crate::decide::{Trace, Verdict};
 use crate::evidence::Audit;
@@ -17,6 +18,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Noise of the output, in its unit.
     pub noise_floor: Floor,
+    /// What recordings of the same drive differ by, training and unseen; `None` if no drive is repeated.
+    pub repeats: Option<RepeatFloor>,
     /// The plain model.
     pub baseline: Stage,
     /// The model with what was found; that with the suspects, where there is no finding but some; `None` if
@@ -58,6 +61,7 @@ impl Diagnosis {
                 upper: noise.upper,
                 class: NoiseClass::Colored,
             },
+            repeats: None,
             simulations: baseline.fit.simulations,
             ladder: vec![Rung::plain(&baseline)],
             baseline,

@@ -12,5 +12,6 @@ mod mended;
 mod properties;
 mod reading;
 mod real;
+mod repeats;
 mod slips;
 mod used;

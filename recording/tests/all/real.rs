@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use recording::{
     ColumnSpec, Columns, NoiseConfig, Quantity, ReadOptions, Recording, Sampling, Side, Warning,
-    clipping, inspect, noise_floor, quantization_step, read_csv, resample,
+    clipping, inspect, noise_floor, quantization_step, read_csv, repeat_floor, resample,
 };
 
 /// The file, or a loud skip: on stderr itself, since the test harness hides what is printed.
@@ -63,6 +63,50 @@ fn bologna_open_loop_reads_with_defaults() {
         }
         assert!(recording.gaps().is_empty());
         recording.check_identifiable().unwrap();
+    }
+}
+
+#[test]
+fn bologna_repeats_to_a_tenth_of_a_millimeter() {
+    let options = ReadOptions::new(Quantity::Duty);
+    let runs = ["ramp01", "ramp02", "step01", "step02"];
+    let runs: Option<Vec<Recording>> = runs
+        .iter()
+        .map(|file| read(&format!("bologna/{file}.csv"), &options))
+        .collect();
+    let Some(runs) = runs else { return };
+    // Of four runs two begin with the same drive, for 30 s: 0.17 mm apart beside an offset, ten times the noise.
+    let floor = repeat_floor(&runs).unwrap();
+    assert_eq!(floor.pairs.len(), 1);
+    let pair = &floor.pairs[0];
+    assert!(pair.second.recording.ends_with("step02.csv"));
+    assert!((pair.first.end_s - 30.0).abs() < 0.1);
+    assert!((floor.rms().unwrap() / 0.17 - 1.0).abs() < 0.1);
+    assert!((floor.nearest().unwrap() / 0.085 - 1.0).abs() < 0.1);
+    assert!(!floor.is_noise());
+}
+
+#[test]
+fn boston_repeats_to_half_a_degree() {
+    for (file, drive) in [("c1", "pwm_duty_limb0_rev"), ("c2", "pwm_duty_limb0_fwd")] {
+        let columns = Columns {
+            time: name("t_s"),
+            drive: name(drive),
+            output: name("limb0_angle_deg"),
+            ..Columns::default()
+        };
+        let options = ReadOptions {
+            columns,
+            ..ReadOptions::new(Quantity::Duty)
+        };
+        let Some(run) = read(&format!("boston/{file}.csv"), &options) else {
+            return;
+        };
+        // Two equal pulses, 189 s apart.
+        let floor = repeat_floor(&[run]).unwrap();
+        assert_eq!(floor.pairs.len(), 1, "{file}");
+        let apart = floor.rms().unwrap();
+        assert!((0.7..1.0).contains(&apart), "{file}: {apart}");
     }
 }
 

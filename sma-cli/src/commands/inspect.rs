@@ -6,14 +6,14 @@ use clap::Args;
 use identify::Rod;
 use recording::{
     Adaptation, Inspection, Meaning, ReadOptions, Recording, RecordingError, inspect,
-    inspect_as_recorded, read_csv, survey,
+    inspect_as_recorded, mended, read_csv, repeat_floor, survey,
 };
 use serde_json::json;
 
 use crate::commands::used::UseArgs;
 use crate::outcome::Outcome;
 use crate::terminal::write_stdout;
-use workbench::report::inspected;
+use workbench::report::{inspected, repeated};
 use workbench::{as_fitted, first_rod, in_its_window};
 
 /// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
         None => Rod::parse("(no rod file)", "")?,
     };
     args.used.apply(&mut rod, &args.recordings)?;
-    let inspections = args
+    let inspected = args
         .recordings
         .iter()
         .map(|path| {
@@ -55,14 +55,16 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
                 true => as_fitted(&rod, path, recording)?,
                 false => in_its_window(&rod, path, recording)?,
             };
-            let mut inspection = match rod.columns.may_mend() {
-                true => inspect(&used),
-                false => inspect_as_recorded(&used),
+            let (mut inspection, used) = match rod.columns.may_mend() {
+                true => (inspect(&used), mended(&used)),
+                false => (inspect_as_recorded(&used), used),
             };
             inspection.adaptations.extend(guess);
-            Ok(inspection)
+            Ok((inspection, used))
         })
-        .collect::<anyhow::Result<Vec<Inspection>>>()?;
+        .collect::<anyhow::Result<Vec<(Inspection, Recording)>>>()?;
+    let (inspections, used): (Vec<Inspection>, Vec<Recording>) = inspected.into_iter().unzip();
+    let floor = repeat_floor(&used);
     let text = if args.json {
         let document = json!({
             "schema_version": 1,
@@ -70,12 +72,14 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
             "version": env!("CARGO_PKG_VERSION"),
             "seed": null,
             "recordings": inspections.iter().map(inspected::json).collect::<Vec<_>>(),
+            "repeats": floor.as_ref().map(repeated::json),
         });
         serde_json::to_string_pretty(&document)? + "\n"
     } else {
         inspections
             .iter()
             .map(inspected::text)
+            .chain(floor.as_ref().map(repeated::text))
             .collect::<Vec<_>>()
             .join("\n")
     };

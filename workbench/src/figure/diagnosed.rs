@@ -1,10 +1,11 @@
 //! The figures of a diagnosis.
 
 use missing_physics::{Diagnosis, Rung};
-use recording::Recording;
+use recording::{Recording, RepeatFloor};
 
 use super::{Compared, Figure, Series, Style};
 use crate::report::plot::Left;
+use crate::report::repeated::both;
 use crate::report::verdict::named;
 
 /// A diagnosis, and the recording that the plain model meets worst with what the models say of it.
@@ -38,12 +39,36 @@ impl<'a> Drawn<'a> {
     }
 }
 
-/// Recording and models over time, what they leave, the loop, and the errors down to the noise.
+/// Recording and models over time, what they leave, the loop, two runs of the same drive where there are any, and the errors down to
+/// the noise.
 #[must_use]
 pub fn figures(drawn: &Drawn<'_>) -> Vec<Figure> {
     let mut figures = drawn.compared.figures();
+    let repeats = drawn.diagnosis.repeats.as_ref();
+    figures.extend(repeats.and_then(same_drive));
     figures.push(drawn.ladder());
     figures
+}
+
+/// The longest two runs of the same drive, one over the other.
+fn same_drive(floor: &RepeatFloor) -> Option<Figure> {
+    let pair = floor.pairs.first()?;
+    let outputs = &pair.apart.outputs;
+    let of = |place: usize| outputs.iter().map(move |at| [at[0], at[place]]);
+    Some(Figure {
+        name: "same-drive",
+        caption: format!(
+            "The same drive twice, an offset taken out: {}",
+            both(pair, floor)
+        ),
+        across: "time, s".to_owned(),
+        up: format!("output, {}", floor.unit),
+        series: vec![
+            Series::new("first", Style::Recorded, of(1)),
+            Series::new("second", Style::Unseen, of(2)),
+        ],
+        ..Figure::default()
+    })
 }
 
 impl Drawn<'_> {

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::diagnosed::{Diagnosed, literature};
 use super::identified::parameters_json;
+use super::repeated;
 use crate::sanity;
 
 fn trace(trace: &Trace) -> Value {
@@ -44,6 +45,7 @@ impl Diagnosed<'_> {
             "implausible": sanity::to_json(&self.implausible),
             "output_unit": diagnosis.baseline.fit.output_unit,
             "noise_floor": {"lower": floor.lower, "upper": floor.upper, "class": floor.class.id()},
+            "repeats": diagnosis.repeats.as_ref().map(repeated::json),
             "baseline": stage(&diagnosis.baseline),
             "extended": extended,
             "explained_fraction": {

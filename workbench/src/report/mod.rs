@@ -7,6 +7,7 @@ pub mod inspected;
 pub mod label;
 pub mod number;
 pub mod plot;
+pub mod repeated;
 pub mod static_diagnosed;
 pub mod table;
 pub mod trial;

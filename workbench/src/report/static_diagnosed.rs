@@ -165,6 +165,7 @@ impl StaticDiagnosed<'_> {
             "implausible": null,
             "output_unit": self.output_unit,
             "noise_floor": {"lower": null, "upper": null, "class": null},
+            "repeats": null,
             "baseline": of_loop.map_or(nothing, |one| stage(&one.without)),
             "extended": extended,
             "explained_fraction": {"train": null, "validate": null, "validate_interval": null},

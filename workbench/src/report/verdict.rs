@@ -8,6 +8,7 @@ use missing_physics::{
 };
 
 use super::number::{behind, percent, significant, spoken, spoken_percent};
+use super::repeated;
 
 /// Distance to a bound, as a share of the range, at which a value stands on it.
 const NEAR_BOUND: f64 = 1e-6;
@@ -27,6 +28,11 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
         at_bounds(diagnosis),
         third,
         noise(diagnosis),
+        diagnosis
+            .repeats
+            .as_ref()
+            .and_then(repeated::said)
+            .unwrap_or_default(),
         diagnosis
             .remainder
             .as_ref()

@@ -1,0 +1,184 @@
+//! What no model of a rig can be nearer than.
+
+use crate::holds::range;
+use crate::noise::{NoiseConfig, noise_floor};
+use crate::recording::Recording;
+use crate::repeated::apart::{Apart, apart};
+use crate::repeated::pairs::{Pair, pairs};
+
+/// Least noise there is, as a share of the output's range: numbers in a file are rounded.
+const ROUNDING: f64 = 1e-6;
+
+/// Difference of two runs over that of independent noise, up to which they repeat.
+const REPEATS: f64 = 1.5;
+
+/// A stretch of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Name of the recording.
+    pub recording: String,
+    /// Its time from, s.
+    pub start_s: f64,
+    /// And to, s.
+    pub end_s: f64,
+}
+
+/// Two stretches in which the drive does the same, and what their outputs differ by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RepeatedDrive {
+    /// The earlier of them.
+    pub first: Part,
+    /// The other.
+    pub second: Part,
+    /// How far apart the outputs are.
+    pub apart: Apart,
+    /// Samples that were compared.
+    pub samples: usize,
+    /// What noise alone would make of it: root mean square of the difference, in the unit of the output.
+    pub by_noise: f64,
+}
+
+/// How far a rig repeats.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RepeatFloor {
+    /// Stretches with the same drive, the longest first.
+    pub pairs: Vec<RepeatedDrive>,
+    /// Cycles and those after them where the one before was another, or none: of the first of a recording.
+    pub first_cycles: Vec<RepeatedDrive>,
+    /// Unit of the output.
+    pub unit: String,
+}
+
+impl RepeatFloor {
+    /// Root mean square of what outputs differ by under the same drive after the same, offsets taken out, over all pairs, in the unit
+    /// of the output; `None` where only a first cycle is repeated.
+    #[must_use]
+    pub fn rms(&self) -> Option<f64> {
+        self.of_all(|pair| pair.apart.rms)
+    }
+
+    /// What noise alone would make of that.
+    #[must_use]
+    pub fn by_noise(&self) -> Option<f64> {
+        self.of_all(|pair| pair.by_noise)
+    }
+
+    /// No model can be nearer than this to both of two runs, in the unit of the output: half of what they differ by, the error
+    /// of their mean.
+    #[must_use]
+    pub fn nearest(&self) -> Option<f64> {
+        self.rms().map(|rms| 0.5 * rms)
+    }
+
+    /// Whether runs differ by no more than their noise.
+    #[must_use]
+    pub fn is_noise(&self) -> bool {
+        let pair = self.rms().zip(self.by_noise());
+        pair.is_some_and(|(rms, by_noise)| rms <= REPEATS * by_noise)
+    }
+
+    fn of_all(&self, of: fn(&RepeatedDrive) -> f64) -> Option<f64> {
+        let samples: usize = self.pairs.iter().map(|pair| pair.samples).sum();
+        let squares = self.pairs.iter();
+        let squares = squares.map(|pair| pair.samples as f64 * of(pair).powi(2));
+        (samples > 0).then(|| (squares.sum::<f64>() / samples as f64).sqrt())
+    }
+}
+
+/// The outputs of a pair with the lag, of those that the clocks leave open, by which they differ least.
+fn nearest(first: &Recording, second: &Recording, pair: &Pair) -> Apart {
+    let as_given = apart(first, second, pair);
+    if pair.lag_within_s <= 0.0 {
+        return as_given;
+    }
+    let parts = [-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0];
+    let others = parts.map(|part| {
+        let lag_s = pair.lag_s + part * pair.lag_within_s;
+        apart(
+            first,
+            second,
+            &Pair {
+                lag_s,
+                ..pair.clone()
+            },
+        )
+    });
+    others.into_iter().fold(
+        as_given,
+        |least, next| if next.rms < least.rms { next } else { least },
+    )
+}
+
+/// How far recordings of one rig repeat, without a model: what their outputs differ by where the drive does the same after the same.
+///
+/// Compared are the longest stretches that two recordings have in common from their beginnings on, or after rests that last as long
+/// as the stretch, and cycles with the ones after them. Drives are the same within half a percent of their range but for edges that
+/// clocks put a sample or two apart. `None` if no drive is repeated.
+///
+/// # Examples
+///
+/// ```
+/// use recording::{Recording, RecordingParts, repeat_floor};
+///
+/// let run = |name: &str, gain: f64| {
+///     Recording::new(RecordingParts {
+///         name: name.to_owned(),
+///         time_s: Some((0..400).map(|k| 0.1 * f64::from(k)).collect()),
+///         drive: (0..400).map(|k| if (50..250).contains(&k) { 1.0 } else { 0.0 }).collect(),
+///         output_unit: "mm".to_owned(),
+///         output: (0..400)
+///             .map(|k| if (50..250).contains(&k) { gain * (1.0 - (-0.02 * f64::from(k - 50)).exp()) } else { 0.0 })
+///             .collect(),
+///         ..RecordingParts::default()
+///     })
+/// };
+/// let floor = repeat_floor(&[run("a", 2.0)?, run("b", 2.1)?]).unwrap();
+/// // A twentieth of what the output varies by.
+/// assert!((floor.rms().unwrap() - 0.045).abs() < 0.005);
+/// # Ok::<(), recording::RecordingError>(())
+/// ```
+#[must_use]
+pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
+    let noises: Vec<f64> = recordings
+        .iter()
+        .map(|recording| {
+            let (lowest, highest) = range(recording.output().iter().copied());
+            let floor = noise_floor(recording, NoiseConfig::default());
+            floor
+                .map_or(0.0, |floor| floor.lower())
+                .max(ROUNDING * (highest - lowest))
+        })
+        .collect();
+    let (first_cycles, pairs): (Vec<Pair>, Vec<Pair>) = pairs(recordings)
+        .into_iter()
+        .partition(|pair| pair.has_first_cycle);
+    let described = |pair: &Pair| {
+        let [first, second] = pair.recordings.map(|place| &recordings[place]);
+        let time_s = &first.time_s()[pair.samples.clone()];
+        let [start_s, end_s] = [time_s[0], time_s[time_s.len() - 1]];
+        let part = |recording: &Recording, lag_s: f64| Part {
+            recording: recording.name().to_owned(),
+            start_s: start_s + lag_s,
+            end_s: end_s + lag_s,
+        };
+        let [of_first, of_second] = pair.recordings.map(|place| noises[place]);
+        RepeatedDrive {
+            first: part(first, 0.0),
+            second: part(second, pair.lag_s),
+            apart: nearest(first, second, pair),
+            samples: time_s.len(),
+            by_noise: of_first.hypot(of_second),
+        }
+    };
+    let described = |pairs: &[Pair]| {
+        let mut described: Vec<RepeatedDrive> = pairs.iter().map(described).collect();
+        described.sort_by_key(|pair| std::cmp::Reverse(pair.samples));
+        described
+    };
+    let is_any = !(pairs.is_empty() && first_cycles.is_empty());
+    is_any.then(|| RepeatFloor {
+        pairs: described(&pairs),
+        first_cycles: described(&first_cycles),
+        unit: recordings[0].output_unit().to_owned(),
+    })
+}

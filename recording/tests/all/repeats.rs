@@ -1,0 +1,233 @@
+//! How far a rig repeats, told from what outputs of the same drive differ by.
+
+use recording::{Difference, Recording, RecordingParts, RepeatFloor, repeat_floor};
+
+const DT_S: f64 = 0.1;
+
+/// A run: seconds at 0 and at 1 in turn, beginning at rest, into a lag of 3 s.
+struct Run {
+    name: &'static str,
+    levels_s: &'static [f64],
+    gain: f64,
+    tau_s: f64,
+    late_s: f64,
+    offset: f64,
+    /// Time of the first sample, s.
+    from_s: f64,
+    /// Stamps scatter by so much either way, s.
+    jitter_s: f64,
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        Self {
+            name: "run",
+            levels_s: &[5.0, 20.0, 25.0],
+            gain: 1.0,
+            tau_s: 3.0,
+            late_s: 0.0,
+            offset: 0.0,
+            from_s: 0.0,
+            jitter_s: 0.0,
+        }
+    }
+}
+
+/// White noise of about one, the same each time.
+fn noise(k: usize, seed: u64) -> f64 {
+    let mut state = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ seed.wrapping_mul(0xD1B5_4A32_D192_ED03);
+    let mut sum = 0.0;
+    for _ in 0..12 {
+        state ^= state >> 27;
+        state = state.wrapping_mul(0x2545_F491_4F6C_DD1D);
+        state ^= state >> 31;
+        sum += (state >> 11) as f64 / (1_u64 << 53) as f64;
+    }
+    sum - 6.0
+}
+
+impl Run {
+    fn recorded(&self, seed: u64) -> Recording {
+        let n = (self.levels_s.iter().sum::<f64>() / DT_S).round() as usize;
+        let time_s: Vec<f64> = (0..n)
+            .map(|k| {
+                self.from_s
+                    + k as f64 * DT_S
+                    + self.jitter_s * (noise(k, seed + 7) / 4.0).clamp(-1.0, 1.0)
+            })
+            .collect();
+        let level = |t: f64| {
+            let mut until_s = 0.0;
+            for (k, lasts_s) in self.levels_s.iter().enumerate() {
+                until_s += lasts_s;
+                if t < until_s - 1e-6 {
+                    return f64::from(u8::from(k % 2 == 1));
+                }
+            }
+            0.0
+        };
+        // A hundredth of a sample at a time.
+        let fine_s = 0.01 * DT_S;
+        let (mut at, mut fine) = (0.0, 0_usize);
+        let mut output = Vec::with_capacity(n);
+        for (k, t) in time_s.iter().enumerate() {
+            while (fine as f64) * fine_s < *t {
+                at += (level(fine as f64 * fine_s - self.late_s) - at) * fine_s / self.tau_s;
+                fine += 1;
+            }
+            output.push(self.offset + self.gain * at + 0.001 * noise(k, seed));
+        }
+        Recording::new(RecordingParts {
+            name: self.name.to_owned(),
+            drive: time_s.iter().map(|t| level(*t)).collect(),
+            time_s: Some(time_s),
+            output_unit: "mm".to_owned(),
+            output,
+            ..RecordingParts::default()
+        })
+        .unwrap()
+    }
+}
+
+fn floor(runs: &[Run]) -> Option<RepeatFloor> {
+    let recorded: Vec<Recording> = runs
+        .iter()
+        .zip(1..)
+        .map(|(run, seed)| run.recorded(seed))
+        .collect();
+    repeat_floor(&recorded)
+}
+
+#[test]
+fn what_differs_between_two_runs_is_told_with_its_size() {
+    let [plain, further, later] = [(1.0, 0.0), (1.05, 0.0), (1.0, 0.4)].map(|(gain, late_s)| Run {
+        gain,
+        late_s,
+        offset: 0.3,
+        ..Run::default()
+    });
+    let of = |second: Run| floor(&[Run::default(), second]).unwrap();
+    let same = of(plain);
+    assert!(same.is_noise(), "{:?} {:?}", same.rms(), same.by_noise());
+    assert!((same.pairs[0].apart.offset - 0.3).abs() < 0.001);
+
+    let gain = of(further);
+    assert!(!gain.is_noise());
+    let [Difference::Gain(share)] = gain.pairs[0].apart.differences[..] else {
+        panic!("{:?}", gain.pairs[0].apart.differences);
+    };
+    assert!((share - 0.05).abs() < 0.003, "{share}");
+    // Without it noise is left.
+    assert!(gain.pairs[0].apart.left < 1.2 * gain.pairs[0].by_noise);
+    assert!((gain.nearest().unwrap() - 0.5 * gain.rms().unwrap()).abs() < 1e-12);
+
+    // Of one rise and one fall a delay may as well be a slower course; of two it is not.
+    let twice = |run: Run| Run {
+        levels_s: &[5.0, 20.0, 25.0, 20.0, 25.0],
+        ..run
+    };
+    let late = floor(&[twice(Run::default()), twice(later)]).unwrap();
+    let mut found = (None, None);
+    for difference in &late.pairs[0].apart.differences {
+        match difference {
+            Difference::HeatingLater(by_s) => found.0 = Some(*by_s),
+            Difference::CoolingLater(by_s) => found.1 = Some(*by_s),
+            _ => {}
+        }
+    }
+    for by_s in [found.0.unwrap(), found.1.unwrap()] {
+        assert!((by_s - 0.4).abs() < 0.08, "{by_s}");
+    }
+}
+
+#[test]
+fn only_the_stretch_in_common_is_compared_wherever_it_lies() {
+    // The second begins 3 s earlier and goes on otherwise: what is common is 2 s of rest, the rise and 20 s of cooling.
+    let other = Run {
+        name: "other",
+        levels_s: &[2.0, 20.0, 20.0, 30.0],
+        from_s: 0.0,
+        ..Run::default()
+    };
+    let found = floor(&[Run::default(), other]).unwrap();
+    let pair = &found.pairs[0];
+    let first = [pair.first.start_s, pair.first.end_s];
+    let second = [pair.second.start_s, pair.second.end_s];
+    for (found, expected) in first.iter().chain(&second).zip([3.0, 45.0, 0.0, 42.0]) {
+        assert!((found - expected).abs() < 0.25, "{first:?} {second:?}");
+    }
+    assert!(found.is_noise());
+}
+
+#[test]
+fn clocks_that_scatter_and_begin_within_a_sample_do_not_matter() {
+    let other = Run {
+        from_s: 0.04,
+        jitter_s: 0.02,
+        ..Run::default()
+    };
+    let first = Run {
+        jitter_s: 0.02,
+        ..Run::default()
+    };
+    let found = floor(&[first, other]).unwrap();
+    // A sample early or late at the steps is 0.03 of the stroke for a few samples.
+    assert!(found.rms().unwrap() < 0.01, "{:?}", found.rms());
+}
+
+#[test]
+fn another_drive_is_not_compared() {
+    for levels_s in [&[5.0, 18.0, 27.0][..], &[1.0, 2.0, 5.0, 3.0, 20.0]] {
+        let other = Run {
+            levels_s,
+            ..Run::default()
+        };
+        let found = floor(&[Run::default(), other]);
+        // All that is the same is the first 18 s of heating, or nothing.
+        let ends_s = found.map_or(0.0, |found| found.pairs[0].first.end_s);
+        assert!(ends_s < 23.5, "{ends_s}");
+    }
+}
+
+#[test]
+fn a_first_cycle_is_set_apart() {
+    let mut run = Run {
+        levels_s: &[2.0, 5.0, 6.0, 5.0, 6.0, 5.0, 6.0, 5.0, 6.0],
+        ..Run::default()
+    }
+    .recorded(1);
+    let found = repeat_floor(&[run.clone()]).unwrap();
+    assert_eq!((found.first_cycles.len(), found.pairs.len()), (1, 2));
+    assert!(found.is_noise(), "{:?}", found.rms());
+    // The rest position is off until the first heating.
+    let output: Vec<f64> = run
+        .output()
+        .iter()
+        .zip(run.time_s())
+        .map(|(y, t)| if *t < 5.0 { y + 0.2 } else { *y })
+        .collect();
+    run = Recording::new(RecordingParts {
+        time_s: Some(run.time_s().to_vec()),
+        drive: run.drive().to_vec(),
+        output_unit: "mm".to_owned(),
+        output,
+        ..RecordingParts::default()
+    })
+    .unwrap();
+    let found = repeat_floor(&[run]).unwrap();
+    assert!(found.is_noise());
+    assert!(found.first_cycles[0].apart.rms > 0.05);
+}
+
+#[test]
+fn static_data_and_one_run_alone_say_nothing() {
+    assert_eq!(floor(&[Run::default()]), None);
+    let untimed = Recording::new(RecordingParts {
+        drive: vec![1.0; 100],
+        output: (0..100).map(f64::from).collect(),
+        ..RecordingParts::default()
+    });
+    let untimed = untimed.unwrap();
+    assert_eq!(repeat_floor(&[untimed.clone(), untimed]), None);
+}
