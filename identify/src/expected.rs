@@ -1,26 +1,62 @@
 //! What is to be expected of parameters before a recording is looked at, as squares beside those of the residual.
 
-use crate::IdentifyError;
-use crate::least_squares::{Linearized, SumOfSquares};
 use crate::parameter::ParameterVector;
-use crate::problem::Problem;
 
-/// A coordinate, the one from which it goes on, and the root of what their difference counts.
+/// How what is to be expected of parameters ([`ParameterInfo::ordinary`](crate::ParameterInfo::ordinary)) counts beside what was recorded.
+///
+/// ```text
+/// P = Σ ((x - x_before)/s)²,   s the ordinary deviation
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Expecting {
+    /// Not at all.
+    #[default]
+    Nothing,
+    /// Against errors of this variance σ², in the square of the output unit: least is S + σ² P.
+    Variance(f64),
+    /// Against as many independent samples N, whose errors are as large as the model leaves them: least is S exp(P/N), of which the
+    /// logarithm is that of a likelihood and of what is expected.
+    Independent(f64),
+}
+
+impl Expecting {
+    /// What counts in all, of the squares S of residuals and of P.
+    pub(crate) fn sum(self, squares: f64, expected: f64) -> f64 {
+        match self {
+            Self::Nothing => squares,
+            Self::Variance(variance) => squares + variance * expected,
+            Self::Independent(n) => squares * (expected / n).exp(),
+        }
+    }
+
+    /// Variance of an error beside which P counts, near squares S of residuals.
+    pub(crate) fn variance(self, squares: f64) -> f64 {
+        match self {
+            Self::Nothing => 0.0,
+            Self::Variance(variance) => variance,
+            Self::Independent(n) => squares / n,
+        }
+    }
+}
+
+/// What is to be expected of a coordinate: the root of its part of P.
 #[derive(Debug, Clone, Copy)]
-struct Expectation {
+pub(crate) struct Expectation {
     coordinate: usize,
+    /// The coordinate from which it goes on.
     previous: Option<usize>,
+    /// 1/s.
     per_unit: f64,
 }
 
 impl Expectation {
-    fn row(&self, point: &[f64]) -> f64 {
+    pub(crate) fn value(&self, point: &[f64]) -> f64 {
         let from = self.previous.map_or(0.0, |previous| point[previous]);
         self.per_unit * (point[self.coordinate] - from)
     }
 
     /// The row's derivative by a coordinate.
-    fn derivative(&self, coordinate: usize) -> f64 {
+    pub(crate) fn derivative(&self, coordinate: usize) -> f64 {
         if coordinate == self.coordinate {
             self.per_unit
         } else if Some(coordinate) == self.previous {
@@ -31,33 +67,8 @@ impl Expectation {
     }
 }
 
-/// A problem and what is to be expected of its parameters.
-///
-/// ```text
-/// Σ w r² + σ² Σ ((x - x_before)/s)²,   s the ordinary deviation
-/// ```
-#[derive(Debug)]
-pub(crate) struct Expecting<'p, 'a> {
-    problem: &'p Problem<'a>,
-    rows: Vec<Expectation>,
-}
-
-impl<'p, 'a> Expecting<'p, 'a> {
-    /// `error_variance` is σ², that of one sample; with 0 nothing is expected.
-    pub(crate) fn new(problem: &'p Problem<'a>, error_variance: f64) -> Self {
-        let rows = match error_variance {
-            variance if variance > 0.0 => rows(problem.vector(), variance.sqrt()),
-            _ => Vec::new(),
-        };
-        Self { problem, rows }
-    }
-
-    fn squares(&self, point: &[f64]) -> f64 {
-        self.rows.iter().map(|one| one.row(point).powi(2)).sum()
-    }
-}
-
-fn rows(vector: &ParameterVector, error: f64) -> Vec<Expectation> {
+/// What is to be expected of coordinates.
+pub(crate) fn expected(vector: &ParameterVector) -> Vec<Expectation> {
     let row = |coordinate: usize| {
         let parameter = vector.parameter(coordinate);
         let ordinary = vector.infos()[parameter].ordinary?;
@@ -67,44 +78,8 @@ fn rows(vector: &ParameterVector, error: f64) -> Vec<Expectation> {
         Some(Expectation {
             coordinate,
             previous: before.filter(|before| ordinary.from_previous && is_next(before)),
-            per_unit: error / ordinary.deviation,
+            per_unit: 1.0 / ordinary.deviation,
         })
     };
     (0..vector.len()).filter_map(row).collect()
-}
-
-impl SumOfSquares for Expecting<'_, '_> {
-    fn linearized(
-        &self,
-        points: &[Vec<f64>],
-        around: usize,
-    ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
-        let (mut sums, local) = self.problem.linearized(points, around)?;
-        if self.rows.is_empty() {
-            return Ok((sums, local));
-        }
-        for (sum, point) in sums.iter_mut().zip(points) {
-            *sum += self.squares(point);
-        }
-        let point = &points[around];
-        let rows = self.rows.iter().map(|one| {
-            let derivatives = (0..point.len()).map(|column| one.derivative(column));
-            (derivatives.collect(), one.row(point))
-        });
-        let local = local.with_rows(rows, sums[around]);
-        Ok((sums, local))
-    }
-
-    fn rounding(&self) -> f64 {
-        self.problem.rounding()
-    }
-
-    fn n_derivatives(&self) -> usize {
-        self.problem.n_derivatives()
-    }
-
-    fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
-        let sums = self.problem.sums(points)?.into_iter().zip(points);
-        Ok(sums.map(|(sum, point)| sum + self.squares(point)).collect())
-    }
 }

@@ -17,7 +17,9 @@ use crate::problem::{Problem, Residuals};
 use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
 use crate::thinned::{basin, thinned};
 use crate::uncertainty::covariance;
-use crate::{EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording};
+use crate::{
+    EndedStart, Expecting, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording,
+};
 
 /// What is made small.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,6 +46,8 @@ pub struct FitConfig {
     pub least_squares: LeastSquaresConfig,
     /// What is made small.
     pub loss: Loss,
+    /// How what is to be expected of parameters counts.
+    pub expecting: Expecting,
     /// Seed; start k takes stream k of it.
     pub seed: u64,
     /// Coordinates of earlier results, from [`SavedModel::coordinates`](crate::SavedModel::coordinates) say:
@@ -84,6 +88,7 @@ impl Default for FitConfig {
             starts: 4,
             least_squares: LeastSquaresConfig::default(),
             loss: Loss::Squares,
+            expecting: Expecting::Nothing,
             seed: 1,
             from: Vec::new(),
             ended: Vec::new(),
@@ -134,6 +139,7 @@ pub fn fit(
         return Err(IdentifyError::NothingFree);
     }
     problem.weigh_temperature(equal_spreads(&problem, training));
+    problem.expect(config.expecting);
     let few = match config.least_squares.iterations {
         // Nothing follows a swarm, as in the paper: it sees all.
         0 => None,

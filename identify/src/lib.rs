@@ -40,9 +40,9 @@ mod saved_model;
 mod sensor_lag;
 mod source;
 mod specific_heat;
+mod state_of_run;
 mod static_effects;
 mod supply;
-mod surroundings;
 mod temperature_unit;
 mod thermal_model;
 mod thinned;
@@ -55,6 +55,8 @@ pub use clocks::{EarlyOutput, early_output};
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
 pub use ended::EndedStart;
+pub use expected::Expecting;
+
 pub use error::IdentifyError;
 pub use fit::{FitConfig, FitProgress, Loss, fit};
 pub use fitted::{Fit, FittedParameter, ParameterCovariance, TrainedRecording};
@@ -80,11 +82,11 @@ pub use sadeghi_model::SadeghiModel;
 pub use saved_model::{
     Identification, InputFile, Provenance, Role, SavedEffects, SavedModel, SavedRecording, Scores,
 };
+pub use state_of_run::{StateOfRun, in_states};
 pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
 pub use supply::Supply;
-pub use surroundings::in_warmer_surroundings;
 pub use thermal_model::ThermalModel;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::{WienerModel, may_begin_warm};

@@ -10,6 +10,7 @@ use wiener::Block;
 
 use crate::dense::Matrix;
 use crate::difference::{Batch, Sides};
+use crate::expected::{Expectation, Expecting, expected};
 use crate::factor::Triangle;
 use crate::least_squares::{Linearized, SumOfSquares};
 use crate::moments::{BATCH, Moments, Solved, Weighed, solve_linear};
@@ -19,6 +20,8 @@ use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector
 /// ```text
 /// S(θ) = Σ w (y - gain f - offset)² + w_T Σ (T - T_recorded)²,   gain and offsets the best for θ
 /// ```
+///
+/// and what is to be expected of θ, as [`Expecting`] counts it.
 #[derive(Debug)]
 pub(crate) struct Problem<'a> {
     model: &'a dyn ForwardModel,
@@ -29,6 +32,10 @@ pub(crate) struct Problem<'a> {
     offset: ParameterState,
     /// w_T, (output unit/K)²; 0 leaves recorded temperatures out.
     temperature_weight: f64,
+    /// What is to be expected of the coordinates.
+    expected: Vec<Expectation>,
+    /// How that counts.
+    expecting: Expecting,
     /// Points simulated so far.
     simulations: AtomicU64,
     /// What was solved last: a search asks again for the best of its trials.
@@ -96,9 +103,26 @@ impl<'a> Problem<'a> {
             gain,
             offset,
             temperature_weight: 0.0,
+            expected: Vec::new(),
+            expecting: Expecting::Nothing,
             simulations: AtomicU64::new(0),
             latest: Mutex::default(),
         })
+    }
+
+    /// Says how what is to be expected of parameters counts.
+    pub(crate) fn expect(&mut self, expecting: Expecting) {
+        self.expecting = expecting;
+        self.expected = match expecting {
+            Expecting::Nothing => Vec::new(),
+            _ => expected(&self.vector),
+        };
+    }
+
+    /// What is to be expected of the coordinates, and the variance of each such row where the residual is that of a solution.
+    pub(crate) fn expected(&self, solved: &Solved) -> (&[Expectation], f64) {
+        let variance = self.expecting.variance(self.squares(solved));
+        (&self.expected, variance)
     }
 
     /// Weighs the samples of each recording anew.
@@ -121,6 +145,7 @@ impl<'a> Problem<'a> {
             recordings: self.recordings.clone(),
             vector: self.vector.clone(),
             bounds: self.bounds.clone(),
+            expected: self.expected.clone(),
             simulations: AtomicU64::new(0),
             latest: Mutex::default(),
             ..*self
@@ -138,11 +163,13 @@ impl<'a> Problem<'a> {
     {
         let weighed = self.recordings[r].clone();
         let recording = std::slice::from_ref(weighed.recording);
-        Ok(Problem {
+        let mut alone = Problem {
             recordings: vec![weighed],
             temperature_weight: self.temperature_weight,
             ..Problem::new(model, recording)?
-        })
+        };
+        alone.expect(self.expecting);
+        Ok(alone)
     }
 
     pub(crate) fn model(&self) -> &'a dyn ForwardModel {
@@ -414,8 +441,14 @@ impl<'a> Problem<'a> {
         Ok(moments)
     }
 
-    fn sum_of_squares(&self, solved: &Solved) -> f64 {
+    /// Squares of the residuals.
+    fn squares(&self, solved: &Solved) -> f64 {
         solved.output + self.temperature_weight * solved.temperature
+    }
+
+    fn sum_of_squares(&self, solved: &Solved, point: &[f64]) -> f64 {
+        let expected = self.expected.iter().map(|row| row.value(point).powi(2));
+        self.expecting.sum(self.squares(solved), expected.sum())
     }
 
     /// Shows the residuals of one recording with their derivatives, by central differences: sample
@@ -520,7 +553,11 @@ impl<'a> Problem<'a> {
             .map(|(r, batch)| self.seen(r, batch))
             .collect::<Result<Vec<_>, _>>()?;
         let solved = self.solved(points, |p, r| seen[r].moments[p]);
-        let sums: Vec<f64> = solved.iter().map(|one| self.sum_of_squares(one)).collect();
+        let sums: Vec<f64> = solved
+            .iter()
+            .zip(points)
+            .map(|(solved, point)| self.sum_of_squares(solved, point))
+            .collect();
         let (linear, coordinates) = (self.n_linear(), self.vector.len());
         let last = linear + coordinates;
         let gain = match self.gain {
@@ -536,6 +573,19 @@ impl<'a> Problem<'a> {
                 });
                 whole.push(|column| temperature[(row, column)]);
             }
+        }
+        let (expected, variance) = self.expected(&solved[around]);
+        let root = variance.sqrt();
+        for row in expected {
+            let value = row.value(&points[around]);
+            whole.push(|column| {
+                let coordinate = column.checked_sub(linear);
+                root * match coordinate {
+                    _ if column == last => value,
+                    Some(coordinate) => row.derivative(coordinate),
+                    None => 0.0,
+                }
+            });
         }
         let r = whole.r();
         let linearized = Linearized {
@@ -629,7 +679,8 @@ impl SumOfSquares for Problem<'_> {
         Ok(self
             .solve(points)?
             .iter()
-            .map(|solved| self.sum_of_squares(solved))
+            .zip(points)
+            .map(|(solved, point)| self.sum_of_squares(solved, point))
             .collect())
     }
 }

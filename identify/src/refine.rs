@@ -3,11 +3,10 @@ use std::borrow::Cow;
 use pso::Bound;
 use recording::Recording;
 
-use crate::expected::Expecting;
 use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
 use crate::moments::Solved;
 use crate::problem::Problem;
-use crate::{ForwardModel, IdentifyError, Termination};
+use crate::{Expecting, ForwardModel, IdentifyError, Termination};
 
 /// Where a least-squares search ended, and nothing more: for those who compare many models.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,9 +36,8 @@ pub struct RefineConfig {
     pub weights: Option<Vec<Vec<f64>>>,
     /// Weight of recorded temperatures against the output, (output unit/K)²; 0 leaves them out.
     pub temperature_weight: f64,
-    /// Variance of the error of one sample of the output, in the square of its unit, against which counts what is to be
-    /// expected of parameters ([`ParameterInfo::ordinary`](crate::ParameterInfo::ordinary)); 0 leaves that out.
-    pub error_variance: f64,
+    /// How what is to be expected of parameters counts.
+    pub expecting: Expecting,
     /// Iterations after which only the two lowest of several starts go on; 0 takes each to its end.
     pub race_iterations: usize,
 }
@@ -87,11 +85,11 @@ pub fn refine(
             expected: problem.vector().len(),
         });
     }
-    let expecting = Expecting::new(&problem, config.error_variance);
-    let starts = raced(&expecting, problem.bounds(), starts, config)?;
+    problem.expect(config.expecting);
+    let starts = raced(&problem, problem.bounds(), starts, config)?;
     let mut best: Option<(Minimum, Solved, f64)> = None;
     for start in starts.iter() {
-        let end = minimize(&expecting, problem.bounds(), start, &config.least_squares)?;
+        let end = minimize(&problem, problem.bounds(), start, &config.least_squares)?;
         if !end.sum_of_squares.is_finite() {
             continue;
         }
@@ -124,7 +122,7 @@ pub fn refine(
 
 /// The starts that are worth their way: where the lowest stand after a few iterations.
 fn raced<'a>(
-    problem: &Expecting<'_, '_>,
+    problem: &Problem<'_>,
     bounds: &[Bound],
     starts: &'a [Vec<f64>],
     config: &RefineConfig,

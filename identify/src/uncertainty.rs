@@ -69,8 +69,21 @@ pub(crate) fn covariance(
             meat[c].push(|k| filters[c].latest(k));
         })?;
     }
+    // What is to be expected of a coordinate is a row of its own, which no other is correlated with.
+    let (expected, variance) = problem.expected(solved);
+    let root = variance.sqrt();
+    let mut meat_of_expected = Triangle::new(columns.len());
+    for row in expected {
+        let derivative = |k: usize| {
+            let coordinate = columns[k].checked_sub(problem.n_linear());
+            coordinate.map_or(0.0, |coordinate| root * row.derivative(coordinate))
+        };
+        bread.push(derivative);
+        meat_of_expected.push(derivative);
+    }
     let inverse = pseudo_inverse(&bread.r());
-    let mut matrix = Matrix::zeros(columns.len(), columns.len());
+    let half = meat_of_expected.r() * &inverse.matrix * root;
+    let mut matrix = half.transpose() * &half;
     for (noise, meat) in noises.iter().zip(meat) {
         // B S with SᵀS the meat: BᵀB keeps the sum positive.
         let half = meat.r() * &inverse.matrix * noise.innovation_variance.sqrt();

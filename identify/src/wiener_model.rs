@@ -7,7 +7,7 @@ use wiener::{Block, Drive, Profile, Start, WienerParams};
 
 use crate::cascade::{Cascade, StartAbove, ambient_degc};
 use crate::specific_heat::SpecificHeat;
-use crate::surroundings::in_warmer_surroundings;
+use crate::state_of_run::{StateOfRun, in_states};
 use crate::validate::samples_at_rest;
 use crate::{
     Bounds, Fit, ForwardModel, IdentifyError, Ordinary, ParameterInfo, ParameterState, Rod, Scale,
@@ -39,6 +39,10 @@ const SMALLEST_ZETA: f64 = 0.05;
 
 /// Name of the parameter that says how much warmer than stated the surroundings of a recording were.
 pub(crate) const AMBIENT_LEVEL: &str = "ambient_level_k";
+
+/// Names of what else differs from run to run: by which share a recording loses more heat than the rig, and moves further.
+pub(crate) const RUN_HEAT_LOSS: &str = "run_heat_loss";
+pub(crate) const RUN_GAIN: &str = "run_gain";
 
 /// Names of what says how a recording begins, and their values at rest: no warmer than its surroundings, on the cooling curve. Those
 /// of a rod, and of one that pulls against it.
@@ -143,7 +147,9 @@ pub(crate) const OFFSET: usize = 6;
 pub(crate) const START_RISE: usize = 7;
 pub(crate) const START_SHARE: usize = 8;
 const LEVEL: usize = 9;
-const RISE: usize = 10;
+const HEAT_LOSS_OF_RUN: usize = 10;
+const GAIN_OF_RUN: usize = 11;
+const RISE: usize = 12;
 
 impl WienerModel {
     /// The model of a rig, with bounds wide enough for the given training recordings.
@@ -320,6 +326,26 @@ impl WienerModel {
         model
     }
 
+    /// The same model with what differs from run to run of a rig that does not repeat left open: how much heat each loses, and how far
+    /// it moves. What `[model]` says of them stays. Only what is ordinary of them ([`ParameterInfo::ordinary`]) keeps these from taking up
+    /// whatever a model leaves out: fits must be told to count it ([`Expecting`](crate::Expecting)).
+    #[must_use]
+    pub fn with_state_of_runs(&self) -> Self {
+        let mut model = self.clone();
+        model.leave_open(HEAT_LOSS_OF_RUN);
+        model.leave_open(GAIN_OF_RUN);
+        model
+    }
+
+    /// Whether how much heat recordings lose, or how far they move, is left open.
+    #[must_use]
+    pub fn has_state_of_runs(&self) -> bool {
+        let of_run = [HEAT_LOSS_OF_RUN, GAIN_OF_RUN];
+        of_run
+            .iter()
+            .any(|&index| self.parameters[index].state == ParameterState::Free)
+    }
+
     /// The same model with the start of each recording left open, temperature and place between the limiting curves, where one
     /// of them may have begun warm ([`may_begin_warm`]). What `[model]` says of them stays.
     #[must_use]
@@ -351,26 +377,31 @@ impl WienerModel {
         drive: &[f64],
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
-        let level_k = |point: &Vec<f64>| self.level_k(point, recording);
-        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
+        let state = |point: &[f64]| self.state_of_run(point, recording);
+        let states = points.iter().map(|point| state(point)).collect();
+        let mut visit = in_states(states, visit);
         self.cascade
             .simulate_driven(points, recording, drive, &mut visit, |point| {
                 let start = StartAbove {
                     rise_k: point[START_RISE],
                     share: point[START_SHARE],
                 };
-                let mut params = self.wiener_params(point);
-                params.limiting_loop.loop_center_degc -= self.level_k(point, recording);
-                (params, start)
+                (state(point).of(self.wiener_params(point)), start)
             })
     }
 
-    /// Temperature of a recording's surroundings above what is stated, K. Of the first training recording it is none: a level
-    /// that all have in common is the loop's.
+    /// What differs in a recording from what is stated of the rig. In the first training recording nothing does: what all have in
+    /// common is the rig's.
     #[must_use]
-    pub fn level_k(&self, point: &[f64], recording: &Recording) -> f64 {
-        let is_reference = self.reference.as_deref() == Some(recording.name());
-        if is_reference { 0.0 } else { point[LEVEL] }
+    pub fn state_of_run(&self, point: &[f64], recording: &Recording) -> StateOfRun {
+        if self.reference.as_deref() == Some(recording.name()) {
+            return StateOfRun::default();
+        }
+        StateOfRun {
+            level_k: point[LEVEL],
+            heat_loss: point[HEAT_LOSS_OF_RUN],
+            gain: point[GAIN_OF_RUN],
+        }
     }
 }
 
@@ -414,6 +445,10 @@ fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<Parame
         start_rise(START[0]),
         start_share(START[1]),
         level(),
+        // Air that moves, dust on the rod, how it hangs.
+        of_run(RUN_HEAT_LOSS, 0.05),
+        // The mount, and what wears.
+        of_run(RUN_GAIN, 0.01),
     ]
 }
 
@@ -477,6 +512,25 @@ pub(crate) fn level() -> ParameterInfo {
             from_previous: false,
         }),
         ..ParameterInfo::searched(AMBIENT_LEVEL, "K", Scale::Linear, bounds)
+    }
+}
+
+/// A share by which a recording differs from the rig: none, unless freed. `ordinary` is its deviation from run to run.
+fn of_run(name: &'static str, ordinary: f64) -> ParameterInfo {
+    /// Ordinary deviations within which it is searched.
+    const MOST: f64 = 5.0;
+    let bounds = Bounds {
+        lower: -MOST * ordinary,
+        upper: MOST * ordinary,
+    };
+    ParameterInfo {
+        scope: Scope::PerRecording,
+        state: ParameterState::Fixed(0.0),
+        ordinary: Some(Ordinary {
+            deviation: ordinary,
+            from_previous: false,
+        }),
+        ..ParameterInfo::searched(name, "1", Scale::Linear, bounds)
     }
 }
 

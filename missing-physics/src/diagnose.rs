@@ -6,7 +6,7 @@ use identify::{Fit, FitConfig, IdentifyError, WienerModel};
 use recording::{Recording, repeat_floor};
 
 use crate::agreed::agreed;
-use crate::baseline::with_unknowns;
+use crate::baseline::{with_state_of_runs, with_unknowns};
 use crate::config::DiagnoseConfig;
 use crate::decide::{Named, Verdict, decide, leading};
 use crate::evidence::blocks;
@@ -93,15 +93,16 @@ fn from_baseline(
     caller: &Caller<'_>,
 ) -> Result<Diagnosis, IdentifyError> {
     let has_converged = plain.converged();
-    let (base, plain) = &with_unknowns(base, plain, training, config, caller)?;
+    let all: Vec<Recording> = [training, unseen].concat();
+    let repeats = repeat_floor(&all);
+    let (base, plain) = with_unknowns(base, plain, training, config, caller)?;
+    let (base, plain) = &with_state_of_runs(&base, plain, training, repeats.as_ref(), caller)?;
     let baseline = Stage {
         validated: validated(base, &plain.point(0), unseen)?,
         fit: plain.clone(),
     };
     let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
     let noise = measured(training, tau_s);
-    let all: Vec<Recording> = [training, unseen].concat();
-    let repeats = repeat_floor(&all);
     if !has_converged && !plain.converged() {
         return Ok(Diagnosis {
             repeats,

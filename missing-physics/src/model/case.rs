@@ -1,8 +1,8 @@
 //! One rig with its recordings, and models of it with ever other effects.
 
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
-    ParameterVector, RefineConfig, Refined, WienerModel, refine,
+    Expecting, Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo,
+    ParameterState, ParameterVector, RefineConfig, Refined, ResidualNoise, WienerModel, refine,
 };
 use recording::Recording;
 
@@ -237,10 +237,11 @@ impl<'a> Case<'a> {
         )
     }
 
-    /// Settings of fits of its models, which end as refinements do.
-    pub(crate) fn fit_config(&self, seed: u64) -> FitConfig {
+    /// Settings of fits of its models near a residual, which end as refinements do.
+    pub(crate) fn fit_config(&self, near: &ResidualNoise, seed: u64) -> FitConfig {
         FitConfig {
             seed,
+            expecting: expecting(self.base, near),
             least_squares: LeastSquaresConfig {
                 least_gain: self.least_gain(),
                 ..LeastSquaresConfig::default()
@@ -273,7 +274,7 @@ impl<'a> Case<'a> {
             },
             race_iterations: RACE,
             weights: None,
-            error_variance: 0.0,
+            expecting: expecting(self.base, output),
             temperature_weight: if temperature.variance > 0.0 {
                 per_k.powi(2) * output.variance / temperature.variance
             } else {
@@ -387,6 +388,15 @@ impl<'a> Case<'a> {
             Need::RunLength | Need::Load => false,
             Need::AbsoluteTemperature => !self.base.knows_temperature(),
         })
+    }
+}
+
+/// How what is ordinary from run to run counts near a residual, where what differs is left open: beside as many samples as are
+/// independent. Where it is not, nothing is expected of anything.
+pub(crate) fn expecting(base: &WienerModel, residual: &ResidualNoise) -> Expecting {
+    match base.has_state_of_runs() {
+        true => Expecting::Independent(residual.n_effective.max(1.0)),
+        false => Expecting::Nothing,
     }
 }
 

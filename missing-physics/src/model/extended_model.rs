@@ -2,7 +2,7 @@
 
 use identify::{
     Bounds, Enters, Fit, ForwardModel, IdentifyError, Ordinary, ParameterInfo, ParameterState,
-    Scale, Scope, WienerModel, in_warmer_surroundings, parameters_of_family,
+    Scale, Scope, StateOfRun, WienerModel, in_states, parameters_of_family,
 };
 use recording::Recording;
 use wiener::Block;
@@ -137,7 +137,7 @@ impl ExtendedModel {
         self.parameters.len() - self.slots.len()
     }
 
-    fn member(&self, point: &[f64], first_ambient_degc: f64, level_k: f64) -> Member {
+    fn member(&self, point: &[f64], first_ambient_degc: f64, state: StateOfRun) -> Member {
         let (base, extra) = point.split_at(self.n_plain());
         let mut effects = values_of_family(self.loop_family(), base);
         for (own, hypothesis) in effects.own.iter_mut().zip(self.setting.hypotheses) {
@@ -153,10 +153,8 @@ impl ExtendedModel {
                 Candidate::Own(number, _) => effects.own[number][index] = value,
             }
         }
-        let mut params = self.base.wiener_params(base);
-        params.limiting_loop.loop_center_degc -= level_k;
         Member {
-            params,
+            params: state.of(self.base.wiener_params(base)),
             start: self.base.start(base, first_ambient_degc),
             effects,
         }
@@ -195,15 +193,16 @@ impl ForwardModel for ExtendedModel {
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
         let profile = self.base.profile(recording)?;
+        let states: Vec<StateOfRun> = points
+            .iter()
+            .map(|point| self.base.state_of_run(point, recording))
+            .collect();
         let members: Vec<Member> = points
             .iter()
-            .map(|point| {
-                let level_k = self.base.level_k(point, recording);
-                self.member(point, profile.first_ambient_degc(), level_k)
-            })
+            .zip(&states)
+            .map(|(point, &state)| self.member(point, profile.first_ambient_degc(), state))
             .collect();
-        let level_k = |point: &Vec<f64>| self.base.level_k(point, recording);
-        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
+        let mut visit = in_states(states, visit);
         let time_s = recording.time_s();
         let fleet = Extended {
             setting: Setting {

@@ -4,7 +4,7 @@
 //! stretch of it, and the stretches between are what counts; then the other way round. One law for every model.
 
 use identify::{
-    Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterState,
+    Enters, Expecting, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterState,
     ParameterVector, RefineConfig, Validated, predict, refine, validate_at,
 };
 use recording::Recording;
@@ -129,7 +129,7 @@ fn of_recording(
                 ..LeastSquaresConfig::default()
             },
             weights: Some(vec![weights.collect()]),
-            error_variance,
+            expecting: Expecting::Variance(error_variance),
             race_iterations: RACE,
             ..RefineConfig::default()
         };

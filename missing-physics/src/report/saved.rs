@@ -4,7 +4,7 @@ use std::path::Path;
 
 use identify::{
     Bounds, ForwardModel, IdentifyError, NamedEffect, ParameterInfo, RigModel, SavedEffects,
-    SavedModel, Scale, WienerModel, in_warmer_surroundings,
+    SavedModel, Scale, StateOfRun, WienerModel, in_states,
 };
 use recording::{Quantity, Recording};
 use wiener::{Block, Start};
@@ -228,17 +228,23 @@ impl ForwardModel for RestoredModel<'_> {
             return self.saved.model().simulate(points, recording, visit);
         };
         let profile = base.profile(recording)?;
+        let states: Vec<StateOfRun> = points
+            .iter()
+            .map(|point| base.state_of_run(point, recording))
+            .collect();
         let members: Vec<Member> = points
             .iter()
-            .filter_map(|point| {
+            .zip(&states)
+            .filter_map(|(point, state)| {
                 let start = base.start(point, profile.first_ambient_degc());
-                let mut member = self.member(point, start)?;
-                member.params.limiting_loop.loop_center_degc -= base.level_k(point, recording);
-                Some(member)
+                let member = self.member(point, start)?;
+                Some(Member {
+                    params: state.of(member.params),
+                    ..member
+                })
             })
             .collect();
-        let level_k = |point: &Vec<f64>| base.level_k(point, recording);
-        let mut visit = in_warmer_surroundings(points.iter().map(level_k).collect(), visit);
+        let mut visit = in_states(states, visit);
         self.fleet
             .run(&members, &profile, &mut visit)
             .map_err(refused)

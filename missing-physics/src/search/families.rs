@@ -37,7 +37,7 @@ pub(crate) fn plain_fits(
         let config = FitConfig {
             from: vec![case.fit.coordinates(&vector)],
             starts,
-            ..case.fit_config(seed)
+            ..case.fit_config(&case.fit.noise, seed)
         };
         let go_on = &mut |_: &_| ControlFlow::Continue(());
         Ok((
