@@ -29,8 +29,9 @@ impl Expecting {
         }
     }
 
-    /// Variance of an error beside which P counts, near squares S of residuals.
-    pub(crate) fn variance(self, squares: f64) -> f64 {
+    /// Variance of an error beside which P counts, near squares S of residuals, ≥ 0.
+    #[must_use]
+    pub fn variance(self, squares: f64) -> f64 {
         match self {
             Self::Nothing => 0.0,
             Self::Variance(variance) => variance,
@@ -41,7 +42,7 @@ impl Expecting {
 
 /// What is to be expected of a coordinate: the root of its part of P.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Expectation {
+pub struct Expectation {
     coordinate: usize,
     /// The coordinate from which it goes on.
     previous: Option<usize>,
@@ -50,13 +51,16 @@ pub(crate) struct Expectation {
 }
 
 impl Expectation {
-    pub(crate) fn value(&self, point: &[f64]) -> f64 {
+    /// (x - x_before)/s at coordinates, as [`ParameterVector`] has them.
+    #[must_use]
+    pub fn value(&self, point: &[f64]) -> f64 {
         let from = self.previous.map_or(0.0, |previous| point[previous]);
         self.per_unit * (point[self.coordinate] - from)
     }
 
-    /// The row's derivative by a coordinate.
-    pub(crate) fn derivative(&self, coordinate: usize) -> f64 {
+    /// Its derivative by a coordinate.
+    #[must_use]
+    pub fn derivative(&self, coordinate: usize) -> f64 {
         if coordinate == self.coordinate {
             self.per_unit
         } else if Some(coordinate) == self.previous {
@@ -68,7 +72,8 @@ impl Expectation {
 }
 
 /// What is to be expected of coordinates.
-pub(crate) fn expected(vector: &ParameterVector) -> Vec<Expectation> {
+#[must_use]
+pub fn expected(vector: &ParameterVector) -> Vec<Expectation> {
     let row = |coordinate: usize| {
         let parameter = vector.parameter(coordinate);
         let ordinary = vector.infos()[parameter].ordinary?;

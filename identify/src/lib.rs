@@ -55,7 +55,7 @@ pub use clocks::{EarlyOutput, early_output};
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
 pub use ended::EndedStart;
-pub use expected::Expecting;
+pub use expected::{Expectation, Expecting, expected};
 
 pub use error::IdentifyError;
 pub use fit::{FitConfig, FitProgress, Loss, fit};

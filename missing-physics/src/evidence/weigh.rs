@@ -1,6 +1,8 @@
 //! Models on blocks that were left out of their fits, without and with a curve of any shape on top.
 
-use identify::IdentifyError;
+use std::borrow::Cow;
+
+use identify::{Expectation, Expecting, ForwardModel, IdentifyError, ParameterVector, expected};
 
 use crate::evidence::audit::{Anonymous, SHIFTS, audit};
 use crate::evidence::blocks::Block;
@@ -8,7 +10,7 @@ use crate::evidence::curve;
 use crate::evidence::left_out::{Columns, LeftOut};
 use crate::evidence::shifts::by_chance;
 use crate::evidence::worth::Evidence;
-use crate::model::case::{Case, Node};
+use crate::model::case::{Case, Node, expecting};
 use crate::model::series::Channel;
 use crate::model::tangent::Sensitivity;
 
@@ -19,12 +21,8 @@ pub(crate) fn weighed(
     sensitivities: &[Sensitivity],
     blocks: &[Block],
 ) -> Evidence {
-    let free: Vec<&[f64]> = free(sensitivities);
-    let columns = Columns {
-        free: &free,
-        curve: &[],
-    };
-    let predicted = LeftOut::new(&columns, &node.residual, blocks).predicted(0.0);
+    let fit = Linear::of(case, node, sensitivities);
+    let predicted = fit.left_out(&[], blocks).predicted(0.0);
     Evidence::of(case, less(&node.residual, &predicted), blocks)
 }
 
@@ -38,13 +36,8 @@ pub(crate) fn audited(
     seed: u64,
 ) -> Result<Anonymous, IdentifyError> {
     let curve = curve::of(case, node, sensitivities)?;
-    let curve: Vec<&[f64]> = curve.iter().map(Vec::as_slice).collect();
-    let free = free(sensitivities);
-    let columns = Columns {
-        free: &free,
-        curve: &curve,
-    };
-    let predicted = LeftOut::new(&columns, &node.residual, blocks).best_predicted();
+    let fit = Linear::of(case, node, sensitivities);
+    let predicted = fit.left_out(&curve, blocks).best_predicted();
     let evidence = Evidence::of(case, less(&node.residual, &predicted), blocks);
     Ok(Anonymous {
         audit: audit(case, [named, &evidence], blocks, seed),
@@ -52,9 +45,66 @@ pub(crate) fn audited(
     })
 }
 
-fn free(sensitivities: &[Sensitivity]) -> Vec<&[f64]> {
-    let free = sensitivities.iter().filter(|one| !one.held);
-    free.map(|one| one.column.as_slice()).collect()
+/// A fit to first order: what its free parameters do, and what is left, with what is to be expected of them in rows below, which
+/// belong to no block.
+struct Linear<'a> {
+    free: Vec<Cow<'a, [f64]>>,
+    target: Cow<'a, [f64]>,
+    n_expected: usize,
+}
+
+impl<'a> Linear<'a> {
+    fn of(case: &Case<'_>, node: &'a Node, sensitivities: &'a [Sensitivity]) -> Self {
+        let expecting = expecting(case.base, &node.noise.output);
+        let rows = match expecting {
+            Expecting::Nothing => Vec::new(),
+            _ => {
+                let n_recordings = case.training.len();
+                expected(&ParameterVector::new(node.model.parameters(), n_recordings))
+            }
+        };
+        let squares: f64 = node.residual.iter().map(|r| r * r).sum();
+        let root = expecting.variance(squares).sqrt();
+        let free = sensitivities.iter().filter(|one| !one.held);
+        let below = |column: &'a [f64], of: &dyn Fn(&Expectation) -> f64| match rows.is_empty() {
+            true => Cow::Borrowed(column),
+            false => {
+                let own = rows.iter().map(|row| root * of(row));
+                column.iter().copied().chain(own).collect()
+            }
+        };
+        Self {
+            free: free
+                .map(|one| {
+                    below(&one.column, &|row| {
+                        one.coordinate.map_or(0.0, |j| row.derivative(j))
+                    })
+                })
+                .collect(),
+            target: below(&node.residual, &|row| -row.value(&node.coordinates)),
+            n_expected: rows.len(),
+        }
+    }
+
+    /// The same without each block, and with a curve on top.
+    fn left_out<'b>(&self, curve: &[Vec<f64>], blocks: &'b [Block]) -> LeftOut<'b> {
+        let free: Vec<&[f64]> = self.free.iter().map(|column| &**column).collect();
+        let curve = curve.iter().map(|column| match self.n_expected {
+            0 => Cow::Borrowed(column.as_slice()),
+            n => column
+                .iter()
+                .copied()
+                .chain(std::iter::repeat_n(0.0, n))
+                .collect(),
+        });
+        let curve: Vec<Cow<'_, [f64]>> = curve.collect();
+        let curve: Vec<&[f64]> = curve.iter().map(|column| &**column).collect();
+        let columns = Columns {
+            free: &free,
+            curve: &curve,
+        };
+        LeftOut::new(&columns, &self.target, blocks)
+    }
 }
 
 fn less(residual: &[f64], predicted: &[f64]) -> Vec<f64> {
