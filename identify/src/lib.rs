@@ -89,4 +89,4 @@ pub use static_effects::{
 pub use supply::Supply;
 pub use thermal_model::ThermalModel;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
-pub use wiener_model::{WienerModel, may_begin_warm};
+pub use wiener_model::{RUN_PARAMETERS, WienerModel, may_begin_warm};

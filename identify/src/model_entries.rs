@@ -9,7 +9,7 @@ use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State}
 use crate::of_family::RELAY_TAILS;
 use crate::saved_model::LOOP_SHAPE;
 use crate::source::Source;
-use crate::wiener_model::{AMBIENT_LEVEL, RUN_GAIN, RUN_HEAT_LOSS};
+use crate::wiener_model::{AMBIENT_LEVEL, RUN_PARAMETERS};
 use crate::{
     Bounds, Enters, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance,
     ParameterInfo, ParameterState, RigModel, SavedEffects, Scope,
@@ -232,7 +232,8 @@ impl Reading<'_> {
             });
             let entry = found.next();
             // Files of earlier versions do not have it.
-            let is_new = [AMBIENT_LEVEL, RUN_HEAT_LOSS, RUN_GAIN, RELAY_TAILS].contains(&info.name);
+            let is_new = [AMBIENT_LEVEL, RELAY_TAILS].contains(&info.name)
+                || RUN_PARAMETERS.contains(&info.name);
             if entry.is_none() && is_new {
                 fitted.values.push(0.0);
                 fitted.intervals.push(None);

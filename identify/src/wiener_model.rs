@@ -41,8 +41,7 @@ const SMALLEST_ZETA: f64 = 0.05;
 pub(crate) const AMBIENT_LEVEL: &str = "ambient_level_k";
 
 /// Names of what else differs from run to run: by which share a recording loses more heat than the rig, and moves further.
-pub(crate) const RUN_HEAT_LOSS: &str = "run_heat_loss";
-pub(crate) const RUN_GAIN: &str = "run_gain";
+pub const RUN_PARAMETERS: [&str; 2] = ["run_heat_loss", "run_gain"];
 
 /// Names of what says how a recording begins, and their values at rest: no warmer than its surroundings, on the cooling curve. Those
 /// of a rod, and of one that pulls against it.
@@ -446,9 +445,9 @@ fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<Parame
         start_share(START[1]),
         level(),
         // Air that moves, dust on the rod, how it hangs.
-        of_run(RUN_HEAT_LOSS, 0.05),
+        of_run(RUN_PARAMETERS[0], 0.05),
         // The mount, and what wears.
-        of_run(RUN_GAIN, 0.01),
+        of_run(RUN_PARAMETERS[1], 0.01),
     ]
 }
 

@@ -13,7 +13,7 @@ use crate::evidence::blocks;
 use crate::locate::everywhere::locate;
 use crate::model::case::Case;
 use crate::model::coarse::coarse;
-use crate::model::elsewhere::validated;
+use crate::model::elsewhere::{predicted, validated};
 use crate::model::unseen;
 use crate::next::rivals::next;
 use crate::noise::floor::measured;
@@ -99,6 +99,7 @@ fn from_baseline(
     let (base, plain) = &with_state_of_runs(&base, plain, training, repeats.as_ref(), caller)?;
     let baseline = Stage {
         validated: validated(base, &plain.point(0), unseen)?,
+        predicted_rmse: predicted(base, &plain.point(0), unseen)?,
         fit: plain.clone(),
     };
     let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);

@@ -25,6 +25,7 @@ pub(super) fn opened(family: Family, number: u64) -> (Opened, Stage) {
         validated: validated
             .map(|recording| validate(&files.base, &fit, recording).unwrap())
             .collect(),
+        predicted_rmse: None,
         fit,
     };
     (files, plain)

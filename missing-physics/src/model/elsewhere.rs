@@ -1,6 +1,9 @@
 //! A model where it was not fitted: in another recording.
 
-use identify::{Fit, ForwardModel, IdentifyError, ParameterInfo, Scope, Validated, predict};
+use identify::{
+    Fit, ForwardModel, IdentifyError, OfRig, ParameterInfo, ParameterState, Scope, Validated,
+    predict, validate_at,
+};
 use recording::Recording;
 
 use crate::model::unseen::validated_by_stretches;
@@ -57,6 +60,32 @@ pub(crate) fn validated(
     validated
         .map(|recording| validated_by_stretches(model, point, recording))
         .collect()
+}
+
+/// Root mean square of what a model leaves of recordings that it has not seen, each with its offset alone, from its rest where it has
+/// one ([`validate_at`]): in the surroundings that are stated, with no drift and as the rig ordinarily is. `None` without recordings.
+pub(crate) fn predicted(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    unseen: &[Recording],
+) -> Result<Option<f64>, IdentifyError> {
+    let infos = model.parameters();
+    let place = |name: &str| infos.iter().position(|info| info.name == name);
+    let mut point = drifts_dropped(infos, point, |effect| {
+        place(effect.info().parameters[0].name)
+    });
+    let mut ordinary = OfRig::at(model, &point);
+    for (info, value) in ordinary.parameters.iter_mut().zip(&mut point) {
+        if info.ordinary.is_some() {
+            *value = 0.0;
+            info.state = ParameterState::Fixed(0.0);
+        }
+    }
+    let validated = unseen
+        .iter()
+        .map(|recording| validate_at(&ordinary, &point, recording));
+    let validated = validated.collect::<Result<Vec<Validated>, IdentifyError>>()?;
+    Ok(Validated::rmse_of_all(&validated))
 }
 
 /// Models as likely as a fit by which its spread is told.

@@ -85,8 +85,12 @@ impl Diagnosis {
 pub struct Stage {
     /// The fit.
     pub fit: Fit,
-    /// The unseen recordings, in their order.
+    /// The unseen recordings, in their order, each calibrated: what belongs to it is found on every other stretch of it, and the
+    /// stretches between count.
     pub validated: Vec<Validated>,
+    /// Error on all of them as they are predicted, each with the offset that its rest tells and nothing else of its own, in the
+    /// unit of the output; `None` without one.
+    pub predicted_rmse: Option<f64>,
 }
 
 /// The model with effects.
@@ -119,7 +123,9 @@ pub struct Rung {
     pub added: Vec<Candidate>,
     /// Error on the training recordings, in the unit of the output.
     pub train_rmse: f64,
-    /// Error on all recordings that it has not seen; `None` without one. A drift is not carried there.
+    /// Error on all recordings that it has not seen, predicted from their rest; `None` without one. A drift is not carried there.
+    pub predicted_rmse: Option<f64>,
+    /// The same where each is calibrated, see [`Stage::validated`].
     pub unseen_rmse: Option<f64>,
 }
 

@@ -6,7 +6,7 @@ use identify::{IdentifyError, ParameterState, Validated};
 use recording::Recording;
 
 use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
-use crate::model::elsewhere::{spread, validated};
+use crate::model::elsewhere::{predicted, spread, validated};
 use crate::model::unseen::{self, Unseen};
 use crate::report::diagnosis::{Explained, ExtendedStage, Stage};
 use crate::search::roads::Search;
@@ -32,11 +32,16 @@ pub(crate) fn extended(
     }
     let fit = Arc::unwrap_or_clone(search.settle(effects)?);
     let model = search.case.model(effects);
-    let validated = validated(&model, &fit.point(0), unseen)?;
+    let point = fit.point(0);
+    let stage = Stage {
+        validated: validated(&model, &point, unseen)?,
+        predicted_rmse: predicted(&model, &point, unseen)?,
+        fit,
+    };
     Ok(Some(ExtendedStage {
         effects: effects.iter().collect(),
         model,
-        stage: Stage { fit, validated },
+        stage,
     }))
 }
 

@@ -3,23 +3,39 @@
 use identify::{IdentifyError, Validated};
 use recording::Recording;
 
-use crate::model::elsewhere::validated;
+use crate::model::case::Node;
+use crate::model::elsewhere::{predicted, validated};
 use crate::report::diagnosis::{ExtendedStage, Rung, Stage};
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily};
 
 impl Rung {
-    fn new(added: CandidateSet, train_rmse: f64, unseen: &[Validated]) -> Self {
+    fn of_node(
+        added: CandidateSet,
+        node: &Node,
+        unseen: &[Recording],
+    ) -> Result<Self, IdentifyError> {
+        let (model, point) = (&node.model, &node.points[0]);
+        Ok(Self {
+            added: added.iter().collect(),
+            train_rmse: node.mean_square().sqrt(),
+            predicted_rmse: predicted(model, point, unseen)?,
+            unseen_rmse: Validated::rmse_of_all(&validated(model, point, unseen)?),
+        })
+    }
+
+    fn of_stage(added: CandidateSet, stage: &Stage) -> Self {
         Self {
             added: added.iter().collect(),
-            train_rmse,
-            unseen_rmse: Validated::rmse_of_all(unseen),
+            train_rmse: stage.fit.train_rmse,
+            predicted_rmse: stage.predicted_rmse,
+            unseen_rmse: Validated::rmse_of_all(&stage.validated),
         }
     }
 
     /// The plain model.
     pub(crate) fn plain(stage: &Stage) -> Self {
-        Self::new(CandidateSet::EMPTY, stage.fit.train_rmse, &stage.validated)
+        Self::of_stage(CandidateSet::EMPTY, stage)
     }
 }
 
@@ -46,24 +62,16 @@ pub(crate) fn ladder(
             let less = least.map_or(CandidateSet::EMPTY, |(less, _)| less);
             let added = set.iter().filter(|&one| !less.contains(one)).collect();
             rungs.push(match search.get(set) {
-                Some(node) if set != effects => {
-                    let unseen = validated(&node.model, &node.points[0], unseen)?;
-                    Rung::new(added, node.mean_square().sqrt(), &unseen)
-                }
-                _ => {
-                    let stage = &extended.stage;
-                    Rung::new(added, stage.fit.train_rmse, &stage.validated)
-                }
+                Some(node) if set != effects => Rung::of_node(added, node, unseen)?,
+                _ => Rung::of_stage(added, &extended.stage),
             });
             set = less;
         }
     }
     let of_family = search.baseline();
     if of_family.model.loop_family() != LoopFamily::Proximity {
-        let unseen = validated(&of_family.model, &of_family.points[0], unseen)?;
-        let rmse = of_family.mean_square().sqrt();
         let shape = CandidateSet::of(Candidate::other_loop());
-        rungs.push(Rung::new(shape, rmse, &unseen));
+        rungs.push(Rung::of_node(shape, of_family, unseen)?);
     }
     rungs.push(Rung::plain(plain));
     rungs.reverse();

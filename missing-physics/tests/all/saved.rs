@@ -120,7 +120,11 @@ fn made_of(loop_family: LoopFamily, effects: &[EffectId], iterations: usize) -> 
         stage: ExtendedStage {
             effects: active.iter().map(Candidate::from).collect(),
             model,
-            stage: Stage { fit, validated },
+            stage: Stage {
+                fit,
+                validated,
+                predicted_rmse: None,
+            },
         },
         rod,
         base,
@@ -181,7 +185,7 @@ fn what_is_written_is_read_back() {
 #[test]
 fn a_model_that_is_read_does_what_the_fitted_one_did() {
     let made = made(&FOUND, 20);
-    let Stage { fit, validated } = &made.stage.stage;
+    let Stage { fit, validated, .. } = &made.stage.stage;
     // That of the fit, so that bits can be compared.
     let text = made.saved().to_toml().unwrap();
     let text = text.replace("newton_iterations = 4", "newton_iterations = 3");

@@ -5,7 +5,7 @@ use missing_physics::{EffectBlock, Finding, Mismatch, Run};
 use super::{Page, escaped};
 use crate::WorkbenchError;
 use crate::figure::{Drawn, Figure, Series, Style, figures};
-use crate::report::diagnosed::{Diagnosed, found, in_frequency, regimes};
+use crate::report::diagnosed::{Diagnosed, FROM_RUN_TO_RUN, found, in_frequency, regimes};
 use crate::report::number::spoken_percent;
 use crate::report::verdict::{block_name, what};
 
@@ -43,6 +43,14 @@ pub fn diagnosed(
             page.section(title);
             page.line(&what_they_do(findings));
             page.table(&estimates);
+        }
+        if let Some(runs) = diagnosed.runs() {
+            page.section(FROM_RUN_TO_RUN);
+            page.line(
+                "<p class=\"soft\">Runs of the same drive do not repeat: surroundings, heat loss and stroke of each are left open, within \
+                 what is ordinary (2 K, 5 %, 1 %).</p>",
+            );
+            page.table(&runs);
         }
         if let Some(left) = &diagnosis.remainder {
             page.section("What remains");

@@ -11,12 +11,16 @@ use missing_physics::{
 
 use super::label::label;
 use super::number::{count, percent, significant, spoken, spoken_percent};
+use super::runs::runs;
 use super::table::{folding, right, table, unpadded};
 use super::verdict::{block_name, named, unit, verdict};
 use crate::sanity::{self, Implausible};
 
 /// Regimes and stretches of time that a person reads; JSON has all.
 const ROWS: usize = 5;
+
+/// Title of what differs from run to run.
+pub const FROM_RUN_TO_RUN: &str = "From run to run, over the first";
 
 /// The result of `sma diagnose`.
 #[derive(Debug)]
@@ -52,6 +56,9 @@ impl Diagnosed<'_> {
         for (title, _, estimates) in found(diagnosis) {
             let _ = write!(text, "\n{title}\n{estimates}\n");
         }
+        if let Some(runs) = self.runs() {
+            let _ = write!(text, "\n{FROM_RUN_TO_RUN}\n{runs}\n");
+        }
         let title = "Where the plain model and the recordings part";
         text += &self.mismatch(title, &diagnosis.mismatch);
         if let Some(left) = &diagnosis.remainder {
@@ -74,7 +81,7 @@ impl Diagnosed<'_> {
     pub fn ladder(&self) -> Table {
         let diagnosis = self.diagnosis;
         let rmse = format!("RMSE{}, training", unit(diagnosis));
-        let mut table = table(["model", rmse.as_str(), "unseen"]);
+        let mut table = table(["model", rmse.as_str(), "unseen, predicted", "calibrated"]);
         for rung in &diagnosis.ladder {
             let is_suspect = |one: &Finding| rung.added.contains(&one.effect);
             let name = match named(&rung.added, "and") {
@@ -87,6 +94,7 @@ impl Diagnosed<'_> {
             table.add_row([
                 Cell::new(name),
                 right(significant(rung.train_rmse)),
+                right(rung.predicted_rmse.map_or("-".to_owned(), significant)),
                 right(rung.unseen_rmse.map_or("-".to_owned(), significant)),
             ]);
         }
@@ -99,6 +107,7 @@ impl Diagnosed<'_> {
         table.add_row([
             Cell::new(format!("noise ({class})")),
             right(size),
+            Cell::new(""),
             Cell::new(""),
         ]);
         table
@@ -132,6 +141,12 @@ impl Diagnosed<'_> {
             let _ = writeln!(text, "{said}");
         }
         text
+    }
+
+    /// What differs from run to run.
+    #[must_use]
+    pub fn runs(&self) -> Option<Table> {
+        runs(self.diagnosis, |name| self.label(name))
     }
 
     /// The worst stretches of time.

@@ -108,6 +108,7 @@ impl Diagnosed<'_> {
 fn stage(stage: &Stage) -> Value {
     json!({
         "train_rmse": stage.fit.train_rmse,
+        "predicted_rmse": stage.predicted_rmse,
         "validate_rmse": Validated::rmse_of_all(&stage.validated),
         "parameters": parameters_json(&stage.fit),
     })

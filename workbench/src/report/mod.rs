@@ -8,6 +8,7 @@ pub mod label;
 pub mod number;
 pub mod plot;
 pub mod repeated;
+pub mod runs;
 pub mod static_diagnosed;
 pub mod table;
 pub mod trial;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use identify::Validated;
 use missing_physics::{
-    Candidate, Diagnosis, EffectBlock, Finding, NoiseClass, Remainder, RuleId, Verdict,
+    Candidate, Diagnosis, EffectBlock, Finding, NoiseClass, Remainder, RuleId, Stage, Verdict,
 };
 
 use super::number::{behind, percent, significant, spoken, spoken_percent};
@@ -259,7 +259,26 @@ fn errors(diagnosis: &Diagnosis) -> String {
         Some([lower, _]) if lower <= 0.0 => " What was not seen does not bear this out.",
         _ => "",
     };
-    format!("{error} on the unseen {recordings} {change}; {said}.{doubt}")
+    let predicted = predicted(diagnosis, &extended.stage, after, &unit);
+    format!("{error} on the unseen {recordings} {change}; {said}.{predicted}{doubt}")
+}
+
+/// Error on unseen recordings of which nothing is known but their rest, over that where each is calibrated, from which it is said.
+const WORSE_PREDICTED: f64 = 1.2;
+
+/// How much larger the error is where nothing of the unseen recordings is known but their rest.
+fn predicted(diagnosis: &Diagnosis, extended: &Stage, calibrated: f64, unit: &str) -> String {
+    let pair = diagnosis
+        .baseline
+        .predicted_rmse
+        .zip(extended.predicted_rmse);
+    let worse = pair.filter(|(_, after)| *after > WORSE_PREDICTED * calibrated);
+    worse.map_or(String::new(), |(before, after)| {
+        format!(
+            " Predicted from rest alone, without surroundings and state of its own: {}{unit}.",
+            change(before, after)
+        )
+    })
 }
 
 /// From one error to another, with the digits that tell them apart.
