@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::rod::ambient;
 use crate::source::Source;
 use crate::{Bounds, IdentifyError};
 
@@ -19,6 +20,8 @@ pub struct RecordingUse {
     pub decimate: Option<usize>,
     /// Whether the straight line from rest to rest is taken off the output.
     pub detrend: bool,
+    /// Temperature of its surroundings, °C, where it differs from that of the rig and is no column.
+    pub ambient_degc: Option<f64>,
 }
 
 /// The same, as it is written.
@@ -29,6 +32,7 @@ pub(crate) struct RecordingTable {
     exclude_s: Vec<[Spanned<f64>; 2]>,
     decimate: Option<Spanned<i64>>,
     detrend: bool,
+    ambient_degc: Option<Spanned<f64>>,
 }
 
 /// Checks what a file says of its recordings.
@@ -58,6 +62,7 @@ pub(crate) fn uses(
                 .collect::<Result<_, _>>()?,
             decimate: decimate.transpose()?,
             detrend: table.detrend,
+            ambient_degc: ambient(source, &key("ambient_degc"), &table.ambient_degc)?,
         };
         Ok((name.clone(), used))
     });

@@ -283,7 +283,11 @@ impl Rod {
             specific_heat_j_per_kg_k: specific_heat,
             specific_heat_range,
             resistance_ohm_per_m,
-            ambient_degc: ambient(source, &parsed.surroundings.ambient_degc)?,
+            ambient_degc: ambient(
+                source,
+                "surroundings.ambient_degc",
+                &parsed.surroundings.ambient_degc,
+            )?,
             load,
             limits: Limits {
                 // What the supply does not give no rig gets.
@@ -552,19 +556,20 @@ const SURROUNDINGS_DEGC: Bounds = Bounds {
     upper: 200.0,
 };
 
-fn ambient(
+/// A temperature of the surroundings that can be one, °C.
+pub(crate) fn ambient(
     source: &Source<'_>,
+    key: &str,
     value: &Option<Spanned<f64>>,
 ) -> Result<Option<f64>, IdentifyError> {
-    const KEY: &str = "surroundings.ambient_degc";
     let Bounds { lower, upper } = SURROUNDINGS_DEGC;
-    match (source.finite(KEY, value)?, value) {
+    match (source.finite(key, value)?, value) {
         (Some(degc), Some(spanned)) if !(lower..=upper).contains(&degc) => {
             let kelvins = format!(
                 "must lie from {lower} to {upper} °C; {degc} K would be {:.2} °C",
                 degc - 273.15
             );
-            Err(source.value(KEY, spanned, kelvins))
+            Err(source.value(key, spanned, kelvins))
         }
         (known, _) => Ok(known),
     }

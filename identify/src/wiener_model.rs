@@ -318,8 +318,9 @@ impl WienerModel {
     pub fn with_unknowns<'a>(&self, recordings: impl IntoIterator<Item = &'a Recording>) -> Self {
         let recordings: Vec<&Recording> = recordings.into_iter().collect();
         let mut model = self.with_open_starts(recordings.iter().copied());
-        // Recorded or not: a thermometer in the room is off by a few tenths, and stands elsewhere.
-        if recordings.len() > 1 {
+        // Those of the first are as they are stated.
+        let mut others = recordings.iter().skip(1);
+        if others.any(|recording| recording.ambient_degc().is_none()) {
             model.leave_open(LEVEL);
         }
         model
@@ -390,14 +391,15 @@ impl WienerModel {
     }
 
     /// What differs in a recording from what is stated of the rig. In the first training recording nothing does: what all have in
-    /// common is the rig's.
+    /// common is the rig's. Surroundings that are recorded, or stated of this recording, are as they are.
     #[must_use]
     pub fn state_of_run(&self, point: &[f64], recording: &Recording) -> StateOfRun {
         if self.reference.as_deref() == Some(recording.name()) {
             return StateOfRun::default();
         }
+        let is_known = recording.ambient_degc().is_some();
         StateOfRun {
-            level_k: point[LEVEL],
+            level_k: if is_known { 0.0 } else { point[LEVEL] },
             heat_loss: point[HEAT_LOSS_OF_RUN],
             gain: point[GAIN_OF_RUN],
         }

@@ -445,6 +445,17 @@ pub enum RecordingError {
         last_s: f64,
     },
 
+    /// The surroundings are recorded, and stated besides.
+    #[error(
+        "{file}: ambient_degc = {ambient_degc} °C is stated of it under [recordings], and it has a column of that; expected one of the two"
+    )]
+    AmbientTwice {
+        /// The file.
+        file: String,
+        /// What is stated, °C.
+        ambient_degc: f64,
+    },
+
     /// So few rows cannot be left.
     #[error("{file}: one row in {n}; expected one in 2 to {most}, half of the rows")]
     DecimationOutOfRange {

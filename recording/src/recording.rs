@@ -98,6 +98,13 @@ impl Recording {
         self
     }
 
+    /// The same, in surroundings of one temperature, °C.
+    pub(crate) fn with_ambient(&self, ambient_degc: f64) -> Self {
+        let mut surrounded = self.clone();
+        surrounded.parts.ambient_degc = Some(vec![ambient_degc; self.len()]);
+        surrounded
+    }
+
     /// The drive, to be put right.
     pub(crate) fn drive_mut(&mut self) -> &mut [f64] {
         &mut self.parts.drive

@@ -59,6 +59,24 @@ impl Recording {
             .also_adapted_by(done))
     }
 
+    /// The recording in surroundings of one temperature, °C; says so among its [`Recording::adaptations`].
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::AmbientTwice`] if the surroundings are recorded.
+    pub fn surrounded_by(&self, ambient_degc: f64) -> Result<Self, RecordingError> {
+        if self.ambient_degc().is_some() {
+            return Err(RecordingError::AmbientTwice {
+                file: self.name().to_owned(),
+                ambient_degc,
+            });
+        }
+        let done = Adaptation::of_recording(format!(
+            "its surroundings have {ambient_degc} °C, as is stated"
+        ));
+        Ok(self.with_ambient(ambient_degc).also_adapted_by(done))
+    }
+
     /// Every `n`-th row, with the mean of the `n` measured values around it (`n` − 1 of an even `n`), so that nothing is shifted in
     /// time; fewer at the ends. Time stamps are as they are. The drive until the next row is the mean in what it heats by, as in
     /// [`resample`](crate::resample); a held one stays as it is. Of static data the drive is a measured value, too.

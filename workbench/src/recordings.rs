@@ -56,7 +56,7 @@ pub fn as_fitted(
 ///
 /// # Errors
 ///
-/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::ExcludedInside`].
+/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::ExcludedInside`], [`RecordingError::AmbientTwice`].
 pub fn in_its_window(
     rod: &Rod,
     path: &Path,
@@ -69,6 +69,9 @@ pub fn in_its_window(
     }
     for [start_s, end_s] in wish.exclude_s {
         used = used.excluding(start_s, end_s)?;
+    }
+    if let Some(ambient_degc) = wish.ambient_degc {
+        used = used.surrounded_by(ambient_degc)?;
     }
     Ok(used)
 }

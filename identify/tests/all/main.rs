@@ -14,6 +14,7 @@ mod rod_file;
 mod saved_model;
 mod specific_heat;
 mod starts;
+mod state_of_runs;
 mod static_effects;
 mod static_fatigue;
 mod static_loop;

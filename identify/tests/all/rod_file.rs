@@ -183,7 +183,7 @@ fn parameters_that_do_not_exist_are_named_with_those_that_do() {
         error.to_string(),
         "rod.toml:11:1: [model] teta: no such parameter; this rig has tau_s, loop_center_degc, \
          loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share, \
-         ambient_level_k"
+         ambient_level_k, run_heat_loss, run_gain"
     );
 }
 
@@ -259,12 +259,14 @@ window_s = [20, 140]
 exclude_s = [[130, 140.5], [0, 25]]
 decimate = 10
 detrend = true
+ambient_degc = 26.4
 ");
     let used = rod.use_of(Path::new("runs/run3.csv"));
     assert_eq!(used, rod.uses["run3.csv"]);
     assert_eq!(used.window_s, Some([20.0, 140.0]));
     assert_eq!(used.exclude_s, [[130.0, 140.5], [0.0, 25.0]]);
     assert_eq!((used.decimate, used.detrend), (Some(10), true));
+    assert_eq!(used.ambient_degc, Some(26.4));
     assert_eq!(rod.use_of(Path::new("run4.csv")), RecordingUse::default());
     let key = |line: &str| refused(&format!("[recordings.\"a.csv\"]\n{line}\n"));
     assert_eq!(
@@ -283,8 +285,12 @@ detrend = true
             )
         );
     }
+    assert_eq!(
+        key("ambient_degc = 299.5"),
+        "rod.toml:2:16: recordings.\"a.csv\".ambient_degc = 299.5: must lie from -100 to 200 °C; 299.5 K would be 26.35 °C"
+    );
     assert!(key("decimate = 2.5").starts_with("rod.toml:2:12: "));
     assert!(key("detrent = true").contains(
-        "unknown field `detrent`, expected one of `window_s`, `exclude_s`, `decimate`, `detrend`"
+        "unknown field `detrent`, expected one of `window_s`, `exclude_s`, `decimate`, `detrend`, `ambient_degc`"
     ));
 }

@@ -4,12 +4,12 @@ use comfy_table::{Cell, Table};
 use identify::{FittedParameter, ParameterState};
 use missing_physics::{Diagnosis, Stage};
 
-use super::number::{percent, significant};
+use super::number::{percent, spoken};
 use super::table::{right, table};
 
 /// A column: the parameter, what stands over it, and how its values are shown.
 const COLUMNS: [(&str, &str, fn(f64) -> String); 3] = [
-    ("ambient_level_k", "surroundings, K", significant),
+    ("ambient_level_k", "surroundings, K", spoken),
     ("run_heat_loss", "heat loss", percent),
     ("run_gain", "stroke", percent),
 ];
