@@ -2,8 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel, fit};
-use recording::{Recording, RepeatFloor};
+use identify::{
+    Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel, fit, predict,
+};
+use recording::{Recording, RepeatedDrive, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::config::DiagnoseConfig;
@@ -52,35 +54,24 @@ pub(crate) fn with_unknowns(
 /// Difference of runs over what noise makes of it, up to which they repeat.
 const REPEATS: f64 = 1.5;
 
-/// Share of what runs of the same drive differ by that is no state of a run, up to which it is one that differs.
-const OF_STATE: f64 = 0.5;
+/// Share of the square of what runs of the same drive differ by that states of theirs account for, from which these are what differs.
+const OF_STATES: f64 = 0.5;
 
-/// Whether the rig is seen to be another from run to run: recordings of the same drive differ by more than noise makes, and mostly by
-/// what a heat loss, a gain or surroundings of their own do, each as much as the drive.
-fn differs(repeats: &RepeatFloor) -> bool {
-    let of_runs = repeats.pairs.iter();
-    let of_runs = of_runs.filter(|pair| pair.first.recording != pair.second.recording);
-    let [apart, left, by_noise] = of_runs.fold([0.0; 3], |[apart, left, by_noise], pair| {
-        let n = pair.samples as f64;
-        [
-            apart + n * pair.apart.rms.powi(2),
-            left + n * pair.apart.left.powi(2),
-            by_noise + n * pair.by_noise.powi(2),
-        ]
-    });
-    apart > REPEATS.powi(2) * by_noise && left < OF_STATE * apart
-}
-
-/// The plain model with what is seen to differ from run to run left open, within what is ordinary; as it was where runs repeat, or no
-/// drive is repeated.
+/// The plain model with what differs from run to run left open, within what is ordinary, where recordings of the same drive differ by
+/// more than noise makes, and by what states of theirs account for; as it was where they repeat, or no drive is repeated.
+///
+/// What the model leaves out does the same in both, and is none of their difference.
 pub(crate) fn with_state_of_runs(
     base: &WienerModel,
     plain: Fit,
     training: &[Recording],
-    repeats: Option<&RepeatFloor>,
     caller: &Caller<'_>,
 ) -> Result<(WienerModel, Fit), IdentifyError> {
-    if training.len() < 2 || !repeats.is_some_and(differs) {
+    let floor = repeat_floor(training);
+    let mut pairs = floor.map_or_else(Vec::new, |floor| floor.pairs);
+    pairs.retain(|pair| pair.recordings()[0] != pair.recordings()[1]);
+    let apart = squares(&pairs, |pair| pair.apart.rms);
+    if apart <= REPEATS.powi(2) * squares(&pairs, |pair| pair.by_noise) {
         return Ok((base.clone(), plain));
     }
     let open = base.with_unknowns(training).with_state_of_runs();
@@ -98,6 +89,16 @@ pub(crate) fn with_state_of_runs(
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let fitted = fit(&watched, training, &config, go_on)?;
+    let left = training.iter().enumerate().map(|(r, recording)| {
+        let shown = predict(&watched, &fitted.point(r), recording)?.output;
+        let pairs = recording.output().iter().zip(&shown);
+        Ok(recording.with_output(pairs.map(|(recorded, shown)| recorded - shown).collect())?)
+    });
+    let left = left.collect::<Result<Vec<Recording>, IdentifyError>>()?;
+    let pairs: Vec<RepeatedDrive> = pairs.iter().map(|pair| pair.of_outputs(&left)).collect();
+    if squares(&pairs, |pair| pair.apart.rms) > (1.0 - OF_STATES) * apart {
+        return Ok((base.clone(), plain));
+    }
     let fitted = Fit {
         agreeing_starts: plain.agreeing_starts,
         starts: plain.starts,
@@ -105,4 +106,12 @@ pub(crate) fn with_state_of_runs(
         ..fitted
     };
     Ok((open, fitted))
+}
+
+/// Sum of squares over all samples of pairs.
+fn squares(pairs: &[RepeatedDrive], of: fn(&RepeatedDrive) -> f64) -> f64 {
+    let squares = pairs
+        .iter()
+        .map(|pair| pair.samples as f64 * of(pair).powi(2));
+    squares.sum()
 }

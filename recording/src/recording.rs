@@ -105,6 +105,19 @@ impl Recording {
         surrounded
     }
 
+    /// The same with another output, in the same unit: what a model leaves of it, say.
+    ///
+    /// # Errors
+    ///
+    /// What [`Recording::new`] refuses: another number of samples, numbers that are not finite.
+    pub fn with_output(&self, output: Vec<f64>) -> Result<Self, RecordingError> {
+        let parts = RecordingParts {
+            output,
+            ..self.parts.clone()
+        };
+        Ok(Self::new(parts)?.adapted_by(self.adaptations.clone()))
+    }
+
     /// The drive, to be put right.
     pub(crate) fn drive_mut(&mut self) -> &mut [f64] {
         &mut self.parts.drive

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+mod another_each_run;
 mod beside_drifts;
 mod bologna;
 mod boston;

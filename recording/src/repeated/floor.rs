@@ -36,6 +36,25 @@ pub struct RepeatedDrive {
     pub samples: usize,
     /// What noise alone would make of it: root mean square of the difference, in the unit of the output.
     pub by_noise: f64,
+    pair: Pair,
+}
+
+impl RepeatedDrive {
+    /// Places of the recordings of both stretches among those that were compared.
+    #[must_use]
+    pub fn recordings(&self) -> [usize; 2] {
+        self.pair.recordings
+    }
+
+    /// The same of recordings with the same drives, and other outputs.
+    #[must_use]
+    pub fn of_outputs(&self, recordings: &[Recording]) -> Self {
+        let [first, second] = self.pair.recordings.map(|place| &recordings[place]);
+        Self {
+            apart: nearest(first, second, &self.pair),
+            ..self.clone()
+        }
+    }
 }
 
 /// How far a rig repeats.
@@ -168,6 +187,7 @@ pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
             apart: nearest(first, second, pair),
             samples: time_s.len(),
             by_noise: of_first.hypot(of_second),
+            pair: pair.clone(),
         }
     };
     let described = |pairs: &[Pair]| {
