@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel, fit, predict,
+    Enters, Fit, FitConfig, ForwardModel, IdentifyError, OfRig, ParameterState, ParameterVector,
+    RefineConfig, Scope, WienerModel, fit, predict, refine,
 };
 use recording::{Recording, RepeatedDrive, repeat_floor};
 
@@ -59,8 +60,6 @@ const OF_STATES: f64 = 0.5;
 
 /// The plain model with what differs from run to run left open, within what is ordinary, where recordings of the same drive differ by
 /// more than noise makes, and by what states of theirs account for; as it was where they repeat, or no drive is repeated.
-///
-/// What the model leaves out does the same in both, and is none of their difference.
 pub(crate) fn with_state_of_runs(
     base: &WienerModel,
     plain: Fit,
@@ -75,6 +74,14 @@ pub(crate) fn with_state_of_runs(
         return Ok((base.clone(), plain));
     }
     let open = base.with_unknowns(training).with_state_of_runs();
+    let watched = Watched {
+        model: &open,
+        watch: caller,
+    };
+    let left = of_states(&watched, &plain, training, &pairs)?;
+    if left > (1.0 - OF_STATES) * apart {
+        return Ok((base.clone(), plain));
+    }
     let vector = ParameterVector::new(open.parameters(), training.len());
     let config = FitConfig {
         seed: plain.seed,
@@ -83,22 +90,8 @@ pub(crate) fn with_state_of_runs(
         expecting: expecting(&open, &plain.noise),
         ..FitConfig::default()
     };
-    let watched = Watched {
-        model: &open,
-        watch: caller,
-    };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let fitted = fit(&watched, training, &config, go_on)?;
-    let left = training.iter().enumerate().map(|(r, recording)| {
-        let shown = predict(&watched, &fitted.point(r), recording)?.output;
-        let pairs = recording.output().iter().zip(&shown);
-        Ok(recording.with_output(pairs.map(|(recorded, shown)| recorded - shown).collect())?)
-    });
-    let left = left.collect::<Result<Vec<Recording>, IdentifyError>>()?;
-    let pairs: Vec<RepeatedDrive> = pairs.iter().map(|pair| pair.of_outputs(&left)).collect();
-    if squares(&pairs, |pair| pair.apart.rms) > (1.0 - OF_STATES) * apart {
-        return Ok((base.clone(), plain));
-    }
     let fitted = Fit {
         agreeing_starts: plain.agreeing_starts,
         starts: plain.starts,
@@ -106,6 +99,61 @@ pub(crate) fn with_state_of_runs(
         ..fitted
     };
     Ok((open, fitted))
+}
+
+/// Squares of what runs of the same drive differ by that are left where the second has the state which accounts for most of it.
+///
+/// What a model leaves out does the same in both, and is none of their difference: the second is what the model shows of it and what
+/// it leaves of the second more than of the first.
+fn of_states(
+    model: &dyn ForwardModel,
+    plain: &Fit,
+    training: &[Recording],
+    pairs: &[RepeatedDrive],
+) -> Result<f64, IdentifyError> {
+    let shown = training
+        .iter()
+        .enumerate()
+        .map(|(r, recording)| Ok(predict(model, &plain.point(r), recording)?.output))
+        .collect::<Result<Vec<Vec<f64>>, IdentifyError>>()?;
+    let left = training.iter().zip(&shown).map(|(recording, shown)| {
+        let pairs = recording.output().iter().zip(shown);
+        Ok(recording.with_output(pairs.map(|(recorded, shown)| recorded - shown).collect())?)
+    });
+    let left = left.collect::<Result<Vec<Recording>, IdentifyError>>()?;
+    let mut squares = 0.0;
+    for pair in pairs {
+        let r = pair.recordings()[1];
+        let lag_s = pair.second.start_s - pair.first.start_s;
+        let mut output = shown[r].clone();
+        let mut weights = vec![0.0; output.len()];
+        for [t, first, second] in pair.of_outputs(&left).apart.outputs {
+            let after = training[r].time_s().partition_point(|at| *at < t + lag_s);
+            let k = after.min(output.len() - 1);
+            output[k] = shown[r][k] + second - first;
+            weights[k] = 1.0;
+        }
+        let point = plain.point(r);
+        let mut own = OfRig::at(model, &point);
+        for (info, &value) in own.parameters.iter_mut().zip(&point) {
+            if info.scope == Scope::PerRecording && info.enters == Enters::Nonlinear {
+                info.state = match info.ordinary {
+                    Some(_) => ParameterState::Free,
+                    // How it began stays.
+                    None => ParameterState::Fixed(value),
+                };
+            }
+        }
+        let vector = ParameterVector::new(own.parameters(), 1);
+        let start = vector.coordinates(|_, _| Some(0.0));
+        let config = RefineConfig {
+            weights: Some(vec![weights]),
+            ..RefineConfig::default()
+        };
+        let refined = refine(&own, &[training[r].with_output(output)?], &[start], &config)?;
+        squares += pair.samples as f64 * refined.mean_square;
+    }
+    Ok(squares)
 }
 
 /// Sum of squares over all samples of pairs.
