@@ -565,13 +565,18 @@ impl<'a> Problem<'a> {
             ParameterState::Fixed(_) => 1.0,
         };
         let mut whole = Triangle::new(last + 1);
-        for [output, temperature] in seen.iter().map(|seen| &seen.triangles) {
+        for seen in &seen {
+            let [output, temperature] = &seen.triangles;
+            let of = |triangle: &Matrix, row: usize, column: usize| {
+                let places = seen.places[row].zip(seen.places[column]);
+                places.map_or(0.0, |place| triangle[place])
+            };
             for row in 0..=last {
                 whole.push(|column| {
                     let is_derivative = (linear..last).contains(&column);
-                    output[(row, column)] * if is_derivative { gain } else { 1.0 }
+                    of(output, row, column) * if is_derivative { gain } else { 1.0 }
                 });
-                whole.push(|column| temperature[(row, column)]);
+                whole.push(|column| of(temperature, row, column));
             }
         }
         let (expected, variance) = self.expected(&solved[around]);
@@ -603,8 +608,21 @@ impl<'a> Problem<'a> {
     fn seen(&self, r: usize, batch: &Batch) -> Result<Seen, IdentifyError> {
         let weighed = &self.recordings[r];
         let mut moments = [Moments::default(); BATCH];
-        let columns = self.n_linear() + self.vector.len() + 1;
-        let mut triangles = [Triangle::new(columns), Triangle::new(columns)];
+        // What belongs to another recording does nothing here.
+        let (gains, linear) = (self.n_gains(), self.n_linear());
+        let last = linear + self.vector.len();
+        let own_offset = (linear > gains).then_some(gains + r);
+        let acting = self.vector.acting_on(r).map(|j| linear + j);
+        let kept: Vec<usize> = (0..gains)
+            .chain(own_offset)
+            .chain(acting)
+            .chain([last])
+            .collect();
+        let mut places = vec![None; last + 1];
+        for (place, &column) in kept.iter().enumerate() {
+            places[column] = Some(place);
+        }
+        let mut triangles = [Triangle::new(kept.len()), Triangle::new(kept.len())];
         // Gain and offsets are known after the run only. A residual with others differs by what the columns of the
         // free ones take away, and derivatives of the output by the gain.
         let solved = Solved {
@@ -629,18 +647,20 @@ impl<'a> Problem<'a> {
             &mut |block| weighed.add(&mut moments, block),
             &mut |row| {
                 let root = self.weight(r, row).sqrt();
-                triangles[row.channel as usize].push(|column| {
-                    let last = column + 1 == columns;
-                    root * if last {
-                        row.residual
-                    } else {
-                        row.derivative(column)
+                triangles[row.channel as usize].push(|place| {
+                    root * match kept[place] {
+                        column if column == last => row.residual,
+                        column => row.derivative(column),
                     }
                 });
             },
         )?;
         let triangles = triangles.map(Triangle::r);
-        Ok(Seen { moments, triangles })
+        Ok(Seen {
+            moments,
+            triangles,
+            places,
+        })
     }
 }
 
@@ -648,8 +668,11 @@ impl<'a> Problem<'a> {
 #[derive(Debug)]
 struct Seen {
     moments: [Moments; BATCH],
-    /// Triangular factors of the weighted rows of output and temperature: linear parameters, coordinates, residual.
+    /// Triangular factors of the weighted rows of output and temperature: linear parameters, coordinates, residual, but for those
+    /// that belong to other recordings.
     triangles: [Matrix; 2],
+    /// Places in these of all columns.
+    places: Vec<Option<usize>>,
 }
 
 impl SumOfSquares for Problem<'_> {

@@ -243,16 +243,21 @@ impl<'a> Case<'a> {
             seed,
             expecting: expecting(self.base, near),
             least_squares: LeastSquaresConfig {
-                least_gain: self.least_gain(),
+                least_gain: self.least_gain(near),
                 ..LeastSquaresConfig::default()
             },
             ..FitConfig::default()
         }
     }
 
-    /// Share of a sum of squares that cannot change a verdict.
-    fn least_gain(&self) -> f64 {
-        2.0 * LEAST_NATS / self.layout.n_outputs() as f64
+    /// Share of a sum of squares near a residual that cannot change a verdict: of as many samples as what is to be expected counts
+    /// against, else of all.
+    fn least_gain(&self, near: &ResidualNoise) -> f64 {
+        let n = match expecting(self.base, near) {
+            Expecting::Independent(n) => n,
+            _ => self.layout.n_outputs() as f64,
+        };
+        2.0 * LEAST_NATS / n
     }
 
     /// Both channels count as well as they are met by a node from which the search goes out.
@@ -270,7 +275,7 @@ impl<'a> Case<'a> {
                 } else {
                     AT_THE_END
                 },
-                least_gain: self.least_gain(),
+                least_gain: self.least_gain(output),
             },
             race_iterations: RACE,
             weights: None,

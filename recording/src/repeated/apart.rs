@@ -72,35 +72,10 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
         .zip(&of_second)
         .map(|(a, b)| 0.5 * (a + b - means[0] - means[1]))
         .collect();
-    let rates = rates(time_s, &both);
-    let drive = &first.drive()[pair.samples.clone()];
+    let drive = first.drive()[pair.samples.clone()].iter();
     let quantity = first.drive_quantity();
-    let levels: Vec<f64> = drive.iter().map(|drive| quantity.level(*drive)).collect();
-    // The way in which a drive moves the output.
-    let mean_level = mean(&levels);
-    let along: f64 = levels
-        .iter()
-        .zip(&both)
-        .map(|(level, y)| (level - mean_level) * y)
-        .sum();
-    let start = levels.iter().position(|level| *level > mean_level);
-    let start_s = time_s[start.unwrap_or(0)];
-    let later = |heated: bool| {
-        let column = rates
-            .iter()
-            .map(|rate| match (rate * along > 0.0) == heated {
-                true => -rate,
-                false => 0.0,
-            });
-        column.collect()
-    };
-    let slower = rates.iter().zip(time_s);
-    let columns = [
-        both.clone(),
-        later(true),
-        later(false),
-        slower.map(|(rate, t)| -rate * (t - start_s)).collect(),
-    ];
+    let levels: Vec<f64> = drive.map(|drive| quantity.level(*drive)).collect();
+    let columns = terms(time_s, &levels, &both);
     let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
     let whole = square(&differences);
     let (values, taken, left) = regressed(&columns, differences);
@@ -131,6 +106,34 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
             .step_by(time_s.len().div_ceil(SHOWN))
             .collect(),
     }
+}
+
+/// What another gain, delays of heating and of cooling, and another pace do to an output about its mean.
+fn terms(time_s: &[f64], levels: &[f64], output: &[f64]) -> [Vec<f64>; 4] {
+    let rates = rates(time_s, output);
+    let mean_level = levels
+        .iter()
+        .map(|level| level / levels.len() as f64)
+        .sum::<f64>();
+    // The way in which a drive moves the output.
+    let pairs = levels.iter().zip(output);
+    let along: f64 = pairs.map(|(level, y)| (level - mean_level) * y).sum();
+    let start = levels.iter().position(|level| *level > mean_level);
+    let start_s = time_s[start.unwrap_or(0)];
+    let later = |heated: bool| {
+        let own = |rate: &f64| match (rate * along > 0.0) == heated {
+            true => -rate,
+            false => 0.0,
+        };
+        rates.iter().map(own).collect()
+    };
+    let pace = rates.iter().zip(time_s);
+    [
+        output.to_vec(),
+        later(true),
+        later(false),
+        pace.map(|(rate, t)| -rate * (t - start_s)).collect(),
+    ]
 }
 
 /// The output at a time, by a straight line between samples.

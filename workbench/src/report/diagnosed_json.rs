@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::diagnosed::{Diagnosed, literature};
 use super::identified::parameters_json;
-use super::repeated;
+use super::{repeated, runs};
 use crate::sanity;
 
 fn trace(trace: &Trace) -> Value {
@@ -46,6 +46,7 @@ impl Diagnosed<'_> {
             "output_unit": diagnosis.baseline.fit.output_unit,
             "noise_floor": {"lower": floor.lower, "upper": floor.upper, "class": floor.class.id()},
             "repeats": diagnosis.repeats.as_ref().map(repeated::json),
+            "runs": runs::json(diagnosis),
             "baseline": stage(&diagnosis.baseline),
             "extended": extended,
             "explained_fraction": {

@@ -56,7 +56,8 @@ pub fn said(floor: &RepeatFloor) -> Option<String> {
         format!("Runs of the same drive repeat: {apart}.")
     } else {
         format!(
-            "Runs of the same drive do not repeat: {apart}. No model of this rig can be nearer than {}{unit} to both of two.",
+            "Runs of the same drive do not repeat: {apart}. No model of this rig can be nearer than {}{unit} to both of two. \
+             Record the surroundings of each run, and play one of them again at the end.",
             spoken(floor.nearest()?)
         )
     })

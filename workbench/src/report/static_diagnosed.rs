@@ -166,6 +166,7 @@ impl StaticDiagnosed<'_> {
             "output_unit": self.output_unit,
             "noise_floor": {"lower": null, "upper": null, "class": null},
             "repeats": null,
+            "runs": null,
             "baseline": of_loop.map_or(nothing, |one| stage(&one.without)),
             "extended": extended,
             "explained_fraction": {"train": null, "validate": null, "validate_interval": null},

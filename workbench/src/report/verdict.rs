@@ -8,7 +8,7 @@ use missing_physics::{
 };
 
 use super::number::{behind, percent, significant, spoken, spoken_percent};
-use super::repeated;
+use super::{repeated, runs};
 
 /// Distance to a bound, as a share of the range, at which a value stands on it.
 const NEAR_BOUND: f64 = 1e-6;
@@ -33,6 +33,7 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             .as_ref()
             .and_then(repeated::said)
             .unwrap_or_default(),
+        runs::said(diagnosis).unwrap_or_default(),
         diagnosis
             .remainder
             .as_ref()
