@@ -9,35 +9,58 @@ use super::label::label;
 use super::number::{percent, spoken};
 use super::table::{right, table};
 
-/// A column: the parameter, what stands over it, and how its values are shown.
-const COLUMNS: [(&str, &str, fn(f64) -> String); 3] = [
-    ("ambient_level_k", "surroundings, K", spoken),
-    ("run_heat_loss", "heat loss", percent),
-    ("run_gain", "stroke", percent),
-];
+/// What may differ.
+struct Column {
+    /// Its parameter.
+    name: &'static str,
+    /// What stands over it.
+    title: &'static str,
+    /// What is said of the largest.
+    said: &'static str,
+    shown: fn(f64) -> String,
+}
+
+const SURROUNDINGS: Column = Column {
+    name: "ambient_level_k",
+    title: "surroundings, K",
+    said: "the surroundings by up to {} K",
+    shown: spoken,
+};
+
+/// Open only where runs are not taken for alike.
+const HEAT_LOSS: Column = Column {
+    name: "run_heat_loss",
+    title: "heat loss",
+    said: "the heat loss by {}",
+    shown: percent,
+};
+
+const STROKE: Column = Column {
+    name: "run_gain",
+    title: "stroke",
+    said: "the stroke by {}",
+    shown: percent,
+};
+
+const COLUMNS: [Column; 3] = [SURROUNDINGS, HEAT_LOSS, STROKE];
 
 /// By how much recordings differ, in a sentence; `None` where all runs are taken for alike.
 #[must_use]
 pub fn said(diagnosis: &Diagnosis) -> Option<String> {
     let last = last(diagnosis);
-    place(last, COLUMNS[1].0)?;
-    let parts: Vec<String> = [
-        "the surroundings by up to {} K",
-        "the heat loss by {}",
-        "the stroke by {}",
-    ]
-    .into_iter()
-    .zip(COLUMNS)
-    .filter_map(|(said, (name, _, shown))| {
-        let place = place(last, name)?;
+    place(last, HEAT_LOSS.name)?;
+    let largest = |column: &Column| {
+        let place = place(last, column.name)?;
         let trained = last.fit.parameters[place].values.iter().skip(1);
         let unseen = last.validated.iter().map(|one| &one.point[place]);
-        let largest = trained
-            .chain(unseen)
-            .fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        Some(said.replace("{}", &shown(largest)))
-    })
-    .collect();
+        let sizes = trained.chain(unseen).map(|value| value.abs());
+        Some(
+            column
+                .said
+                .replace("{}", &(column.shown)(sizes.fold(0.0, f64::max))),
+        )
+    };
+    let parts: Vec<String> = COLUMNS.iter().filter_map(largest).collect();
     let recording = &last.fit.recordings[0].name;
     let first = label(recording, std::iter::once(recording.as_str()));
     Some(format!(
@@ -69,21 +92,20 @@ fn place(stage: &Stage, name: &str) -> Option<usize> {
 pub fn runs<'d>(diagnosis: &'d Diagnosis, shortened: impl Fn(&'d str) -> &'d str) -> Option<Table> {
     let last = last(diagnosis);
     let infos = &last.fit.parameters;
-    place(last, COLUMNS[1].0)?;
-    let columns = COLUMNS.map(|(name, title, shown)| (place(last, name), title, shown));
+    place(last, HEAT_LOSS.name)?;
     let open = || {
-        let open = columns.iter();
-        open.filter_map(|(place, title, shown)| Some(((*place)?, *title, *shown)))
+        let open = COLUMNS.iter();
+        open.filter_map(|column| Some((place(last, column.name)?, column)))
     };
     let mut header = vec!["recording"];
-    header.extend(open().map(|(_, title, _)| title));
+    header.extend(open().map(|(_, column)| column.title));
     let mut table = table(header);
     for (r, recording) in last.fit.recordings.iter().enumerate() {
         let mut row = vec![Cell::new(shortened(&recording.name))];
-        row.extend(open().map(|(place, _, shown)| {
+        row.extend(open().map(|(place, column)| {
             right(match r {
                 0 => "-".to_owned(),
-                r => known(&infos[place], r, shown),
+                r => known(&infos[place], r, column.shown),
             })
         }));
         table.add_row(row);
@@ -91,7 +113,7 @@ pub fn runs<'d>(diagnosis: &'d Diagnosis, shortened: impl Fn(&'d str) -> &'d str
     for validated in &last.validated {
         let name = format!("{} (unseen)", shortened(&validated.name));
         let mut row = vec![Cell::new(name)];
-        row.extend(open().map(|(place, _, shown)| right(shown(validated.point[place]))));
+        row.extend(open().map(|(place, column)| right((column.shown)(validated.point[place]))));
         table.add_row(row);
     }
     Some(table)
@@ -114,13 +136,13 @@ fn known(parameter: &FittedParameter, r: usize, shown: fn(f64) -> String) -> Str
 #[must_use]
 pub fn json(diagnosis: &Diagnosis) -> Value {
     let last = last(diagnosis);
-    if place(last, COLUMNS[1].0).is_none() {
+    if place(last, HEAT_LOSS.name).is_none() {
         return Value::Null;
     }
     let run = |name: &str, is_unseen: bool, value: &dyn Fn(usize) -> f64| {
         let mut run = json!({"recording": name, "unseen": is_unseen});
-        for (parameter, ..) in COLUMNS {
-            run[parameter] = json!(place(last, parameter).map(value));
+        for column in COLUMNS {
+            run[column.name] = json!(place(last, column.name).map(value));
         }
         run
     };
