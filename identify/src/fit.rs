@@ -18,7 +18,7 @@ use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
 use crate::thinned::{basin, thinned};
 use crate::uncertainty::covariance;
 use crate::{
-    EndedStart, Expecting, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording,
+    EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, Prior, TrainedRecording,
 };
 
 /// What is made small.
@@ -46,8 +46,8 @@ pub struct FitConfig {
     pub least_squares: LeastSquaresConfig,
     /// What is made small.
     pub loss: Loss,
-    /// How what is to be expected of parameters counts.
-    pub expecting: Expecting,
+    /// How the priors of parameters count.
+    pub prior: Prior,
     /// Seed; start k takes stream k of it.
     pub seed: u64,
     /// Coordinates of earlier results, from [`SavedModel::coordinates`](crate::SavedModel::coordinates) say:
@@ -88,7 +88,7 @@ impl Default for FitConfig {
             starts: 4,
             least_squares: LeastSquaresConfig::default(),
             loss: Loss::Squares,
-            expecting: Expecting::Nothing,
+            prior: Prior::Nothing,
             seed: 1,
             from: Vec::new(),
             ended: Vec::new(),
@@ -139,13 +139,16 @@ pub fn fit(
         return Err(IdentifyError::NothingFree);
     }
     problem.weigh_temperature(equal_spreads(&problem, training));
-    problem.expect(config.expecting);
+    problem.set_prior(config.prior);
     let few = match config.least_squares.iterations {
         // Nothing follows a swarm, as in the paper: it sees all.
         0 => None,
         _ => thinned(training)?,
     };
-    let few = few.as_deref().map(|few| Few::new(model, few)).transpose()?;
+    let few = few
+        .as_deref()
+        .map(|few| Few::new(model, few, config.prior))
+        .transpose()?;
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
     let points = config.from.iter().map(|point| Start::Point(point));
@@ -488,9 +491,11 @@ impl<'a> Few<'a> {
     fn new(
         model: &'a dyn ForwardModel,
         recordings: &'a [Recording],
+        prior: Prior,
     ) -> Result<Self, IdentifyError> {
         let mut problem = Problem::new(model, recordings)?;
         problem.weigh_temperature(equal_spreads(&problem, recordings));
+        problem.set_prior(prior);
         Ok(Self {
             recordings,
             problem,

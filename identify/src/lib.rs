@@ -9,7 +9,6 @@ mod difference;
 mod draws;
 mod ended;
 mod error;
-mod expected;
 mod factor;
 mod fit;
 mod fitted;
@@ -26,6 +25,7 @@ mod of_rig;
 mod own_anew;
 mod parameter;
 mod predict;
+mod prior;
 mod problem;
 mod quantities;
 mod reach;
@@ -55,7 +55,6 @@ pub use clocks::{EarlyOutput, early_output};
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
 pub use ended::EndedStart;
-pub use expected::{Expectation, Expecting, expected};
 
 pub use error::IdentifyError;
 pub use fit::{FitConfig, FitProgress, Loss, fit};
@@ -72,6 +71,7 @@ pub use parameter::{
     Bounds, Enters, Ordinary, ParameterInfo, ParameterState, ParameterVector, Scale, Scope,
 };
 pub use predict::{Prediction, predict};
+pub use prior::{Prior, PriorRow, prior_rows};
 pub use reach::BeyondReach;
 pub use recording_use::RecordingUse;
 pub use refine::{RefineConfig, Refined, refine};

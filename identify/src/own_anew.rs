@@ -49,7 +49,7 @@ fn anew(
     let mut is_found = false;
     for (r, values) in values.iter_mut().enumerate() {
         let frozen = OfRig::at(problem.model(), values);
-        let alone = problem.of_one(&frozen, r)?;
+        let alone = problem.of_one(&frozen, r, &solved)?;
         let starts = starts(&alone);
         // Without a beginning that is open there is one minimum.
         if starts.len() < 2 {

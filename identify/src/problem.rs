@@ -10,10 +10,10 @@ use wiener::Block;
 
 use crate::dense::Matrix;
 use crate::difference::{Batch, Sides};
-use crate::expected::{Expectation, Expecting, expected};
 use crate::factor::Triangle;
 use crate::least_squares::{Linearized, SumOfSquares};
 use crate::moments::{BATCH, Moments, Solved, Weighed, solve_linear};
+use crate::prior::{Prior, PriorRow, prior_rows};
 use crate::quantities::one_unit;
 use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
 
@@ -21,7 +21,7 @@ use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector
 /// S(θ) = Σ w (y - gain f - offset)² + w_T Σ (T - T_recorded)²,   gain and offsets the best for θ
 /// ```
 ///
-/// and what is to be expected of θ, as [`Expecting`] counts it.
+/// and the prior of θ, as [`Prior`] counts it.
 #[derive(Debug)]
 pub(crate) struct Problem<'a> {
     model: &'a dyn ForwardModel,
@@ -32,10 +32,10 @@ pub(crate) struct Problem<'a> {
     offset: ParameterState,
     /// w_T, (output unit/K)²; 0 leaves recorded temperatures out.
     temperature_weight: f64,
-    /// What is to be expected of the coordinates.
-    expected: Vec<Expectation>,
-    /// How that counts.
-    expecting: Expecting,
+    /// Priors of the coordinates.
+    prior_rows: Vec<PriorRow>,
+    /// How they count.
+    prior: Prior,
     /// Points simulated so far.
     simulations: AtomicU64,
     /// What was solved last: a search asks again for the best of its trials.
@@ -103,26 +103,31 @@ impl<'a> Problem<'a> {
             gain,
             offset,
             temperature_weight: 0.0,
-            expected: Vec::new(),
-            expecting: Expecting::Nothing,
+            prior_rows: Vec::new(),
+            prior: Prior::Nothing,
             simulations: AtomicU64::new(0),
             latest: Mutex::default(),
         })
     }
 
-    /// Says how what is to be expected of parameters counts.
-    pub(crate) fn expect(&mut self, expecting: Expecting) {
-        self.expecting = expecting;
-        self.expected = match expecting {
-            Expecting::Nothing => Vec::new(),
-            _ => expected(&self.vector),
+    /// Says how the priors of parameters count.
+    pub(crate) fn set_prior(&mut self, prior: Prior) {
+        self.prior = prior;
+        self.prior_rows = match prior {
+            Prior::Nothing => Vec::new(),
+            _ => prior_rows(&self.vector),
         };
     }
 
-    /// What is to be expected of the coordinates, and the variance of each such row where the residual is that of a solution.
-    pub(crate) fn expected(&self, solved: &Solved) -> (&[Expectation], f64) {
-        let variance = self.expecting.variance(self.squares(solved));
-        (&self.expected, variance)
+    /// The priors of the coordinates, and the variance of each such row where the residual is that of a solution.
+    pub(crate) fn prior_rows(&self, solved: &Solved) -> (&[PriorRow], f64) {
+        (&self.prior_rows, self.prior.variance(self.squares(solved)))
+    }
+
+    /// P at a point.
+    pub(crate) fn of_prior(&self, point: &[f64]) -> f64 {
+        let rows = self.prior_rows.iter();
+        rows.map(|row| row.value(point).powi(2)).sum()
     }
 
     /// Weighs the samples of each recording anew.
@@ -145,18 +150,20 @@ impl<'a> Problem<'a> {
             recordings: self.recordings.clone(),
             vector: self.vector.clone(),
             bounds: self.bounds.clone(),
-            expected: self.expected.clone(),
+            prior_rows: self.prior_rows.clone(),
             simulations: AtomicU64::new(0),
             latest: Mutex::default(),
             ..*self
         }
     }
 
-    /// The problem of one recording alone with another model, whose samples weigh as they do here.
+    /// The problem of one recording alone with another model, whose samples weigh as they do here, and its priors as they do where the
+    /// residual of all is that of a solution.
     pub(crate) fn of_one<'b>(
         &self,
         model: &'b dyn ForwardModel,
         r: usize,
+        solved: &Solved,
     ) -> Result<Problem<'b>, IdentifyError>
     where
         'a: 'b,
@@ -168,7 +175,10 @@ impl<'a> Problem<'a> {
             temperature_weight: self.temperature_weight,
             ..Problem::new(model, recording)?
         };
-        alone.expect(self.expecting);
+        alone.set_prior(match self.prior {
+            Prior::Nothing => Prior::Nothing,
+            prior => Prior::Variance(prior.variance(self.squares(solved))),
+        });
         Ok(alone)
     }
 
@@ -447,8 +457,7 @@ impl<'a> Problem<'a> {
     }
 
     fn sum_of_squares(&self, solved: &Solved, point: &[f64]) -> f64 {
-        let expected = self.expected.iter().map(|row| row.value(point).powi(2));
-        self.expecting.sum(self.squares(solved), expected.sum())
+        self.prior.sum(self.squares(solved), self.of_prior(point))
     }
 
     /// Shows the residuals of one recording with their derivatives, by central differences: sample
@@ -579,9 +588,9 @@ impl<'a> Problem<'a> {
                 whole.push(|column| of(temperature, row, column));
             }
         }
-        let (expected, variance) = self.expected(&solved[around]);
+        let (prior_rows, variance) = self.prior_rows(&solved[around]);
         let root = variance.sqrt();
-        for row in expected {
+        for row in prior_rows {
             let value = row.value(&points[around]);
             whole.push(|column| {
                 let coordinate = column.checked_sub(linear);

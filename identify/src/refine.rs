@@ -6,7 +6,7 @@ use recording::Recording;
 use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
 use crate::moments::Solved;
 use crate::problem::Problem;
-use crate::{Expecting, ForwardModel, IdentifyError, Termination};
+use crate::{ForwardModel, IdentifyError, Prior, Termination};
 
 /// Where a least-squares search ended, and nothing more: for those who compare many models.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,8 +36,8 @@ pub struct RefineConfig {
     pub weights: Option<Vec<Vec<f64>>>,
     /// Weight of recorded temperatures against the output, (output unit/K)²; 0 leaves them out.
     pub temperature_weight: f64,
-    /// How what is to be expected of parameters counts.
-    pub expecting: Expecting,
+    /// How the priors of parameters count.
+    pub prior: Prior,
     /// Iterations after which only the two lowest of several starts go on; 0 takes each to its end.
     pub race_iterations: usize,
 }
@@ -45,8 +45,8 @@ pub struct RefineConfig {
 /// Starts that go on after a race.
 const FOLLOWED: usize = 2;
 
-/// Fits a model by least squares alone, from each of the given starts; the end of the lowest deviance counts, and of equal
-/// ends the first.
+/// Fits a model by least squares alone, from each of the given starts; the end of the lowest deviance counts, with a prior whose
+/// error is profiled out of the highest posterior density, and of equal ends the first.
 ///
 /// `starts` are coordinates as [`ParameterVector`](crate::ParameterVector) has them.
 ///
@@ -85,9 +85,9 @@ pub fn refine(
             expected: problem.vector().len(),
         });
     }
-    problem.expect(config.expecting);
+    problem.set_prior(config.prior);
     let starts = raced(&problem, problem.bounds(), starts, config)?;
-    let mut best: Option<(Minimum, Solved, f64)> = None;
+    let mut best: Option<(Minimum, Solved, [f64; 2])> = None;
     for start in starts.iter() {
         let end = minimize(&problem, problem.bounds(), start, &config.least_squares)?;
         if !end.sum_of_squares.is_finite() {
@@ -95,16 +95,24 @@ pub fn refine(
         }
         let solved = problem.solve_one(&end.point)?;
         let channels = [(total, solved.output), (n_temperatures, solved.temperature)];
-        let deviance = channels
+        let deviance: f64 = channels
             .into_iter()
             .filter(|(n, _)| *n > 0.0)
             .map(|(n, squares)| n * (squares / n).ln())
             .sum();
-        if best.as_ref().is_none_or(|(_, _, least)| deviance < *least) {
-            best = Some((end, solved, deviance));
+        // What is profiled out counts as many samples as are effective.
+        let of_prior = match config.prior {
+            Prior::Profiled(n) => (total + n_temperatures) / n * problem.of_prior(&end.point),
+            _ => 0.0,
+        };
+        let is_better = |(_, _, [least, of_least]): &(Minimum, Solved, [f64; 2])| {
+            deviance + of_prior < least + of_least
+        };
+        if best.as_ref().is_none_or(is_better) {
+            best = Some((end, solved, [deviance, of_prior]));
         }
     }
-    let Some((best, solved, deviance)) = best else {
+    let Some((best, solved, [deviance, _])) = best else {
         return Err(IdentifyError::NothingFinite);
     };
     let points = (0..training.len())

@@ -37,7 +37,7 @@ impl Covariance {
 /// Covariance of a least-squares fit whose residuals are stationary but correlated.
 ///
 /// ```text
-/// cov = B (JᵀW Γ W J) B,   B = (JᵀW J)⁻¹
+/// cov = B (JᵀW Γ W J + σ² Eᵀ E) B,   B = (JᵀW J + Eᵀ E)⁻¹,   E rows of priors, of variance σ²
 /// ```
 ///
 /// Γ, the covariance of the residuals, is that of their autoregressive model: it is never formed, the
@@ -69,20 +69,20 @@ pub(crate) fn covariance(
             meat[c].push(|k| filters[c].latest(k));
         })?;
     }
-    // What is to be expected of a coordinate is a row of its own, which no other is correlated with.
-    let (expected, variance) = problem.expected(solved);
+    // A prior is a row of its own, which no other is correlated with.
+    let (prior_rows, variance) = problem.prior_rows(solved);
     let root = variance.sqrt();
-    let mut meat_of_expected = Triangle::new(columns.len());
-    for row in expected {
+    let mut meat_of_prior = Triangle::new(columns.len());
+    for row in prior_rows {
         let derivative = |k: usize| {
             let coordinate = columns[k].checked_sub(problem.n_linear());
             coordinate.map_or(0.0, |coordinate| root * row.derivative(coordinate))
         };
         bread.push(derivative);
-        meat_of_expected.push(derivative);
+        meat_of_prior.push(derivative);
     }
     let inverse = pseudo_inverse(&bread.r());
-    let half = meat_of_expected.r() * &inverse.matrix * root;
+    let half = meat_of_prior.r() * &inverse.matrix * root;
     let mut matrix = half.transpose() * &half;
     for (noise, meat) in noises.iter().zip(meat) {
         // B S with SᵀS the meat: BᵀB keeps the sum positive.

@@ -328,7 +328,7 @@ impl WienerModel {
 
     /// The same model with what differs from run to run of a rig that does not repeat left open: how much heat each loses, and how far
     /// it moves. What `[model]` says of them stays. Only what is ordinary of them ([`ParameterInfo::ordinary`]) keeps these from taking up
-    /// whatever a model leaves out: fits must be told to count it ([`Expecting`](crate::Expecting)).
+    /// whatever a model leaves out: fits must be told to count it ([`Prior`](crate::Prior)).
     #[must_use]
     pub fn with_state_of_runs(&self) -> Self {
         let mut model = self.clone();

@@ -10,7 +10,7 @@ use recording::{Recording, RepeatedDrive, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::config::DiagnoseConfig;
-use crate::model::case::expecting;
+use crate::model::case::prior;
 use crate::watch::{Caller, Watched};
 
 /// Error of the plain model with what belongs to the recordings left open, over that without, from which they do not ask for it.
@@ -52,10 +52,7 @@ pub(crate) fn with_unknowns(
     }
 }
 
-/// Difference of runs over what noise makes of it, up to which they repeat.
-const REPEATS: f64 = 1.5;
-
-/// Share of the square of what runs of the same drive differ by that states of theirs account for, from which these are what differs.
+/// Least share of the mean square difference between runs of the same drive that run states must explain before they are opened.
 const OF_STATES: f64 = 0.5;
 
 /// The plain model with what differs from run to run left open, within what is ordinary, where recordings of the same drive differ by
@@ -64,34 +61,34 @@ pub(crate) fn with_state_of_runs(
     base: &WienerModel,
     plain: Fit,
     training: &[Recording],
+    config: &DiagnoseConfig,
     caller: &Caller<'_>,
 ) -> Result<(WienerModel, Fit), IdentifyError> {
-    let floor = repeat_floor(training);
-    let mut pairs = floor.map_or_else(Vec::new, |floor| floor.pairs);
-    pairs.retain(|pair| pair.recordings()[0] != pair.recordings()[1]);
-    let apart = squares(&pairs, |pair| pair.apart.rms);
-    if apart <= REPEATS.powi(2) * squares(&pairs, |pair| pair.by_noise) {
+    let floor = repeat_floor(training).and_then(|floor| floor.between_recordings());
+    let Some(floor) = floor.filter(|floor| !floor.is_noise()) else {
         return Ok((base.clone(), plain));
-    }
+    };
+    let apart = squares(&floor.pairs, |pair| pair.apart.rms);
     let open = base.with_unknowns(training).with_state_of_runs();
     let watched = Watched {
         model: &open,
         watch: caller,
     };
-    let left = of_states(&watched, &plain, training, &pairs)?;
+    let left = of_states(&watched, &plain, training, &floor.pairs)?;
     if left > (1.0 - OF_STATES) * apart {
         return Ok((base.clone(), plain));
     }
     let vector = ParameterVector::new(open.parameters(), training.len());
-    let config = FitConfig {
-        seed: plain.seed,
+    let fit_config = FitConfig {
+        seed: config.seed,
         from: vec![plain.coordinates(&vector)],
         starts: 0,
-        expecting: expecting(&open, &plain.noise),
-        ..FitConfig::default()
+        prior: prior(&open, plain.noise.n_effective),
+        ended: Vec::new(),
+        ..config.baseline.clone()
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let fitted = fit(&watched, training, &config, go_on)?;
+    let fitted = fit(&watched, training, &fit_config, go_on)?;
     let fitted = Fit {
         agreeing_starts: plain.agreeing_starts,
         starts: plain.starts,
@@ -103,8 +100,8 @@ pub(crate) fn with_state_of_runs(
 
 /// Squares of what runs of the same drive differ by that are left where the second has the state which accounts for most of it.
 ///
-/// What a model leaves out does the same in both, and is none of their difference: the second is what the model shows of it and what
-/// it leaves of the second more than of the first.
+/// The model error that both have in common is cancelled: the second run is replaced by its prediction plus the difference of the two
+/// residuals, and only level, heat loss and gain are fitted.
 fn of_states(
     model: &dyn ForwardModel,
     plain: &Fit,
@@ -127,7 +124,8 @@ fn of_states(
         let lag_s = pair.second.start_s - pair.first.start_s;
         let mut output = shown[r].clone();
         let mut weights = vec![0.0; output.len()];
-        for [t, first, second] in pair.of_outputs(&left).apart.outputs {
+        let outputs = pair.of_outputs(&left).map(|pair| pair.apart.outputs);
+        for [t, first, second] in outputs.unwrap_or_default() {
             let after = training[r].time_s().partition_point(|at| *at < t + lag_s);
             let k = after.min(output.len() - 1);
             output[k] = shown[r][k] + second - first;
@@ -137,11 +135,10 @@ fn of_states(
         let mut own = OfRig::at(model, &point);
         for (info, &value) in own.parameters.iter_mut().zip(&point) {
             if info.scope == Scope::PerRecording && info.enters == Enters::Nonlinear {
-                info.state = match info.ordinary {
-                    Some(_) => ParameterState::Free,
-                    // How it began stays.
-                    None => ParameterState::Fixed(value),
-                };
+                // How it began stays, and what is stated.
+                if info.ordinary.is_none() {
+                    info.state = ParameterState::Fixed(value);
+                }
             }
         }
         let vector = ParameterVector::new(own.parameters(), 1);

@@ -99,10 +99,12 @@ impl Recording {
     }
 
     /// The same, in surroundings of one temperature, °C.
-    pub(crate) fn with_ambient(&self, ambient_degc: f64) -> Self {
-        let mut surrounded = self.clone();
-        surrounded.parts.ambient_degc = Some(vec![ambient_degc; self.len()]);
-        surrounded
+    pub(crate) fn with_ambient(&self, ambient_degc: f64) -> Result<Self, RecordingError> {
+        let parts = RecordingParts {
+            ambient_degc: Some(vec![ambient_degc; self.len()]),
+            ..self.parts.clone()
+        };
+        Ok(Self::new(parts)?.adapted_by(self.adaptations.clone()))
     }
 
     /// The same with another output, in the same unit: what a model leaves of it, say.

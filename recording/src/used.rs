@@ -63,7 +63,7 @@ impl Recording {
     ///
     /// # Errors
     ///
-    /// [`RecordingError::AmbientTwice`] if the surroundings are recorded.
+    /// [`RecordingError::AmbientTwice`] if the surroundings are recorded, and what [`Recording::new`] refuses: no finite number.
     pub fn surrounded_by(&self, ambient_degc: f64) -> Result<Self, RecordingError> {
         if self.ambient_degc().is_some() {
             return Err(RecordingError::AmbientTwice {
@@ -74,7 +74,7 @@ impl Recording {
         let done = Adaptation::of_recording(format!(
             "its surroundings have {ambient_degc} °C, as is stated"
         ));
-        Ok(self.with_ambient(ambient_degc).also_adapted_by(done))
+        Ok(self.with_ambient(ambient_degc)?.also_adapted_by(done))
     }
 
     /// Every `n`-th row, with the mean of the `n` measured values around it (`n` − 1 of an even `n`), so that nothing is shifted in

@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Expecting, Fit, FitConfig, ForwardModel, WienerModel, fit};
+use identify::{Fit, FitConfig, ForwardModel, Prior, WienerModel, fit};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -47,13 +47,13 @@ fn ran(name: &str, drive: Vec<f64>, [heat_loss, gain, level_k]: [f64; 3]) -> Rec
     .unwrap()
 }
 
-fn fitted(training: &[Recording], expecting: Expecting) -> Fit {
+fn fitted(training: &[Recording], prior: Prior) -> Fit {
     let model = WienerModel::new(&rod(ROD), Rule::LastReversal, training)
         .unwrap()
         .with_unknowns(training)
         .with_state_of_runs();
     let config = FitConfig {
-        expecting,
+        prior,
         ..FitConfig::default()
     };
     fit(&model, training, &config, &mut |_: &_| {
@@ -71,7 +71,7 @@ fn the_state_of_each_run_is_found_beside_the_rig() {
         .map(|(state, name)| ran(name, triangles(900, 5.8), state))
         .collect();
     let n: usize = training.iter().map(Recording::len).sum();
-    let found = fitted(&training, Expecting::Independent(n as f64));
+    let found = fitted(&training, Prior::Profiled(n as f64));
     assert!(found.train_rmse < 1.1 * NOISE_MM, "{}", found.train_rmse);
     let tau_s = found.parameter("tau_s").unwrap().values[0];
     assert!((tau_s / TRUE_TAU_S - 1.0).abs() < 5e-3, "{tau_s}");
@@ -99,7 +99,7 @@ fn what_a_run_does_not_tell_stays_ordinary() {
     let cold = ran("bb.csv", triangles(300, 1.0), [0.06, 0.01, 1.0]);
     let training = [driven, cold];
     let n: usize = training.iter().map(Recording::len).sum();
-    let found = fitted(&training, Expecting::Independent(n as f64));
+    let found = fitted(&training, Prior::Profiled(n as f64));
     for name in ["run_heat_loss", "run_gain"] {
         let parameter = found.parameter(name).unwrap();
         let ordinary = parameter.info.ordinary.unwrap().deviation;
@@ -122,16 +122,16 @@ fn against_a_known_error_what_is_expected_pulls_by_as_much() {
         .zip(["a.csv", "bb.csv"])
         .map(|(state, name)| ran(name, triangles(900, 5.8), state))
         .collect();
-    let loss = |expecting| {
-        fitted(&training, expecting)
+    let loss = |prior| {
+        fitted(&training, prior)
             .parameter("run_heat_loss")
             .unwrap()
             .values[1]
     };
-    let by_noise = loss(Expecting::Variance(NOISE_MM * NOISE_MM));
+    let by_noise = loss(Prior::Variance(NOISE_MM * NOISE_MM));
     assert!((by_noise - 0.06).abs() < 0.006, "{by_noise}");
     // Errors a thousand times as large: nothing is known of the run.
-    let by_nothing = loss(Expecting::Variance(1e6 * NOISE_MM * NOISE_MM));
+    let by_nothing = loss(Prior::Variance(1e6 * NOISE_MM * NOISE_MM));
     assert!(by_nothing.abs() < 0.02, "{by_nothing}");
 }
 

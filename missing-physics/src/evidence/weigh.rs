@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use identify::{Expectation, Expecting, ForwardModel, IdentifyError, ParameterVector, expected};
+use identify::{ForwardModel, IdentifyError, ParameterVector, Prior, PriorRow, prior_rows};
 
 use crate::evidence::audit::{Anonymous, SHIFTS, audit};
 use crate::evidence::blocks::Block;
@@ -10,7 +10,7 @@ use crate::evidence::curve;
 use crate::evidence::left_out::{Columns, LeftOut};
 use crate::evidence::shifts::by_chance;
 use crate::evidence::worth::Evidence;
-use crate::model::case::{Case, Node, expecting};
+use crate::model::case::{Case, Node, prior};
 use crate::model::series::Channel;
 use crate::model::tangent::Sensitivity;
 
@@ -45,28 +45,27 @@ pub(crate) fn audited(
     })
 }
 
-/// A fit to first order: what its free parameters do, and what is left, with what is to be expected of them in rows below, which
-/// belong to no block.
+/// A fit to first order: what its free parameters do, and what is left, with their priors in rows below, which belong to no block.
 struct Linear<'a> {
     free: Vec<Cow<'a, [f64]>>,
     target: Cow<'a, [f64]>,
-    n_expected: usize,
+    n_priors: usize,
 }
 
 impl<'a> Linear<'a> {
     fn of(case: &Case<'_>, node: &'a Node, sensitivities: &'a [Sensitivity]) -> Self {
-        let expecting = expecting(case.base, &node.noise.output);
-        let rows = match expecting {
-            Expecting::Nothing => Vec::new(),
+        let prior = prior(case.base, node.noise.n_effective());
+        let rows = match prior {
+            Prior::Nothing => Vec::new(),
             _ => {
                 let n_recordings = case.training.len();
-                expected(&ParameterVector::new(node.model.parameters(), n_recordings))
+                prior_rows(&ParameterVector::new(node.model.parameters(), n_recordings))
             }
         };
         let squares: f64 = node.residual.iter().map(|r| r * r).sum();
-        let root = expecting.variance(squares).sqrt();
+        let root = prior.variance(squares).sqrt();
         let free = sensitivities.iter().filter(|one| !one.held);
-        let below = |column: &'a [f64], of: &dyn Fn(&Expectation) -> f64| match rows.is_empty() {
+        let below = |column: &'a [f64], of: &dyn Fn(&PriorRow) -> f64| match rows.is_empty() {
             true => Cow::Borrowed(column),
             false => {
                 let own = rows.iter().map(|row| root * of(row));
@@ -82,14 +81,14 @@ impl<'a> Linear<'a> {
                 })
                 .collect(),
             target: below(&node.residual, &|row| -row.value(&node.coordinates)),
-            n_expected: rows.len(),
+            n_priors: rows.len(),
         }
     }
 
     /// The same without each block, and with a curve on top.
     fn left_out<'b>(&self, curve: &[Vec<f64>], blocks: &'b [Block]) -> LeftOut<'b> {
         let free: Vec<&[f64]> = self.free.iter().map(|column| &**column).collect();
-        let curve = curve.iter().map(|column| match self.n_expected {
+        let curve = curve.iter().map(|column| match self.n_priors {
             0 => Cow::Borrowed(column.as_slice()),
             n => column
                 .iter()

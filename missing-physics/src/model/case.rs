@@ -1,8 +1,8 @@
 //! One rig with its recordings, and models of it with ever other effects.
 
 use identify::{
-    Expecting, Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo,
-    ParameterState, ParameterVector, RefineConfig, Refined, ResidualNoise, WienerModel, refine,
+    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
+    ParameterVector, Prior, RefineConfig, Refined, ResidualNoise, WienerModel, refine,
 };
 use recording::Recording;
 
@@ -241,7 +241,7 @@ impl<'a> Case<'a> {
     pub(crate) fn fit_config(&self, near: &ResidualNoise, seed: u64) -> FitConfig {
         FitConfig {
             seed,
-            expecting: expecting(self.base, near),
+            prior: prior(self.base, near.n_effective),
             least_squares: LeastSquaresConfig {
                 least_gain: self.least_gain(near),
                 ..LeastSquaresConfig::default()
@@ -253,8 +253,8 @@ impl<'a> Case<'a> {
     /// Share of a sum of squares near a residual that cannot change a verdict: of as many samples as what is to be expected counts
     /// against, else of all.
     fn least_gain(&self, near: &ResidualNoise) -> f64 {
-        let n = match expecting(self.base, near) {
-            Expecting::Independent(n) => n,
+        let n = match prior(self.base, near.n_effective) {
+            Prior::Profiled(n) => n,
             _ => self.layout.n_outputs() as f64,
         };
         2.0 * LEAST_NATS / n
@@ -279,7 +279,7 @@ impl<'a> Case<'a> {
             },
             race_iterations: RACE,
             weights: None,
-            expecting: expecting(self.base, output),
+            prior: prior(self.base, near.noise.n_effective()),
             temperature_weight: if temperature.variance > 0.0 {
                 per_k.powi(2) * output.variance / temperature.variance
             } else {
@@ -396,12 +396,12 @@ impl<'a> Case<'a> {
     }
 }
 
-/// How what is ordinary from run to run counts near a residual, where what differs is left open: beside as many samples as are
-/// independent. Where it is not, nothing is expected of anything.
-pub(crate) fn expecting(base: &WienerModel, residual: &ResidualNoise) -> Expecting {
+/// How what is ordinary from run to run counts, where what differs is left open: beside as many samples as are effective in a
+/// residual. Where it is not, no parameter has a prior.
+pub(crate) fn prior(base: &WienerModel, n_effective: f64) -> Prior {
     match base.has_state_of_runs() {
-        true => Expecting::Independent(residual.n_effective.max(1.0)),
-        false => Expecting::Nothing,
+        true => Prior::Profiled(n_effective.max(1.0)),
+        false => Prior::Nothing,
     }
 }
 

@@ -76,7 +76,7 @@ pub(crate) fn predicted(
     });
     let mut ordinary = OfRig::at(model, &point);
     for (info, value) in ordinary.parameters.iter_mut().zip(&mut point) {
-        if info.ordinary.is_some() {
+        if info.ordinary.is_some() && info.state == ParameterState::Free {
             *value = 0.0;
             info.state = ParameterState::Fixed(0.0);
         }

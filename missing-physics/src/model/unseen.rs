@@ -4,9 +4,9 @@
 //! stretch of it, and the stretches between are what counts; then the other way round. One law for every model.
 
 use identify::{
-    Enters, Expecting, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo,
-    ParameterState, ParameterVector, RUN_PARAMETERS, RefineConfig, ResidualNoise, Validated,
-    predict, refine, validate_at,
+    Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo, ParameterState,
+    ParameterVector, Prior, RUN_PARAMETERS, RefineConfig, ResidualNoise, Validated, predict,
+    refine, validate_at,
 };
 use recording::Recording;
 
@@ -121,7 +121,7 @@ fn of_recording(
     let mean = recording.output().iter().sum::<f64>() / n as f64;
     let squares = recording.output().iter().map(|y| (y - mean).powi(2));
     let error_variance = ORDINARY_ERROR.powi(2) * squares.sum::<f64>() / n as f64;
-    let fitted = |weigh: &dyn Fn(usize) -> bool, starts: &[Vec<f64>], expecting| {
+    let fitted = |weigh: &dyn Fn(usize) -> bool, starts: &[Vec<f64>], prior| {
         let weights = (0..n).map(|k| f64::from(u8::from(weigh(k))));
         let config = RefineConfig {
             least_squares: LeastSquaresConfig {
@@ -130,27 +130,27 @@ fn of_recording(
                 ..LeastSquaresConfig::default()
             },
             weights: Some(vec![weights.collect()]),
-            expecting,
+            prior,
             race_iterations: RACE,
             ..RefineConfig::default()
         };
         refine(&of_rig, own, starts, &config)
     };
-    let of_errors = Expecting::Variance(error_variance);
+    let of_errors = Prior::Variance(error_variance);
     let mut whole = fitted(&|_| true, &starts, of_errors)?;
-    let mut expecting = of_errors;
+    let mut prior = of_errors;
     if of_rig.parameters.iter().any(is_of_run) {
         // As in the training: beside as many samples as are independent.
         let shown = predict(model, &whole.points[0], recording)?.output;
         let pairs = recording.output().iter().zip(&shown);
         let residual: Vec<f64> = pairs.map(|(recorded, shown)| recorded - shown).collect();
         let n_effective = ResidualNoise::of(&[&residual]).n_effective;
-        expecting = Expecting::Independent(n_effective.max(1.0));
+        prior = Prior::Profiled(n_effective.max(1.0));
         starts = vec![whole.coordinates.clone()];
-        whole = fitted(&|_| true, &starts, expecting)?;
+        whole = fitted(&|_| true, &starts, prior)?;
     }
     for scored in 0..2 {
-        let refined = fitted(&|k| k / length % 2 != scored, &starts, expecting)?;
+        let refined = fitted(&|k| k / length % 2 != scored, &starts, prior)?;
         let point = &refined.points[0];
         let shown = predict(model, point, recording)?.output;
         for (k, (recorded, shown)) in recording.output().iter().zip(&shown).enumerate() {

@@ -3,6 +3,7 @@
 use crate::common;
 
 use common::{diagnosed_against, found, noisy, params, played, recording, setting};
+use identify::ParameterState;
 use missing_physics::{Diagnosis, EffectId, EffectSet, EffectValues, Extended, Setting, Verdict};
 use recording::Recording;
 
@@ -99,4 +100,35 @@ fn where_runs_repeat_they_are_taken_for_alike() {
     let heat_loss = fit.parameter("run_heat_loss").unwrap();
     assert!(heat_loss.values.iter().all(|value| *value == 0.0));
     assert_eq!(found(&diagnosis), ["latent-heat"]);
+}
+
+#[test]
+fn what_happens_in_one_run_alone_is_no_state() {
+    let drive = current_a(&[2.3, 1.9]);
+    let output = |bumped: bool| {
+        let fleet = Extended { setting: setting() };
+        let played = noisy(played(
+            &fleet,
+            params(),
+            EffectValues::default(),
+            &drive,
+            DT_S,
+        ));
+        let samples = played.into_iter().enumerate();
+        // Somebody leans on the table for half a minute, while nothing moves.
+        let bump = |k: usize| {
+            if bumped && (225..285).contains(&k) {
+                0.3
+            } else {
+                0.0
+            }
+        };
+        samples.map(|(k, mm)| mm + bump(k)).collect()
+    };
+    let runs = [("a.csv", false), ("b.csv", true)]
+        .map(|(name, bumped)| recording(name, drive.clone(), output(bumped), DT_S));
+    let diagnosis = diagnosed_against(&runs, &[]);
+    assert!(!diagnosis.repeats.as_ref().unwrap().is_noise());
+    let heat_loss = diagnosis.baseline.fit.parameter("run_heat_loss").unwrap();
+    assert_eq!(heat_loss.info.state, ParameterState::Fixed(0.0));
 }

@@ -3,7 +3,7 @@
 use crate::recording::Recording;
 use crate::repeated::pairs::Pair;
 
-/// Samples by whose half either way a rate is taken are this part of the stretch.
+/// Rates are differences over this part of the samples to each side.
 const RATES: usize = 200;
 
 /// What is left of a term beside those before it, as a share of its square, below which it is one of them.

@@ -34,7 +34,8 @@ pub struct RepeatedDrive {
     pub apart: Apart,
     /// Samples that were compared.
     pub samples: usize,
-    /// What noise alone would make of it: root mean square of the difference, in the unit of the output.
+    /// What noise alone would make of it: root mean square of the difference, in the unit of the output. Noise is that of settled
+    /// holds where there are any, else the white part alone.
     pub by_noise: f64,
     pair: Pair,
 }
@@ -46,14 +47,16 @@ impl RepeatedDrive {
         self.pair.recordings
     }
 
-    /// The same of recordings with the same drives, and other outputs.
+    /// The same of recordings with the same times and drives, and other outputs; `None` if there are fewer of them, or of their
+    /// samples.
     #[must_use]
-    pub fn of_outputs(&self, recordings: &[Recording]) -> Self {
-        let [first, second] = self.pair.recordings.map(|place| &recordings[place]);
-        Self {
-            apart: nearest(first, second, &self.pair),
+    pub fn of_outputs(&self, recordings: &[Recording]) -> Option<Self> {
+        let [first, second] = self.pair.recordings;
+        let (first, second) = (recordings.get(first)?, recordings.get(second)?);
+        (first.len() >= self.pair.samples.end).then(|| Self {
+            apart: at_best_lag(first, second, &self.pair),
             ..self.clone()
-        }
+        })
     }
 }
 
@@ -62,7 +65,8 @@ impl RepeatedDrive {
 pub struct RepeatFloor {
     /// Stretches with the same drive, the longest first.
     pub pairs: Vec<RepeatedDrive>,
-    /// Cycles and those after them where the one before was another, or none: of the first of a recording.
+    /// The same where one begins from elsewhere than the other, or may: first cycles and the next, recordings that begin driven, rods
+    /// that have not come to rest. What these differ by need not be the rig's.
     pub first_cycles: Vec<RepeatedDrive>,
     /// Unit of the output.
     pub unit: String,
@@ -82,8 +86,19 @@ impl RepeatFloor {
         self.of_all(|pair| pair.by_noise)
     }
 
-    /// No model can be nearer than this to both of two runs, in the unit of the output: half of what they differ by, the error
-    /// of their mean.
+    /// The same of pairs of different recordings; `None` if there are none.
+    #[must_use]
+    pub fn between_recordings(&self) -> Option<Self> {
+        let is_between = |pair: &&RepeatedDrive| pair.pair.recordings[0] != pair.pair.recordings[1];
+        let pairs: Vec<RepeatedDrive> = self.pairs.iter().filter(is_between).cloned().collect();
+        (!pairs.is_empty()).then(|| Self {
+            pairs,
+            ..self.clone()
+        })
+    }
+
+    /// No model with the same parameters in both of two runs can be nearer than this to both, in the unit of the output: half of what
+    /// they differ by, the error of their mean.
     #[must_use]
     pub fn nearest(&self) -> Option<f64> {
         self.rms().map(|rms| 0.5 * rms)
@@ -105,7 +120,7 @@ impl RepeatFloor {
 }
 
 /// The outputs of a pair with the lag, of those that the clocks leave open, by which they differ least.
-fn nearest(first: &Recording, second: &Recording, pair: &Pair) -> Apart {
+fn at_best_lag(first: &Recording, second: &Recording, pair: &Pair) -> Apart {
     let as_given = apart(first, second, pair);
     if pair.lag_within_s <= 0.0 {
         return as_given;
@@ -132,7 +147,7 @@ fn nearest(first: &Recording, second: &Recording, pair: &Pair) -> Apart {
 ///
 /// Compared are the longest stretches that two recordings have in common from their beginnings on, or after rests that last as long
 /// as the stretch, and cycles with the ones after them. Drives are the same within half a percent of their range but for edges that
-/// clocks put a sample or two apart. `None` if no drive is repeated.
+/// clocks put a sample or two apart. Of recordings in several units those of the longest pair are compared. `None` if no drive is repeated.
 ///
 /// # Examples
 ///
@@ -163,14 +178,21 @@ pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
         .map(|recording| {
             let (lowest, highest) = range(recording.output().iter().copied());
             let floor = noise_floor(recording, NoiseConfig::default());
-            floor
-                .map_or(0.0, |floor| floor.lower())
-                .max(ROUNDING * (highest - lowest))
+            let known = floor.map_or(0.0, |floor| {
+                let held = floor.holds.map_or(0.0, |holds| holds.standard_deviation);
+                floor.lower().max(held)
+            });
+            known.max(ROUNDING * (highest - lowest))
         })
         .collect();
-    let (first_cycles, pairs): (Vec<Pair>, Vec<Pair>) = pairs(recordings)
-        .into_iter()
-        .partition(|pair| pair.has_first_cycle);
+    let mut all = pairs(recordings);
+    all.sort_by_key(|pair| std::cmp::Reverse(pair.samples.len()));
+    // Of recordings in several units those of the longest pair.
+    let unit_of = |pair: &Pair| recordings[pair.recordings[0]].output_unit();
+    let unit = unit_of(all.first()?).to_owned();
+    all.retain(|pair| unit_of(pair) == unit);
+    let (first_cycles, pairs): (Vec<Pair>, Vec<Pair>) =
+        all.into_iter().partition(|pair| pair.begins_elsewhere);
     let described = |pair: &Pair| {
         let [first, second] = pair.recordings.map(|place| &recordings[place]);
         let time_s = &first.time_s()[pair.samples.clone()];
@@ -184,21 +206,15 @@ pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
         RepeatedDrive {
             first: part(first, 0.0),
             second: part(second, pair.lag_s),
-            apart: nearest(first, second, pair),
+            apart: at_best_lag(first, second, pair),
             samples: time_s.len(),
             by_noise: of_first.hypot(of_second),
             pair: pair.clone(),
         }
     };
-    let described = |pairs: &[Pair]| {
-        let mut described: Vec<RepeatedDrive> = pairs.iter().map(described).collect();
-        described.sort_by_key(|pair| std::cmp::Reverse(pair.samples));
-        described
-    };
-    let is_any = !(pairs.is_empty() && first_cycles.is_empty());
-    is_any.then(|| RepeatFloor {
-        pairs: described(&pairs),
-        first_cycles: described(&first_cycles),
-        unit: recordings[0].output_unit().to_owned(),
+    Some(RepeatFloor {
+        pairs: pairs.iter().map(described).collect(),
+        first_cycles: first_cycles.iter().map(described).collect(),
+        unit,
     })
 }

@@ -25,6 +25,9 @@ const WHOLE: f64 = 0.95;
 /// A drive rests up to this share of its range, and is on again from twice that.
 const NEAR_REST: f64 = 0.05;
 
+/// Share of its range within which an output is at rest.
+const AT_REST: f64 = 0.02;
+
 /// Most beginnings of a recording that are compared.
 const MOST_BEGINNINGS: usize = 12;
 
@@ -43,8 +46,9 @@ pub(crate) struct Pair {
     pub(crate) samples: Range<usize>,
     /// Time in the second over that in the first, s.
     pub(crate) lag_s: f64,
-    /// Whether it is the first cycle and the second, before which the drive did not do the same.
-    pub(crate) has_first_cycle: bool,
+    /// Whether one of them begins from elsewhere than the other, or may: a first cycle and the next, a recording that begins driven, a rod
+    /// that has not come to rest.
+    pub(crate) begins_elsewhere: bool,
     /// By how much the lag may be off, s: a step of the clocks, unless all drives are equal as they stand.
     pub(crate) lag_within_s: f64,
 }
@@ -73,6 +77,8 @@ pub(crate) fn pairs(recordings: &[Recording]) -> Vec<Pair> {
 struct Beginning {
     sample: usize,
     rested_s: f64,
+    /// Whether the rod has come to rest here, as far as the recording tells.
+    is_at_rest: bool,
 }
 
 /// A recording with what its drive does.
@@ -123,13 +129,13 @@ impl<'a> Followed<'a> {
             let within = first.start..first.start + shortest;
             let (lag_s, lag_within_s, samples) = self.shared(self, (first.start, within), lag_s);
             let is_whole = samples.len() as f64 >= WHOLE * shortest as f64;
-            let is_same = is_whole && self.tells(&samples, f64::INFINITY);
+            let is_same = is_whole && self.tells(&samples);
             if is_same {
                 found.push(Pair {
                     recordings: [place, place],
                     samples,
                     lag_s,
-                    has_first_cycle: !goes_on,
+                    begins_elsewhere: !goes_on,
                     lag_within_s,
                 });
             }
@@ -158,31 +164,33 @@ impl<'a> Followed<'a> {
                 if is_known {
                     continue;
                 }
+                // The rest before tells of as long a stretch.
+                let until_s =
+                    self.recording.time_s()[begun.sample] + begun.rested_s.min(later.rested_s);
+                let until = self.recording.time_s().partition_point(|t| *t <= until_s);
                 let (lag_s, lag_within_s, samples) =
-                    self.shared(other, (begun.sample, 0..self.recording.len()), lag_s);
-                let rested_s = begun.rested_s.min(later.rested_s);
-                if self.tells(&samples, rested_s) {
+                    self.shared(other, (begun.sample, 0..until), lag_s);
+                if self.tells(&samples) {
                     found.push(Pair {
                         recordings,
                         samples,
                         lag_s,
-                        has_first_cycle: false,
+                        begins_elsewhere: !(begun.is_at_rest && later.is_at_rest),
                         lag_within_s,
                     });
                 }
             }
         }
+        // Of those that begin elsewhere the longest is enough.
+        let longest = found.iter().filter(|pair| pair.begins_elsewhere);
+        let longest = longest.map(|pair| pair.samples.len()).max();
+        found.retain(|pair| !pair.begins_elsewhere || Some(pair.samples.len()) == longest);
         found
     }
 
-    /// Whether a stretch says anything: it is driven and moves the output, and what came before is the same, as far as a rest tells.
-    fn tells(&self, samples: &Range<usize>, rested_s: f64) -> bool {
-        if samples.len() < FEWEST {
-            return false;
-        }
-        let time_s = self.recording.time_s();
-        let lasts_s = time_s[samples.end - 1] - time_s[samples.start];
-        lasts_s <= rested_s
+    /// Whether a stretch says anything: it is driven and moves the output.
+    fn tells(&self, samples: &Range<usize>) -> bool {
+        samples.len() >= FEWEST
             && width(&self.recording.drive()[samples.clone()]) > NEAR_REST * self.drive_range
             && width(&self.recording.output()[samples.clone()]) > MOVES * self.output_range
     }
@@ -279,9 +287,10 @@ fn beginnings(recording: &Recording) -> Vec<Beginning> {
     let mut found = vec![Beginning {
         sample: 0,
         rested_s: f64::INFINITY,
+        is_at_rest: levels().next().is_some_and(|level| level <= low),
     }];
-    // When the drive was last higher than at rest, and whether it has rested since: nothing is known of before the first sample.
-    let (mut driven_s, mut has_rested) = (f64::NEG_INFINITY, false);
+    // The sample at which the drive was last higher than at rest, and whether it has rested since.
+    let (mut driven, mut has_rested) = (None, false);
     for (k, level) in levels().enumerate() {
         if level <= low {
             has_rested = true;
@@ -289,13 +298,29 @@ fn beginnings(recording: &Recording) -> Vec<Beginning> {
         }
         if has_rested && level > on {
             has_rested = false;
+            // Nothing is known of before the first sample.
+            let rested_s = driven.map_or(f64::INFINITY, |driven: usize| time_s[k] - time_s[driven]);
             found.push(Beginning {
                 sample: k,
-                rested_s: time_s[k] - driven_s,
+                rested_s,
+                is_at_rest: driven.is_none_or(|driven| has_come_to_rest(recording, driven..k)),
             });
         }
-        driven_s = time_s[k];
+        driven = Some(k);
     }
     found.truncate(MOST_BEGINNINGS);
     found
+}
+
+/// Whether an output has come to rest where the drive does, and for as long again as that took: heat goes on to leave the rod when
+/// nothing moves any more.
+fn has_come_to_rest(recording: &Recording, rest: Range<usize>) -> bool {
+    let (time_s, output) = (recording.time_s(), recording.output());
+    let end = output[rest.end];
+    let near = AT_REST * width(output);
+    let last_moving = output[rest.clone()]
+        .iter()
+        .rposition(|y| (y - end).abs() > near);
+    let moved_s = last_moving.map_or(0.0, |k| time_s[rest.start + k] - time_s[rest.start]);
+    time_s[rest.end] - time_s[rest.start] >= 2.0 * moved_s
 }

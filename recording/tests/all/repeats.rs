@@ -120,7 +120,13 @@ fn what_differs_between_two_runs_is_told_with_its_size() {
     assert!((share - 0.05).abs() < 0.003, "{share}");
     // Without it noise is left.
     assert!(gain.pairs[0].apart.left < 1.2 * gain.pairs[0].by_noise);
-    assert!((gain.nearest().unwrap() - 0.5 * gain.rms().unwrap()).abs() < 1e-12);
+    // A twentieth of what the output varies by, and a half of it each.
+    let output = Run::default().recorded(1).output().to_vec();
+    let mean = output.iter().sum::<f64>() / output.len() as f64;
+    let square = output.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / output.len() as f64;
+    let expected = 0.05 * square.sqrt();
+    assert!((gain.rms().unwrap() / expected - 1.0).abs() < 0.05);
+    assert!((gain.nearest().unwrap() / (0.5 * expected) - 1.0).abs() < 0.05);
 
     // Of one rise and one fall a delay may as well be a slower course; of two it is not.
     let twice = |run: Run| Run {
@@ -178,16 +184,65 @@ fn clocks_that_scatter_and_begin_within_a_sample_do_not_matter() {
 
 #[test]
 fn another_drive_is_not_compared() {
-    for levels_s in [&[5.0, 18.0, 27.0][..], &[1.0, 2.0, 5.0, 3.0, 20.0]] {
+    let with = |levels_s: &'static [f64]| {
         let other = Run {
             levels_s,
             ..Run::default()
         };
-        let found = floor(&[Run::default(), other]);
-        // All that is the same is the first 18 s of heating, or nothing.
-        let ends_s = found.map_or(0.0, |found| found.pairs[0].first.end_s);
-        assert!(ends_s < 23.5, "{ends_s}");
-    }
+        floor(&[Run::default(), other])
+    };
+    // All that is the same is 18 s of heating.
+    let shorter = with(&[5.0, 18.0, 27.0]).unwrap();
+    let ends_s = shorter.pairs[0].first.end_s;
+    assert!((ends_s - 22.9).abs() < 0.25, "{ends_s}");
+    // And the first 2 s of it here; what follows another 5 s of rest is not the same, since the rod is still warm.
+    let other = with(&[1.0, 2.0, 5.0, 3.0, 20.0]).unwrap();
+    assert_eq!(other.pairs.len(), 1);
+    assert!(other.is_noise());
+    let part = &other.pairs[0].first;
+    assert!(
+        (part.start_s - 4.0).abs() < 0.15 && (part.end_s - 7.0).abs() < 0.15,
+        "{part:?}"
+    );
+}
+
+#[test]
+fn a_recording_that_begins_driven_begins_elsewhere() {
+    let whole = Run::default().recorded(1);
+    // In the middle of the heating: what came before is not in it.
+    let cut = whole.slice(120..whole.len()).unwrap();
+    let other = Run {
+        name: "other",
+        levels_s: &[0.0, 13.0, 25.0],
+        ..Run::default()
+    };
+    let found = repeat_floor(&[cut, other.recorded(2)]).unwrap();
+    assert_eq!((found.pairs.len(), found.first_cycles.len()), (0, 1));
+    assert_eq!(
+        (found.rms(), found.nearest(), found.is_noise()),
+        (None, None, false)
+    );
+    assert!(found.first_cycles[0].apart.rms > 0.05);
+}
+
+#[test]
+fn outputs_in_several_units_are_not_pooled() {
+    let runs = [Run::default().recorded(1), Run::default().recorded(2)];
+    let [a, b] = &runs;
+    let in_degrees = |run: &Recording| {
+        Recording::new(RecordingParts {
+            time_s: Some(run.time_s()[..400].to_vec()),
+            drive: run.drive()[..400].to_vec(),
+            output_unit: "deg".to_owned(),
+            output: run.output()[..400].iter().map(|y| 100.0 * y).collect(),
+            ..RecordingParts::default()
+        })
+        .unwrap()
+    };
+    let all = [in_degrees(a), in_degrees(b), a.clone(), b.clone()];
+    let found = repeat_floor(&all).unwrap();
+    assert_eq!((found.unit.as_str(), found.pairs.len()), ("mm", 1));
+    assert_eq!(found.pairs[0].recordings(), [2, 3]);
 }
 
 #[test]

@@ -47,8 +47,8 @@ pub fn diagnosed(
         if let Some(runs) = diagnosed.runs() {
             page.section(FROM_RUN_TO_RUN);
             page.line(
-                "<p class=\"soft\">Runs of the same drive do not repeat: surroundings, heat loss and stroke of each are left open, within \
-                 what is ordinary (2 K, 5 %, 1 %).</p>",
+                "<p class=\"soft\">Runs of the same drive do not repeat: what differs is left open in each, held by priors of what is \
+                 ordinary in a laboratory.</p>",
             );
             page.table(&runs);
         }

@@ -23,7 +23,7 @@ pub fn text(floor: &RepeatFloor) -> String {
             text,
             "  {}{}: {}{unit} apart beside an offset of {}{unit}{}",
             if is_first {
-                "the first cycle and the next, "
+                "after another beginning, "
             } else {
                 ""
             },
@@ -56,8 +56,8 @@ pub fn said(floor: &RepeatFloor) -> Option<String> {
         format!("Runs of the same drive repeat: {apart}.")
     } else {
         format!(
-            "Runs of the same drive do not repeat: {apart}. No model of this rig can be nearer than {}{unit} to both of two. \
-             Record the surroundings of each run, and play one of them again at the end.",
+            "Runs of the same drive do not repeat: {apart}. No model with the same parameters in both can be nearer than {}{unit} to both. \
+             Record the surroundings of each run.",
             spoken(floor.nearest()?)
         )
     })

@@ -1,7 +1,7 @@
 //! What differs from run to run of a rig that does not repeat.
 
 use comfy_table::{Cell, Table};
-use identify::{FittedParameter, ParameterState};
+use identify::{FittedParameter, ParameterState, RUN_PARAMETERS};
 use missing_physics::{Diagnosis, Stage};
 use serde_json::{Value, json};
 
@@ -23,22 +23,21 @@ struct Column {
 const SURROUNDINGS: Column = Column {
     name: "ambient_level_k",
     title: "surroundings, K",
-    said: "the surroundings by up to {} K",
+    said: "{} K in ambient temperature",
     shown: spoken,
 };
 
-/// Open only where runs are not taken for alike.
 const HEAT_LOSS: Column = Column {
     name: "run_heat_loss",
     title: "heat loss",
-    said: "the heat loss by {}",
+    said: "{} in heat loss",
     shown: percent,
 };
 
 const STROKE: Column = Column {
     name: "run_gain",
     title: "stroke",
-    said: "the stroke by {}",
+    said: "{} in stroke",
     shown: percent,
 };
 
@@ -48,7 +47,9 @@ const COLUMNS: [Column; 3] = [SURROUNDINGS, HEAT_LOSS, STROKE];
 #[must_use]
 pub fn said(diagnosis: &Diagnosis) -> Option<String> {
     let last = last(diagnosis);
-    place(last, HEAT_LOSS.name)?;
+    if !differ(last) {
+        return None;
+    }
     let largest = |column: &Column| {
         let place = place(last, column.name)?;
         let trained = last.fit.parameters[place].values.iter().skip(1);
@@ -61,10 +62,11 @@ pub fn said(diagnosis: &Diagnosis) -> Option<String> {
         )
     };
     let parts: Vec<String> = COLUMNS.iter().filter_map(largest).collect();
-    let recording = &last.fit.recordings[0].name;
-    let first = label(recording, std::iter::once(recording.as_str()));
+    let trained = last.fit.recordings.iter().map(|one| one.name.as_str());
+    let unseen = last.validated.iter().map(|one| one.name.as_str());
+    let first = label(&last.fit.recordings[0].name, trained.chain(unseen));
     Some(format!(
-        "Against {first} runs differ: {}.",
+        "Relative to {first}, runs differ by up to {}.",
         parts.join(", ")
     ))
 }
@@ -74,6 +76,13 @@ fn last(diagnosis: &Diagnosis) -> &Stage {
         .extended
         .as_ref()
         .map_or(&diagnosis.baseline, |extended| &extended.stage)
+}
+
+/// Whether what differs from run to run is open.
+fn differ(stage: &Stage) -> bool {
+    RUN_PARAMETERS
+        .iter()
+        .any(|name| place(stage, name).is_some())
 }
 
 /// Place of a parameter that is open.
@@ -92,7 +101,9 @@ fn place(stage: &Stage, name: &str) -> Option<usize> {
 pub fn runs<'d>(diagnosis: &'d Diagnosis, shortened: impl Fn(&'d str) -> &'d str) -> Option<Table> {
     let last = last(diagnosis);
     let infos = &last.fit.parameters;
-    place(last, HEAT_LOSS.name)?;
+    if !differ(last) {
+        return None;
+    }
     let open = || {
         let open = COLUMNS.iter();
         open.filter_map(|column| Some((place(last, column.name)?, column)))
@@ -119,9 +130,16 @@ pub fn runs<'d>(diagnosis: &'d Diagnosis, shortened: impl Fn(&'d str) -> &'d str
     Some(table)
 }
 
+/// What is this small is nothing.
+const NOTHING: f64 = 1e-9;
+
 /// A value in a recording, with the half of its interval.
 fn known(parameter: &FittedParameter, r: usize, shown: fn(f64) -> String) -> String {
     let value = parameter.values[r];
+    // What does nothing in a recording, since it is recorded or stated of it, stands where its prior has it.
+    if value.abs() < NOTHING {
+        return "-".to_owned();
+    }
     match parameter.intervals[r] {
         Some(own) => format!(
             "{} ± {}",
@@ -136,7 +154,7 @@ fn known(parameter: &FittedParameter, r: usize, shown: fn(f64) -> String) -> Str
 #[must_use]
 pub fn json(diagnosis: &Diagnosis) -> Value {
     let last = last(diagnosis);
-    if place(last, HEAT_LOSS.name).is_none() {
+    if !differ(last) {
         return Value::Null;
     }
     let run = |name: &str, is_unseen: bool, value: &dyn Fn(usize) -> f64| {

@@ -261,13 +261,13 @@ fn errors(diagnosis: &Diagnosis) -> String {
         _ => "",
     };
     let predicted = predicted(diagnosis, &extended.stage, after, &unit);
-    format!("{error} on the unseen {recordings} {change}; {said}.{predicted}{doubt}")
+    format!("{error} on the unseen {recordings} {change}; {said}.{doubt}{predicted}")
 }
 
-/// Error on unseen recordings of which nothing is known but their rest, over that where each is calibrated, from which it is said.
+/// Predicted error of unseen recordings over the calibrated one, from which it is said.
 const WORSE_PREDICTED: f64 = 1.2;
 
-/// How much larger the error is where nothing of the unseen recordings is known but their rest.
+/// The predicted errors of unseen recordings, where they are much larger.
 fn predicted(diagnosis: &Diagnosis, extended: &Stage, calibrated: f64, unit: &str) -> String {
     let pair = diagnosis
         .baseline
@@ -276,7 +276,7 @@ fn predicted(diagnosis: &Diagnosis, extended: &Stage, calibrated: f64, unit: &st
     let worse = pair.filter(|(_, after)| *after > WORSE_PREDICTED * calibrated);
     worse.map_or(String::new(), |(before, after)| {
         format!(
-            " Predicted from rest alone, without surroundings and state of its own: {}{unit}.",
+            " Predicted, with nothing of its own but its offset: {}{unit}.",
             change(before, after)
         )
     })

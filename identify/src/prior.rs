@@ -1,31 +1,31 @@
-//! What is to be expected of parameters before a recording is looked at, as squares beside those of the residual.
+//! What is known of parameters before a recording is looked at, as squares beside those of the residual.
 
 use crate::parameter::ParameterVector;
 
-/// How what is to be expected of parameters ([`ParameterInfo::ordinary`](crate::ParameterInfo::ordinary)) counts beside what was recorded.
+/// How the prior of parameters ([`ParameterInfo::ordinary`](crate::ParameterInfo::ordinary)) counts beside what was recorded.
 ///
 /// ```text
 /// P = Σ ((x - x_before)/s)²,   s the ordinary deviation
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Expecting {
+pub enum Prior {
     /// Not at all.
     #[default]
     Nothing,
     /// Against errors of this variance σ², in the square of the output unit: least is S + σ² P.
     Variance(f64),
-    /// Against as many independent samples N, whose errors are as large as the model leaves them: least is S exp(P/N), of which the
-    /// logarithm is that of a likelihood and of what is expected.
-    Independent(f64),
+    /// With the error variance profiled out over N effective samples: least is S exp(P/N), so that N ln S + P is twice the negative
+    /// logarithm of the posterior density.
+    Profiled(f64),
 }
 
-impl Expecting {
+impl Prior {
     /// What counts in all, of the squares S of residuals and of P.
-    pub(crate) fn sum(self, squares: f64, expected: f64) -> f64 {
+    pub(crate) fn sum(self, squares: f64, of_prior: f64) -> f64 {
         match self {
             Self::Nothing => squares,
-            Self::Variance(variance) => squares + variance * expected,
-            Self::Independent(n) => squares * (expected / n).exp(),
+            Self::Variance(variance) => squares + variance * of_prior,
+            Self::Profiled(n) => squares * (of_prior / n).exp(),
         }
     }
 
@@ -35,14 +35,14 @@ impl Expecting {
         match self {
             Self::Nothing => 0.0,
             Self::Variance(variance) => variance,
-            Self::Independent(n) => squares / n,
+            Self::Profiled(n) => squares / n,
         }
     }
 }
 
-/// What is to be expected of a coordinate: the root of its part of P.
+/// The prior of a coordinate: the root of its part of P.
 #[derive(Debug, Clone, Copy)]
-pub struct Expectation {
+pub struct PriorRow {
     coordinate: usize,
     /// The coordinate from which it goes on.
     previous: Option<usize>,
@@ -50,7 +50,7 @@ pub struct Expectation {
     per_unit: f64,
 }
 
-impl Expectation {
+impl PriorRow {
     /// (x - x_before)/s at coordinates, as [`ParameterVector`] has them.
     #[must_use]
     pub fn value(&self, point: &[f64]) -> f64 {
@@ -71,16 +71,16 @@ impl Expectation {
     }
 }
 
-/// What is to be expected of coordinates.
+/// The priors of coordinates that have one.
 #[must_use]
-pub fn expected(vector: &ParameterVector) -> Vec<Expectation> {
+pub fn prior_rows(vector: &ParameterVector) -> Vec<PriorRow> {
     let row = |coordinate: usize| {
         let parameter = vector.parameter(coordinate);
         let ordinary = vector.infos()[parameter].ordinary?;
         // Of one recording they stand in the order of the parameters.
         let before = coordinate.checked_sub(1);
         let is_next = |&before: &usize| vector.parameter(before) + 1 == parameter;
-        Some(Expectation {
+        Some(PriorRow {
             coordinate,
             previous: before.filter(|before| ordinary.from_previous && is_next(before)),
             per_unit: 1.0 / ordinary.deviation,
