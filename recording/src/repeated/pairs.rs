@@ -127,7 +127,7 @@ impl<'a> Followed<'a> {
             let lag_s = time_s[second.start] - time_s[first.start];
             let shortest = first.len().min(second.len());
             let within = first.start..first.start + shortest;
-            let (lag_s, lag_within_s, samples) = self.shared(self, (first.start, within), lag_s);
+            let (lag_s, lag_within_s, samples) = self.shared(self, &within, lag_s);
             let is_whole = samples.len() as f64 >= WHOLE * shortest as f64;
             let is_same = is_whole && self.tells(&samples);
             if is_same {
@@ -169,7 +169,7 @@ impl<'a> Followed<'a> {
                     self.recording.time_s()[begun.sample] + begun.rested_s.min(later.rested_s);
                 let until = self.recording.time_s().partition_point(|t| *t <= until_s);
                 let (lag_s, lag_within_s, samples) =
-                    self.shared(other, (begun.sample, 0..until), lag_s);
+                    self.shared(other, &(begun.sample..until), lag_s);
                 if self.tells(&samples) {
                     found.push(Pair {
                         recordings,
@@ -196,14 +196,9 @@ impl<'a> Followed<'a> {
     }
 
     /// The lag near the one that is given with which both drives are the same for longest, by how much it may be off, and the samples
-    /// about a sample, within a range, over which they are.
-    fn shared(
-        &self,
-        other: &Self,
-        about: (usize, Range<usize>),
-        lag_s: f64,
-    ) -> (f64, f64, Range<usize>) {
-        let given = self.shared_at(other, &about, lag_s);
+    /// from the first of a range on over which they are.
+    fn shared(&self, other: &Self, within: &Range<usize>, lag_s: f64) -> (f64, f64, Range<usize>) {
+        let given = self.shared_at(other, within, lag_s);
         if given.1 == 0 {
             return (lag_s, 0.0, given.0);
         }
@@ -213,7 +208,7 @@ impl<'a> Followed<'a> {
         for lag_s in
             [-0.25, 0.25, -0.5, 0.5, -0.75, 0.75, -1.0, 1.0].map(|part| lag_s + part * step_s)
         {
-            let next = self.shared_at(other, &about, lag_s);
+            let next = self.shared_at(other, within, lag_s);
             if next.0.len() > best.1.0.len() {
                 best = (lag_s, next);
             }
@@ -222,12 +217,7 @@ impl<'a> Followed<'a> {
     }
 
     /// The same with a lag, and at how many of these samples the drives differ.
-    fn shared_at(
-        &self,
-        other: &Self,
-        (start, within): &(usize, Range<usize>),
-        lag_s: f64,
-    ) -> (Range<usize>, usize) {
+    fn shared_at(&self, other: &Self, within: &Range<usize>, lag_s: f64) -> (Range<usize>, usize) {
         let time_s = self.recording.time_s();
         let later_s = other.recording.time_s();
         let tolerance = SAME_DRIVE * self.drive_range.max(other.drive_range);
@@ -244,9 +234,9 @@ impl<'a> Followed<'a> {
             is_within.then(|| is_same_at(late) || early.is_some_and(is_same_at))
         };
         let is_gap = |k: usize| time_s[k] - time_s[k - 1] > GAP_FACTOR * self.dt_s;
-        let start = *start;
+        let start = within.start;
         let (mut end, mut in_a_row, mut n_different) = (start, 0, 0);
-        for k in start..within.end {
+        for k in within.clone() {
             let Some(is_same) = is_same(k).filter(|_| k == start || !is_gap(k)) else {
                 break;
             };
@@ -262,12 +252,8 @@ impl<'a> Followed<'a> {
                 break;
             }
         }
-        let mut from = start;
-        while from > within.start && !is_gap(from) && is_same(from - 1) == Some(true) {
-            from -= 1;
-        }
         // Those after the last that is the same end the stretch.
-        (from..end, n_different - in_a_row)
+        (start..end, n_different - in_a_row)
     }
 }
 

@@ -9,7 +9,7 @@ use identify::{
     Validated, cross_check, early_output, fit, predict, validate,
 };
 use missing_physics::{carry_loop_shape, other_loops, setting_of_rod};
-use recording::{Recording, has_one_rate};
+use recording::{Recording, has_one_rate, repeat_floor};
 
 use crate::commands::on_threads;
 use crate::commands::used::UseArgs;
@@ -24,6 +24,7 @@ use workbench::figure::Compared;
 use workbench::page;
 use workbench::report::identified::Identified;
 use workbench::report::plot::{self, Left};
+use workbench::report::repeated;
 use workbench::sanity::Facts;
 use workbench::{gap_notes, input_notes, is_trained_on, read_all};
 
@@ -182,6 +183,9 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             let gaps = gap_notes(training.iter().chain(&unseen), tau_s);
             let mut notes = input_notes(&training, &unseen);
             notes.extend(gaps);
+            let all = [training.as_slice(), &unseen].concat();
+            let floor = repeat_floor(&all).filter(|floor| !floor.is_noise());
+            notes.extend(floor.as_ref().and_then(repeated::said));
             notes
         },
     };

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+mod another_each_run;
 mod antagonist;
 mod bad_input;
 mod demo;
