@@ -6,7 +6,7 @@ use identify::{
     Enters, Fit, FitConfig, ForwardModel, IdentifyError, OfRig, ParameterState, ParameterVector,
     RefineConfig, Scope, WienerModel, fit, predict, refine,
 };
-use recording::{Recording, RepeatedDrive, repeat_floor};
+use recording::{Recording, RepeatFloor, RepeatedDrive};
 
 use crate::agreed::agreed;
 use crate::config::DiagnoseConfig;
@@ -56,15 +56,16 @@ pub(crate) fn with_unknowns(
 const OF_STATES: f64 = 0.5;
 
 /// The plain model with what differs from run to run left open, within what is ordinary, where recordings of the same drive differ by
-/// more than noise makes, and by what states of theirs account for; as it was where they repeat, or no drive is repeated.
+/// more than noise makes, and by what states of theirs account for; as it was where they repeat, or no drive is repeated. `repeats` are of
+/// all recordings, those of the training first.
 pub(crate) fn with_state_of_runs(
     base: &WienerModel,
     plain: Fit,
     training: &[Recording],
-    config: &DiagnoseConfig,
-    caller: &Caller<'_>,
+    repeats: Option<&RepeatFloor>,
+    (config, caller): (&DiagnoseConfig, &Caller<'_>),
 ) -> Result<(WienerModel, Fit), IdentifyError> {
-    let floor = repeat_floor(training).and_then(|floor| floor.between_recordings());
+    let floor = repeats.and_then(|floor| floor.between_first(training.len()));
     let Some(floor) = floor.filter(|floor| !floor.is_noise()) else {
         return Ok((base.clone(), plain));
     };

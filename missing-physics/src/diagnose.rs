@@ -96,7 +96,8 @@ fn from_baseline(
     let all: Vec<Recording> = [training, unseen].concat();
     let repeats = repeat_floor(&all);
     let (base, plain) = with_unknowns(base, plain, training, config, caller)?;
-    let (base, plain) = &with_state_of_runs(&base, plain, training, config, caller)?;
+    let (base, plain) =
+        &with_state_of_runs(&base, plain, training, repeats.as_ref(), (config, caller))?;
     let baseline = Stage {
         validated: validated(base, &plain.point(0), unseen)?,
         predicted_rmse: predicted(base, &plain.point(0), unseen)?,

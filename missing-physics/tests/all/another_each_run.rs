@@ -2,23 +2,12 @@
 
 use crate::common;
 
-use common::{diagnosed_against, found, noisy, params, played, recording, setting};
+use common::{diagnosed_against, found, noisy, params, played, recording, setting, triangles_a};
 use identify::ParameterState;
 use missing_physics::{Diagnosis, EffectId, EffectSet, EffectValues, Extended, Setting, Verdict};
 use recording::Recording;
 
 const DT_S: f64 = 0.5;
-
-/// Triangles of these heights, A, with rest between them.
-fn current_a(heights_a: &[f64]) -> Vec<f64> {
-    let cycle = |height_a: &f64| {
-        let height_a = *height_a;
-        let up = (0..90).map(move |k| height_a * f64::from(k) / 90.0);
-        let down = (0..90).map(move |k| height_a * (1.0 - f64::from(k) / 90.0));
-        std::iter::repeat_n(0.0, 40).chain(up).chain(down)
-    };
-    heights_a.iter().flat_map(cycle).collect()
-}
 
 /// A run in which the wire loses more heat by a share, and moves further by another; with latent heat, J/kg, or none.
 fn ran(
@@ -39,7 +28,7 @@ fn ran(
     let mut wire = params();
     wire.heat.conductance_w_per_m_k *= 1.0 + heat_loss;
     wire.gain *= 1.0 + gain;
-    let drive = current_a(heights_a);
+    let drive = triangles_a(heights_a);
     let output = played(&Extended { setting }, wire, effects, &drive, DT_S);
     recording(name, drive, noisy(output), DT_S)
 }
@@ -104,7 +93,7 @@ fn where_runs_repeat_they_are_taken_for_alike() {
 
 #[test]
 fn what_happens_in_one_run_alone_is_no_state() {
-    let drive = current_a(&[2.3, 1.9]);
+    let drive = triangles_a(&[2.3, 1.9]);
     let output = |bumped: bool| {
         let fleet = Extended { setting: setting() };
         let played = noisy(played(

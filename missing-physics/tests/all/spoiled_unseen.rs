@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{diagnosed_against, found, noisy, params, played, recording, setting};
+use common::{diagnosed_against, found, noisy, params, played, recording, setting, triangles_a};
 use missing_physics::{Diagnosis, EffectId, EffectSet, EffectValues, Extended, Setting, Verdict};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -12,17 +12,6 @@ use std::f64::consts::TAU;
 
 const DT_S: f64 = 0.5;
 
-/// Triangles of these heights, with rest between them.
-fn current_a(heights_a: &[f64]) -> Vec<f64> {
-    let cycle = |height_a: &f64| {
-        let height_a = *height_a;
-        let up = (0..90).map(move |k| height_a * f64::from(k) / 90.0);
-        let down = (0..90).map(move |k| height_a * (1.0 - f64::from(k) / 90.0));
-        std::iter::repeat_n(0.0, 40).chain(up).chain(down)
-    };
-    heights_a.iter().flat_map(cycle).collect()
-}
-
 /// A wire whose output is late by 0.6 s.
 fn late(name: &str, heights_a: &[f64], spoiled: impl Fn(Vec<f64>) -> Vec<f64>) -> Recording {
     let setting = Setting {
@@ -31,7 +20,7 @@ fn late(name: &str, heights_a: &[f64], spoiled: impl Fn(Vec<f64>) -> Vec<f64>) -
     };
     let mut effects = EffectValues::default();
     effects.output_lag.output_lag_s = 0.6;
-    let drive = current_a(heights_a);
+    let drive = triangles_a(heights_a);
     let output = played(&Extended { setting }, params(), effects, &drive, DT_S);
     recording(name, drive, spoiled(noisy(output)), DT_S)
 }

@@ -86,10 +86,13 @@ impl RepeatFloor {
         self.of_all(|pair| pair.by_noise)
     }
 
-    /// The same of pairs of different recordings; `None` if there are none.
+    /// The same of pairs of different recordings among the first `n`; `None` if there are none.
     #[must_use]
-    pub fn between_recordings(&self) -> Option<Self> {
-        let is_between = |pair: &&RepeatedDrive| pair.pair.recordings[0] != pair.pair.recordings[1];
+    pub fn between_first(&self, n: usize) -> Option<Self> {
+        let is_between = |pair: &&RepeatedDrive| {
+            let [first, second] = pair.pair.recordings;
+            first != second && first.max(second) < n
+        };
         let pairs: Vec<RepeatedDrive> = self.pairs.iter().filter(is_between).cloned().collect();
         (!pairs.is_empty()).then(|| Self {
             pairs,

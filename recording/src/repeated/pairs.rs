@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::cycles::{Cycle, cycles, repeats};
 use crate::holds::range;
 use crate::recording::Recording;
-use crate::sampling::{GAP_FACTOR, Sampling};
+use crate::sampling::GAP_FACTOR;
 
 /// Drives are the same within this share of their range. Our choice.
 const SAME_DRIVE: f64 = 0.005;
@@ -92,11 +92,7 @@ struct Followed<'a> {
 
 impl<'a> Followed<'a> {
     fn of(recording: &'a Recording) -> Option<Self> {
-        let dt_s = match recording.sampling() {
-            Sampling::Uniform { dt_s } => dt_s,
-            Sampling::Jittered { median_dt_s, .. } => median_dt_s,
-            Sampling::Untimed => return None,
-        };
+        let dt_s = recording.sampling().usual_dt_s()?;
         Some(Self {
             drive_range: width(recording.drive()),
             output_range: width(recording.output()),

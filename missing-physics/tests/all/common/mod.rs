@@ -38,6 +38,17 @@ pub(crate) fn current_a() -> Vec<f64> {
     current_a
 }
 
+/// Triangles of these heights, A, of 45 s either way at 0.5 s a sample, with rest between them.
+pub(crate) fn triangles_a(heights_a: &[f64]) -> Vec<f64> {
+    let cycle = |height_a: &f64| {
+        let height_a = *height_a;
+        let up = (0..90).map(move |k| height_a * f64::from(k) / 90.0);
+        let down = (0..90).map(move |k| height_a * (1.0 - f64::from(k) / 90.0));
+        std::iter::repeat_n(0.0, 40).chain(up).chain(down)
+    };
+    heights_a.iter().flat_map(cycle).collect()
+}
+
 /// What the wire is known to be.
 pub(crate) fn setting() -> Setting {
     setting_of_rod(&Rod::parse("rod.toml", ROD).unwrap(), "mm")
