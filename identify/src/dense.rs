@@ -143,6 +143,15 @@ pub fn symmetric_solved(matrix: &Matrix, right: &Matrix) -> Matrix {
     }
 }
 
+/// Inverse of a positive definite matrix, and the logarithm of its determinant, by Cholesky's factor; `None` if it is not.
+#[must_use]
+pub fn definite_inverse(matrix: &Matrix) -> Option<(Matrix, f64)> {
+    let factor = matrix.clone().cholesky()?;
+    let roots = factor.l_dirty().diagonal();
+    let ln_root: f64 = roots.iter().map(|root| root.ln()).sum();
+    Some((factor.inverse(), 2.0 * ln_root))
+}
+
 /// Inverse of a square matrix, by LU with row exchanges; NaN if it has none.
 #[must_use]
 pub fn inverse(matrix: &Matrix) -> Matrix {

@@ -337,6 +337,13 @@ impl WienerModel {
         model
     }
 
+    /// The same model in which no recording is the one that the others are compared with: each has a state of its own, about what is
+    /// stated of the rig.
+    #[must_use]
+    pub fn without_reference_run(&self) -> Self {
+        self.clone().with_reference(None)
+    }
+
     /// Whether how much heat recordings lose, or how far they move, is left open.
     #[must_use]
     pub fn has_state_of_runs(&self) -> bool {

@@ -79,6 +79,21 @@ pub(crate) fn with_state_of_runs(
     if left > (1.0 - OF_STATES) * apart {
         return Ok((base.clone(), plain));
     }
+    opened(base, &plain, training, (config, caller))
+}
+
+/// The plain model with what differs from run to run left open, within what is ordinary, fitted from where it ended without.
+pub(crate) fn opened(
+    base: &WienerModel,
+    plain: &Fit,
+    training: &[Recording],
+    (config, caller): (&DiagnoseConfig, &Caller<'_>),
+) -> Result<(WienerModel, Fit), IdentifyError> {
+    let open = base.with_unknowns(training).with_state_of_runs();
+    let watched = Watched {
+        model: &open,
+        watch: caller,
+    };
     let vector = ParameterVector::new(open.parameters(), training.len());
     let fit_config = FitConfig {
         seed: config.seed,

@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, IdentifyError, WienerModel};
-use recording::{Recording, repeat_floor};
+use recording::{RepeatFloor, Recording, repeat_floor};
 
 use crate::agreed::agreed;
-use crate::baseline::{with_state_of_runs, with_unknowns};
+use crate::baseline::{opened, with_state_of_runs, with_unknowns};
 use crate::config::DiagnoseConfig;
 use crate::decide::{Named, Verdict, decide, leading};
 use crate::evidence::blocks;
@@ -52,22 +52,32 @@ pub fn diagnose<'p>(
     progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
 ) -> Result<Diagnosis, IdentifyError> {
     let caller = Caller::new(progress);
+    let plain = plain_fit(base, training, config, &caller)?;
+    from_baseline(base, plain, [training, unseen], config, &caller)
+}
+
+/// The plain model fitted as it is.
+fn plain_fit(
+    base: &WienerModel,
+    training: &[Recording],
+    config: &DiagnoseConfig,
+    caller: &Caller<'_>,
+) -> Result<Fit, IdentifyError> {
     let baseline_config = FitConfig {
         seed: config.seed,
         ..config.baseline.clone()
     };
     let watched = Watched {
         model: base,
-        watch: &caller,
+        watch: caller,
     };
-    let plain = agreed(&watched, training, &baseline_config, &mut |so_far| {
+    agreed(&watched, training, &baseline_config, &mut |so_far| {
         // If this ends it, so does the next simulation.
         match caller.tell(DiagnoseProgress::Baseline(so_far.clone())) {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         }
-    })?;
-    from_baseline(base, plain, [training, unseen], config, &caller)
+    })
 }
 
 /// The same from a baseline that is fitted; `recordings` are the training and the unseen ones.
@@ -97,7 +107,55 @@ fn from_baseline(
     let repeats = repeat_floor(&all);
     let (base, plain) = with_unknowns(base, plain, training, config, caller)?;
     let (base, plain) =
-        &with_state_of_runs(&base, plain, training, repeats.as_ref(), (config, caller))?;
+        with_state_of_runs(&base, plain, training, repeats.as_ref(), (config, caller))?;
+    let opened = Opened {
+        base: &base,
+        plain: &plain,
+        has_converged,
+        repeats,
+    };
+    opened.diagnosed([training, unseen], config, caller)
+}
+
+/// The same of runs that may differ in what runs of a rig ordinarily differ by; with the plain model in which that is open.
+pub(crate) fn diagnose_runs<'p>(
+    base: &WienerModel,
+    runs: &[Recording],
+    config: &DiagnoseConfig,
+    progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
+) -> Result<(WienerModel, Diagnosis), IdentifyError> {
+    let caller = Caller::new(progress);
+    let plain = plain_fit(base, runs, config, &caller)?;
+    let has_converged = plain.converged();
+    let base = base.without_reference_run();
+    let (base, plain) = opened(&base, &plain, runs, (config, &caller))?;
+    let opened = Opened {
+        base: &base,
+        plain: &plain,
+        has_converged,
+        repeats: repeat_floor(runs),
+    };
+    let diagnosis = opened.diagnosed([runs, &[]], config, &caller)?;
+    Ok((base, diagnosis))
+}
+
+/// A plain model with what belongs to runs open as far as it is asked for.
+struct Opened<'a> {
+    base: &'a WienerModel,
+    plain: &'a Fit,
+    /// Whether starts agreed before anything was opened.
+    has_converged: bool,
+    repeats: Option<RepeatFloor>,
+}
+
+impl Opened<'_> {
+fn diagnosed(
+    self,
+    [training, unseen]: [&[Recording]; 2],
+    config: &DiagnoseConfig,
+    caller: &Caller<'_>,
+) -> Result<Diagnosis, IdentifyError> {
+    let Self { base, plain, has_converged, repeats } = self;
     let baseline = Stage {
         validated: validated(base, &plain.point(0), unseen)?,
         predicted_rmse: predicted(base, &plain.point(0), unseen)?,
@@ -253,4 +311,5 @@ fn from_baseline(
         simulations,
         seed: config.seed,
     })
+}
 }

@@ -2,6 +2,7 @@
 
 mod agreed;
 mod baseline;
+mod changed;
 mod config;
 mod decide;
 mod diagnose;
@@ -17,6 +18,7 @@ mod screen;
 mod search;
 mod watch;
 
+pub use changed::{Change, ChangeVerdict, Changed, Changing, Considered, LeftOut, Reference};
 pub use config::DiagnoseConfig;
 pub use decide::Verdict;
 pub use decide::{Basis, Comparison, RULES, Rule, RuleId, Trace};

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use identify::{Fit, IdentifyError, WienerModel, predict};
+use identify::{Fit, ForwardModel, IdentifyError, predict};
 use recording::{Quantity, Recording, RecordingParts};
 
 /// Samples of all recordings together, about.
@@ -28,11 +28,26 @@ const SWING_K: f64 = 0.25;
 ///
 /// What the model refuses.
 pub(crate) fn coarse(
-    base: &WienerModel,
-    plain: &Fit,
+    model: &dyn ForwardModel,
+    fit: &Fit,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+    let points: Vec<Vec<f64>> = (0..training.len()).map(|r| fit.point(r)).collect();
+    let tau_s = fit.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+    coarse_at(model, &points, tau_s, training)
+}
+
+/// The same of any model at points, one a recording, in which the rod has a time constant.
+///
+/// # Errors
+///
+/// What the model refuses.
+pub(crate) fn coarse_at(
+    model: &dyn ForwardModel,
+    points: &[Vec<f64>],
+    tau_s: f64,
+    training: &[Recording],
+) -> Result<Vec<Recording>, IdentifyError> {
     let every = every(tau_s, training);
     let recordings = training.iter().enumerate();
     recordings
@@ -41,7 +56,7 @@ pub(crate) fn coarse(
             if every < 2 {
                 return Ok(recording.clone());
             }
-            of_every(every, base, (&plain.point(r), tau_s), recording)
+            of_every(every, model, (&points[r], tau_s), recording)
         })
         .collect()
 }
@@ -59,12 +74,12 @@ fn every(tau_s: f64, training: &[Recording]) -> usize {
 
 fn of_every(
     every: usize,
-    base: &WienerModel,
+    model: &dyn ForwardModel,
     (point, tau_s): (&[f64], f64),
     recording: &Recording,
 ) -> Result<Recording, IdentifyError> {
     let n = recording.len();
-    let fine = predict(base, point, recording)?;
+    let fine = predict(model, point, recording)?;
     let mut kept = turns(&fine.temperature_degc);
     kept.extend((0..n).step_by(every));
     kept.push(n - 1);
@@ -125,7 +140,7 @@ fn of_every(
         temperature_degc: recording.temperature_degc().map(|_| vec![0.0; kept.len()]),
         ..RecordingParts::default()
     };
-    let shown = predict(base, point, &Recording::new(parts.clone())?)?;
+    let shown = predict(model, point, &Recording::new(parts.clone())?)?;
     let carried = |recorded: &[f64], fine: &[f64], shown: &[f64]| -> Vec<f64> {
         let left = |k: usize| recorded[k] - fine[k];
         let means = around.iter().map(|range| mean(range, |_| 1.0, left));

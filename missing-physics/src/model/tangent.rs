@@ -60,11 +60,20 @@ pub(crate) fn sensitivities(
     case: &Case<'_>,
     node: &Node,
 ) -> Result<Vec<Sensitivity>, IdentifyError> {
+    derivatives(case, &node.model, &node.coordinates, &node.residual)
+}
+
+/// Derivatives of any model of a case by all its free parameters, at coordinates where it leaves a residual.
+pub(crate) fn derivatives(
+    case: &Case<'_>,
+    model: &dyn ForwardModel,
+    coordinates: &[f64],
+    residual: &[f64],
+) -> Result<Vec<Sensitivity>, IdentifyError> {
     let n_recordings = case.training.len();
-    let vector = ParameterVector::new(node.model.parameters(), n_recordings);
+    let vector = ParameterVector::new(model.parameters(), n_recordings);
     let bounds = vector.bounds();
-    let ends: Vec<[f64; 2]> = node
-        .coordinates
+    let ends: Vec<[f64; 2]> = coordinates
         .iter()
         .zip(&bounds)
         .map(|(at, bound)| {
@@ -72,28 +81,32 @@ pub(crate) fn sensitivities(
             [-step, step].map(|step| (at + step).clamp(bound.lower, bound.upper))
         })
         .collect();
-    let moved: Vec<Vec<f64>> = ends
-        .iter()
-        .enumerate()
-        .flat_map(|(j, ends)| {
-            ends.map(|end| {
-                let mut moved = node.coordinates.clone();
-                moved[j] = end;
-                moved
-            })
-        })
-        .collect();
-    let shown = case.layout.shown(&node.model, case.training, |r| {
-        moved.iter().map(|moved| vector.values(moved, r)).collect()
+    // In a recording nothing moves but by what acts on it: as many of them in each.
+    let shown = case.layout.shown(model, case.training, |r| {
+        let ends = vector.acting_on(r).flat_map(|j| ends[j].map(|end| (j, end)));
+        let moved = ends.map(|(j, end)| {
+            let mut moved = coordinates.to_vec();
+            moved[j] = end;
+            vector.values(&moved, r)
+        });
+        moved.collect()
     })?;
-    let mut sensitivities: Vec<Sensitivity> = ends
-        .iter()
+    let mut columns = vec![vec![0.0; case.layout.len()]; ends.len()];
+    for segment in &case.layout.segments {
+        let range = segment.range.clone();
+        for (k, j) in vector.acting_on(segment.recording).enumerate() {
+            let [below, above] = [2 * k, 2 * k + 1].map(|end| &shown[end][range.clone()]);
+            let apart = difference(above, below, ends[j][1] - ends[j][0]);
+            columns[j][range.clone()].copy_from_slice(&apart);
+        }
+    }
+    let mut sensitivities: Vec<Sensitivity> = columns
+        .into_iter()
         .enumerate()
-        .map(|(j, ends)| {
-            let column = difference(&shown[2 * j + 1], &shown[2 * j], ends[1] - ends[0]);
+        .map(|(j, column)| {
             let margin = AT_BOUND * (bounds[j].upper - bounds[j].lower);
-            let pull = dot(&column, &node.residual);
-            let at = node.coordinates[j];
+            let pull = dot(&column, residual);
+            let at = coordinates[j];
             let held = (at <= bounds[j].lower + margin && pull <= 0.0)
                 || (at >= bounds[j].upper - margin && pull >= 0.0);
             Sensitivity {

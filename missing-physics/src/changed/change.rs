@@ -1,0 +1,242 @@
+//! What is said of what has changed.
+
+use std::cmp::Ordering;
+
+use crate::Candidate;
+
+/// Verdict on what has changed since the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChangeVerdict {
+    /// Nothing that would show.
+    Unchanged,
+    /// What is said under [`Change::findings`].
+    Changed,
+    /// Something has, and neither a known effect nor a law accounts for it; or the runs go where the reference did not.
+    Unexplained,
+    /// The reference cools too seldom for a name: its laws, and how far it repeats, are not known.
+    TooFewCoolings,
+}
+
+impl ChangeVerdict {
+    /// Name in files.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Unchanged => "unchanged",
+            Self::Changed => "changed",
+            Self::Unexplained => "unexplained",
+            Self::TooFewCoolings => "too_few_coolings",
+        }
+    }
+}
+
+/// What may have changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Changing {
+    /// An effect that the reference does not have has appeared.
+    Appeared(Candidate),
+    /// An effect that the reference has is of another size.
+    Grown(Candidate),
+    /// A parameter of the plain model is another.
+    Law(&'static str),
+}
+
+impl Changing {
+    /// Id of the effect, or name of the parameter.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Appeared(effect) | Self::Grown(effect) => effect.id(),
+            Self::Law(parameter) => parameter,
+        }
+    }
+
+    /// The effect, if it is one.
+    #[must_use]
+    pub fn effect(self) -> Option<Candidate> {
+        match self {
+            Self::Appeared(effect) | Self::Grown(effect) => Some(effect),
+            Self::Law(_) => None,
+        }
+    }
+}
+
+/// One change that was considered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Considered {
+    /// What would have changed.
+    pub what: Changing,
+    /// The parameter by which it is measured.
+    pub parameter: &'static str,
+    /// Its unit; of a parameter that is searched by its logarithm "1": the change is a logarithm.
+    pub unit: String,
+    /// By how much.
+    pub change: f64,
+    /// 95 % interval; `None` where these runs do not fix it.
+    pub ci95: Option<[f64; 2]>,
+    /// Probability against no change and against all others that were considered.
+    pub probability: f64,
+    /// Logarithm of its density over that of no change, nats.
+    pub nats: f64,
+}
+
+/// A finding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Changed {
+    /// The likeliest.
+    pub leading: Considered,
+    /// What would explain the runs as well: with it, 95 % of the probability.
+    pub could_also_be: Vec<Changing>,
+}
+
+/// How a run of the reference is met by laws from the others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOut {
+    /// Name of the run.
+    pub name: String,
+    /// Root mean square of what is left, its own state known, in the unit of the output.
+    pub rmse: f64,
+    /// What would be said to have changed in it, had the discrepancy not been enlarged, nats.
+    pub nats: f64,
+}
+
+/// The answer of [`Reference::changed`](crate::Reference::changed).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// The verdict.
+    pub verdict: ChangeVerdict,
+    /// What has changed; `None` unless the verdict is [`ChangeVerdict::Changed`].
+    pub finding: Option<Changed>,
+    /// All changes that were considered, the likeliest first.
+    pub considered: Vec<Considered>,
+    /// Probability that nothing has changed.
+    pub unchanged: f64,
+    /// Coolings of the reference through its loop.
+    pub coolings: usize,
+    /// Runs of the reference, each left out.
+    pub left_out: Vec<LeftOut>,
+    /// Effects that the reference has.
+    pub laws: Vec<Candidate>,
+    /// Names of the runs that were asked about, and what the laws of the reference leave of each, and with the likeliest change, in the
+    /// unit of the output; each run's own state is known in both.
+    pub runs: Vec<(String, [f64; 2])>,
+    /// What they leave more than the runs of the reference did when left out, as a ratio of squares: without a change and with the
+    /// likeliest.
+    pub excess: [f64; 2],
+    /// Unit of the output.
+    pub output_unit: String,
+}
+
+/// Fewest coolings of a reference from which a name is given.
+pub(super) const FEWEST_COOLINGS: usize = 2;
+
+/// Probability of no change from which nothing is said to have changed.
+const UNCHANGED: f64 = 0.05;
+
+/// Probability that a set of names holds.
+const SET: f64 = 0.95;
+
+/// What runs may leave over the most that a run of the reference left: as much again.
+const MOST: f64 = 2.0;
+
+/// Prior probability of no change; what may have changed shares the rest alike.
+const PRIOR: f64 = 0.5;
+
+/// Probabilities of no change and of each change, from the logarithms of their densities over that of no change.
+pub(super) fn probabilities(nats: &[f64]) -> (f64, Vec<f64>) {
+    let share = (1.0 - PRIOR) / nats.len().max(1) as f64;
+    let highest = nats.iter().copied().fold(0.0, f64::max);
+    let none = PRIOR * (-highest).exp();
+    let each: Vec<f64> = nats.iter().map(|nats| share * (nats - highest).exp()).collect();
+    let sum = none + each.iter().sum::<f64>();
+    (none / sum, each.iter().map(|one| one / sum).collect())
+}
+
+/// The verdict and the finding; `excess` is over the runs of the reference without a change and with the likeliest.
+pub(super) fn decided(
+    considered: &[Considered],
+    unchanged: f64,
+    excess: [f64; 2],
+    coolings: usize,
+) -> (ChangeVerdict, Option<Changed>) {
+    if coolings < FEWEST_COOLINGS {
+        return (ChangeVerdict::TooFewCoolings, None);
+    }
+    let Some(leading) = considered.first().filter(|_| unchanged < UNCHANGED) else {
+        let verdict = if excess[0] > MOST {
+            ChangeVerdict::Unexplained
+        } else {
+            ChangeVerdict::Unchanged
+        };
+        return (verdict, None);
+    };
+    if excess[1] > MOST {
+        return (ChangeVerdict::Unexplained, None);
+    }
+    let mut held = leading.probability;
+    let mut could_also_be: Vec<Changing> = Vec::new();
+    for other in &considered[1..] {
+        if held >= SET * (1.0 - unchanged) {
+            break;
+        }
+        held += other.probability;
+        let is_new = other.what.id() != leading.what.id();
+        if is_new && !could_also_be.contains(&other.what) {
+            could_also_be.push(other.what);
+        }
+    }
+    let finding = Changed {
+        leading: leading.clone(),
+        could_also_be,
+    };
+    (ChangeVerdict::Changed, Some(finding))
+}
+
+/// The likeliest first.
+pub(super) fn by_probability(one: &Considered, other: &Considered) -> Ordering {
+    other.nats.total_cmp(&one.nats)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::EffectId;
+
+    fn considered(effect: EffectId, probability: f64) -> Considered {
+        Considered {
+            what: Changing::Appeared(effect.into()),
+            parameter: effect.info().parameters[0].name,
+            unit: String::new(),
+            change: 1.0,
+            ci95: None,
+            probability,
+            nats: 0.0,
+        }
+    }
+
+    #[test]
+    fn what_is_as_likely_as_not_is_no_change() {
+        let (none, each) = probabilities(&[0.0, 0.0]);
+        assert!((none - 0.5).abs() < 1e-12 && (each[0] - 0.25).abs() < 1e-12);
+        let (none, each) = probabilities(&[800.0, 790.0]);
+        assert!(none < 1e-300 && each[0] > 0.9999 && each[1] > 0.0);
+    }
+
+    #[test]
+    fn a_set_holds_95_percent_and_what_fits_worse_than_the_reference_has_no_name() {
+        let all = [
+            considered(EffectId::OutputLag, 0.8),
+            considered(EffectId::DeadTime, 0.17),
+            considered(EffectId::Backlash, 0.03),
+        ];
+        let (verdict, finding) = decided(&all, 1e-9, [30.0, 1.1], 2);
+        assert_eq!(verdict, ChangeVerdict::Changed);
+        let others = finding.unwrap().could_also_be;
+        assert_eq!(others, [Changing::Appeared(EffectId::DeadTime.into())]);
+        let of = |unchanged, excess, coolings| decided(&all, unchanged, excess, coolings).0;
+        assert_eq!(of(1e-9, [30.0, 2.5], 2), ChangeVerdict::Unexplained);
+        assert_eq!(of(0.5, [2.5, 2.4], 2), ChangeVerdict::Unexplained);
+        assert_eq!(of(0.5, [1.5, 1.4], 2), ChangeVerdict::Unchanged);
+        assert_eq!(of(1e-9, [30.0, 1.1], 1), ChangeVerdict::TooFewCoolings);
+    }
+}

@@ -1,0 +1,201 @@
+//! Everything that may have changed in some runs, compared with no change.
+
+use std::sync::Arc;
+
+use identify::{ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
+use rayon::prelude::*;
+
+use crate::changed::discrepancy::Discrepancy;
+use crate::changed::first_order::{Tried, alternatives};
+use crate::changed::joint::{Evidence, Joint, Runs};
+use crate::changed::version::Version;
+use crate::model::case::Case;
+use crate::{Belongs, Candidate, CandidateSet};
+
+/// Effects that are followed to their ends, the likeliest to first order; and of each so many ways.
+const FOLLOWED: usize = 8;
+const WAYS: usize = 2;
+
+/// Changes from whose ends no change is searched again, what they must gain, and what that must gain, nats.
+const LED_BY: usize = 4;
+const LEADS: f64 = 2.0;
+const BETTER: f64 = 0.5;
+
+/// Rounds of that.
+const ROUNDS: usize = 4;
+
+/// What may have changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum What {
+    /// An effect that was not there.
+    Effect(Candidate),
+    /// A parameter of the laws, by its place in the model.
+    Law(usize),
+}
+
+/// A change at the end of its search.
+#[derive(Debug, Clone)]
+pub(crate) struct Ended {
+    pub(crate) what: What,
+    /// Logarithm of its density over that of no change.
+    pub(crate) nats: f64,
+    pub(crate) squares: f64,
+    pub(crate) joint: Joint,
+}
+
+/// Some runs, and which of them may have changed.
+#[derive(Debug)]
+pub(crate) struct Comparison<'a> {
+    pub(crate) case: &'a Case<'a>,
+    pub(crate) runs: &'a Runs,
+    pub(crate) which: &'a [usize],
+    pub(crate) changed: &'a [usize],
+    pub(crate) discrepancy: Discrepancy,
+    /// Effects that may have appeared.
+    pub(crate) catalogue: CandidateSet,
+    /// Whether laws may be others.
+    pub(crate) with_laws: bool,
+}
+
+impl Comparison<'_> {
+    /// Where no change leads, and all changes, the likeliest first.
+    ///
+    /// A change may lead to laws and states that no change had not found: it is searched again from there, so that what is compared
+    /// is the change alone.
+    pub(crate) fn made(&self, mut none: Joint) -> Result<(Joint, Vec<Ended>), IdentifyError> {
+        let mut round = 1;
+        loop {
+            let before = self.evidence(&none).nats;
+            let mut found = self.ends(&none)?;
+            for one in &mut found {
+                one.nats -= before;
+            }
+            let leading = found.iter().take(LED_BY);
+            let leading: Vec<&Ended> = leading.filter(|one| one.nats > LEADS).collect();
+            let again = leading
+                .into_par_iter()
+                .map(|one| {
+                    let version = none.version.clone();
+                    let from = one.joint.in_version(&version, self.runs.len());
+                    let there = self.settled(Joint::at(self.case, version, from)?)?;
+                    Ok((self.evidence(&there).nats, there))
+                })
+                .collect::<Result<Vec<_>, IdentifyError>>()?;
+            let best = again.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            match best {
+                Some((nats, better)) if nats > before + BETTER && round < ROUNDS => none = better,
+                _ => return Ok((none, found)),
+            }
+            round += 1;
+        }
+    }
+
+    pub(crate) fn settled(&self, joint: Joint) -> Result<Joint, IdentifyError> {
+        joint.settled(self.case, self.runs, self.which, &self.discrepancy)
+    }
+
+    pub(crate) fn evidence(&self, joint: &Joint) -> Evidence {
+        joint.evidence(self.runs, self.which, &self.discrepancy)
+    }
+
+    /// Effects to first order, the likeliest first, with the ways in which they may be there.
+    fn to_first_order(&self, joint: &Joint) -> Result<Vec<(Candidate, Vec<Tried>)>, IdentifyError> {
+        let n_runs = self.runs.len();
+        let points: Vec<Vec<f64>> = (0..n_runs).map(|run| joint.point(run)).collect();
+        let model = joint.version.model().clone();
+        let vector = ParameterVector::new(model.parameters(), n_runs);
+        let coordinates = vector.coordinates(|parameter, run| Some(points[run][parameter]));
+        let node = self.case.node(model, coordinates, points, 0)?;
+        let alternatives = alternatives(self.case, self.runs, &node, self.catalogue)?;
+        let system = joint.system(self.runs, self.which, &self.discrepancy);
+        let tried = alternatives.par_iter();
+        let tried = tried.map(|one| (one.effect, one.tried(self.runs, &system, self.changed)));
+        let mut tried: Vec<(Candidate, Vec<Tried>)> = tried.collect();
+        tried.sort_by(|a, b| b.1[0].nats.total_cmp(&a.1[0].nats));
+        Ok(tried)
+    }
+
+    /// All changes at the ends of their searches, the likeliest first.
+    fn ends(&self, none: &Joint) -> Result<Vec<Ended>, IdentifyError> {
+        let effects = self.to_first_order(none)?;
+        let mut starts: Vec<(What, Version, Vec<f64>)> = Vec::new();
+        for (effect, tried) in effects.iter().take(FOLLOWED) {
+            for tried in tried.iter().take(WAYS) {
+                let (version, start) = self.with_effect(none, *effect, tried);
+                starts.push((What::Effect(*effect), version, start));
+            }
+        }
+        if self.with_laws {
+            let infos = none.version.model().parameters().iter().enumerate();
+            let laws = infos.filter(|(_, info)| {
+                info.scope == Scope::Shared && info.state == ParameterState::Free
+            });
+            for (law, _) in laws {
+                let version = none.version.with_law(law, &none.point(0));
+                let start = none.in_version(&version, self.runs.len());
+                starts.push((What::Law(law), version, start));
+            }
+        }
+        let ended = starts.into_par_iter().map(|(what, version, start)| {
+            let joint = self.settled(Joint::at(self.case, version, start)?)?;
+            let Evidence { nats, squares } = self.evidence(&joint);
+            Ok(Ended {
+                what,
+                nats,
+                squares,
+                joint,
+            })
+        });
+        let mut ended = ended.collect::<Result<Vec<Ended>, IdentifyError>>()?;
+        ended.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+        let mut seen: Vec<What> = Vec::new();
+        ended.retain(|one| {
+            let is_first = !seen.contains(&one.what);
+            seen.push(one.what);
+            is_first
+        });
+        Ok(ended)
+    }
+
+    /// A version in which an effect has appeared, and where its search starts.
+    fn with_effect(&self, none: &Joint, effect: Candidate, tried: &Tried) -> (Version, Vec<f64>) {
+        let model = self.case.model(none.version.model().active().with(effect));
+        let version = none.version.with_effect(model, effect);
+        let mut start = none.in_version(&version, self.runs.len());
+        let vector = ParameterVector::new(version.parameters(), self.runs.len());
+        let info = effect.info();
+        let first = version.model().first_parameter(effect);
+        // The knots of a drift start at nothing.
+        if let Some(first) = first.filter(|_| info.belongs_to != Belongs::Recording) {
+            let partner = info.screened_partner().map(|(partner, _)| partner);
+            let own = [(Some(0), Some(tried.size)), (partner, tried.partner)];
+            let bounds = vector.bounds();
+            for (k, value) in own {
+                let place = k.and_then(|k| vector.coordinate_of(first + k, 0));
+                if let (Some(place), Some(value)) = (place, value) {
+                    start[place] = value.clamp(bounds[place].lower, bounds[place].upper);
+                }
+            }
+        }
+        (version, start)
+    }
+}
+
+/// What has no change: a version of laws alone, at points of each run.
+pub(crate) fn unchanged(
+    case: &Case<'_>,
+    version: Version,
+    points: &[Vec<f64>],
+) -> Result<Joint, IdentifyError> {
+    let vector = ParameterVector::new(version.parameters(), points.len());
+    let start = vector.coordinates(|parameter, run| points[run].get(parameter).copied());
+    Joint::at(case, version, start)
+}
+
+/// Names of runs, as versions know them.
+pub(crate) fn names<'r>(
+    runs: impl IntoIterator<Item = &'r recording::Recording>,
+) -> Arc<std::collections::BTreeSet<String>> {
+    let names = runs.into_iter().map(|run| run.name().to_owned());
+    Arc::new(names.collect())
+}

@@ -1,0 +1,19 @@
+//! What has changed of a rig since it was recorded as it should be.
+//!
+//! [`Reference::of`] fits the laws of the rig to its reference runs, each with a state of its own (surroundings, heat loss, stroke), and
+//! measures how well they meet a run that is left out. [`Reference::changed`] asks of other runs which effect has appeared, or which law
+//! is another there: by generalized least squares over all runs together, against what a fitted model leaves of a rig that has not
+//! changed ([`discrepancy`]).
+
+mod change;
+mod comparison;
+mod discrepancy;
+mod first_order;
+mod joint;
+mod likeliest;
+mod reference;
+mod system;
+mod version;
+
+pub use change::{Change, ChangeVerdict, Changed, Changing, Considered, LeftOut};
+pub use reference::Reference;

@@ -1,0 +1,166 @@
+//! A rig's model in which something has changed since the reference.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use identify::{
+    Bounds, ForwardModel, IdentifyError, Ordinary, ParameterInfo, ParameterState, Scale, Scope,
+};
+use recording::Recording;
+use wiener::Block;
+
+use crate::{Candidate, CandidateSet, ExtendedModel, Role};
+
+/// By how much a law ordinarily changes: a logarithm, a temperature in K, or a share of its value.
+const BY_SHARE: f64 = 0.1;
+const BY_K: f64 = 5.0;
+
+/// Standard deviations within which a change is sought.
+const WITHIN: f64 = 6.0;
+
+/// A model with effects of which some act in the changed runs alone, and with laws that are others there.
+///
+/// Parameters: those of the model, then the changes of laws, each on the scale of its law.
+#[derive(Debug, Clone)]
+pub(crate) struct Version {
+    model: ExtendedModel,
+    changed: Arc<BTreeSet<String>>,
+    /// Effects that the reference does not have.
+    new: CandidateSet,
+    /// Parameters of laws that have changed.
+    laws: Vec<usize>,
+    parameters: Vec<ParameterInfo>,
+}
+
+impl Version {
+    /// A model in which nothing has changed; `changed` are the names of the runs that are not of the reference.
+    pub(crate) fn unchanged(model: ExtendedModel, changed: Arc<BTreeSet<String>>) -> Self {
+        Self {
+            parameters: model.parameters().to_vec(),
+            model,
+            changed,
+            new: CandidateSet::EMPTY,
+            laws: Vec::new(),
+        }
+    }
+
+    /// The same with an effect that has appeared, which `model` has beside.
+    pub(crate) fn with_effect(&self, model: ExtendedModel, effect: Candidate) -> Self {
+        let mut parameters = model.parameters().to_vec();
+        with_priors(&model, effect, &mut parameters);
+        Self {
+            parameters,
+            model,
+            changed: Arc::clone(&self.changed),
+            new: CandidateSet::of(effect),
+            laws: Vec::new(),
+        }
+    }
+
+    /// The same with a law that has changed; `point` is where the laws are.
+    pub(crate) fn with_law(&self, law: usize, point: &[f64]) -> Self {
+        let mut parameters = self.model.parameters().to_vec();
+        let info = parameters[law].clone();
+        let deviation = match self.model.slot(law) {
+            // An effect that grew.
+            Some((effect, k)) if effect.info().parameters[k].role == Role::Size => {
+                effect.info().parameters[k].typical.abs()
+            }
+            _ => ordinary_change(&info, point[law]),
+        };
+        let ends = Bounds {
+            lower: -WITHIN * deviation,
+            upper: WITHIN * deviation,
+        };
+        parameters.push(ParameterInfo {
+            bounds: ends,
+            admissible: ends,
+            scale: Scale::Linear,
+            scope: Scope::Shared,
+            state: ParameterState::Free,
+            ordinary: Some(Ordinary {
+                deviation,
+                from_previous: false,
+            }),
+            ..info
+        });
+        Self {
+            parameters,
+            laws: vec![law],
+            ..self.clone()
+        }
+    }
+
+    pub(crate) fn model(&self) -> &ExtendedModel {
+        &self.model
+    }
+
+    /// Values of the model's parameters in a run.
+    fn values(&self, point: &[f64], is_changed: bool) -> Vec<f64> {
+        let n = point.len() - self.laws.len();
+        let mut values = point[..n].to_vec();
+        if !is_changed {
+            for effect in self.new.iter() {
+                if let Some(first) = self.model.first_parameter(effect) {
+                    let parameters = effect.info().parameters.iter();
+                    for (value, parameter) in values[first..].iter_mut().zip(parameters) {
+                        *value = parameter.neutral();
+                    }
+                }
+            }
+            return values;
+        }
+        for (&law, change) in self.laws.iter().zip(&point[n..]) {
+            let info = &self.parameters[law];
+            let moved = match info.scale {
+                Scale::Linear => values[law] + change,
+                Scale::Logarithmic => values[law] * change.exp(),
+            };
+            values[law] = moved.clamp(info.bounds.lower, info.bounds.upper);
+        }
+        values
+    }
+}
+
+/// Sizes of an effect that may be there are of the order of what is typical.
+fn with_priors(model: &ExtendedModel, effect: Candidate, parameters: &mut [ParameterInfo]) {
+    let Some(first) = model.first_parameter(effect) else {
+        return;
+    };
+    for (k, parameter) in effect.info().parameters.iter().enumerate() {
+        let info = &mut parameters[first + k];
+        if parameter.role == Role::Size && info.ordinary.is_none() {
+            info.ordinary = Some(Ordinary {
+                deviation: parameter.typical.abs(),
+                from_previous: false,
+            });
+        }
+    }
+}
+
+fn ordinary_change(info: &ParameterInfo, value: f64) -> f64 {
+    match info.scale {
+        Scale::Logarithmic => BY_SHARE,
+        Scale::Linear if info.unit == "degC" || info.unit == "K" => BY_K,
+        Scale::Linear if value.abs() > 0.0 => BY_SHARE * value.abs(),
+        Scale::Linear => BY_SHARE * (info.bounds.upper - info.bounds.lower),
+    }
+}
+
+impl ForwardModel for Version {
+    fn parameters(&self) -> &[ParameterInfo] {
+        &self.parameters
+    }
+
+    fn simulate(
+        &self,
+        points: &[Vec<f64>],
+        recording: &Recording,
+        visit: &mut dyn FnMut(Block<'_>),
+    ) -> Result<(), IdentifyError> {
+        let is_changed = self.changed.contains(recording.name());
+        let points = points.iter().map(|point| self.values(point, is_changed));
+        let points: Vec<Vec<f64>> = points.collect();
+        self.model.simulate(&points, recording, visit)
+    }
+}
