@@ -1,42 +1,53 @@
-//! dev
+//! Concealed changes of drawn rigs, each after runs of the rig as it should be in ever other states:
+//! `cargo run --release -p blind-trial --example changed OUT N`; see the README.
+
 use std::error::Error;
+use std::io::{self, Write};
 use std::ops::ControlFlow;
-use blind_trial::injected::Injected;
-use fixtures::bologna;
-use identify::{Rod, WienerModel};
-use missing_physics::{DiagnoseConfig, Reference, setting_of_rod};
-use recording::{Recording, read_csv};
-use wiener::hysteresis::Rule;
+use std::path::PathBuf;
+
+use blind_trial::Journal;
+use blind_trial::changed::{Answered, ChangedRig, said};
+use missing_physics::Reference;
+
+/// Seed of the published table.
+const SEED: u64 = 20_261_126;
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = fixtures::shared::path(bologna::FOLDER).unwrap();
-    let rod = Rod::parse("rod.toml", bologna::ROD)?;
-    let names = ["ramp01.csv", "ramp02.csv", "step01.csv", "step02.csv"];
-    let recorded: Vec<Recording> = names.iter().map(|n| read_csv(folder.join(n), &rod.read_options())).collect::<Result<_, _>>()?;
-    let outputs = recorded.iter().flat_map(Recording::output);
-    let [low, high] = outputs.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], &y| [l.min(y), h.max(y)]);
-    let stroke = [low, high - low];
-    let from: usize = std::env::args().nth(1).map_or(0, |a| a.parse().unwrap());
-    let to: usize = std::env::args().nth(2).map_or(10, |a| a.parse().unwrap());
-    let splits: Vec<u32> = (1u32..15).filter(|m| m.count_ones() <= 2).collect();
-    for (s, today) in splits.iter().enumerate().take(to).skip(from) {
-        let pick = |inside: bool| -> Vec<usize> { (0..4).filter(|k| (today >> k & 1 == 1) == inside).collect() };
-        let reference: Vec<Recording> = pick(false).iter().map(|&k| recorded[k].clone()).collect();
-        let base = WienerModel::new(&rod, Rule::LastReversal, &reference)?;
-        let config = DiagnoseConfig { setting: setting_of_rod(&rod, "mm"), ..DiagnoseConfig::default() };
-        let t = std::time::Instant::now();
-        let healthy = Reference::of(&base, &reference, &config, &mut |_| ControlFlow::Continue(()))?;
-        println!("== split {s}: today {:?}: {:.1} s", pick(true).iter().map(|&k| names[k]).collect::<Vec<_>>(), t.elapsed().as_secs_f64());
-        for injected in std::iter::once(None).chain(Injected::all().into_iter().map(Some)) {
-            let t = std::time::Instant::now();
-            let now: Vec<Recording> = pick(true).iter().map(|&k| injected.map_or(Ok(recorded[k].clone()), |i: Injected| i.on(&recorded[k], stroke))).collect::<Result<_, _>>()?;
-            let said = healthy.changed(&now)?;
-            if injected.is_none() {
-                println!("   laws {:?} coolings {} left out {:?}", said.laws, said.coolings, said.left_out.iter().map(|l| format!("{:.3} {:.1}", l.rmse, l.nats)).collect::<Vec<_>>());
+    let mut arguments = std::env::args().skip(1);
+    let (Some(out), Some(n)) = (arguments.next(), arguments.next()) else {
+        writeln!(
+            io::stdout(),
+            "changed OUT N: where to write, and how many rigs"
+        )?;
+        return Ok(());
+    };
+    let mut journal: Journal<Answered> = Journal::open(&PathBuf::from(out))?;
+    for number in 0..n.parse()? {
+        // Nothing has changed, then something.
+        let numbers = [2 * number, 2 * number + 1];
+        if numbers.iter().all(|&number| journal.contains(number)) {
+            continue;
+        }
+        let rig = ChangedRig::drawn(SEED, number);
+        let [reference, unchanged] = rig.recorded(false)?;
+        let [_, changed] = rig.recorded(true)?;
+        let (base, config) = rig.model(&reference)?;
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let healthy = Reference::of(&base, &reference, &config, go_on)?;
+        let of = rig.to_string();
+        let answers = [
+            (&unchanged, None),
+            (&changed, Some((rig.effect().to_owned(), rig.size()))),
+        ];
+        for ((today, put_on), number) in answers.into_iter().zip(numbers) {
+            if !journal.contains(number) {
+                let change = healthy.changed(today)?;
+                journal.append(Answered::new(number, of.clone(), put_on, &change))?;
             }
-            let list = said.considered.iter().take(5).map(|c| format!("{} {:.1} ({:.3e})", c.what.id(), c.nats, c.change)).collect::<Vec<_>>().join(", ");
-            let named = said.finding.as_ref().map_or(String::new(), |f| format!("{} or {:?}", f.leading.what.id(), f.could_also_be.iter().map(|w| w.id()).collect::<Vec<_>>()));
-            println!("{:24} {:.1}s {} [{named}] excess {:.2?} rms {:.3?} | {list}", injected.map_or("nothing".into(), |i| i.to_string()), t.elapsed().as_secs_f64(), said.verdict.id(), said.excess, said.runs.iter().map(|r| r.1).collect::<Vec<_>>());
         }
     }
+    // A closed pipe is not a fault of the study.
+    let _ = io::stdout().write_all(said(journal.lines()).as_bytes());
     Ok(())
 }

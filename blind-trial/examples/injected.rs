@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use blind_trial::injected::Injected;
+use blind_trial::injected::{Injected, stroke};
 use blind_trial::{Journal, Line, Named, TrialError, Verdict};
 use fixtures::bologna;
 use identify::{Rod, WienerModel};
@@ -83,15 +83,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A closed pipe is not a fault of the study.
     let _ = io::stdout().write_all(said(&lines).as_bytes());
     Ok(())
-}
-
-/// Lowest reading and range of all recordings.
-fn stroke(recordings: &[Recording]) -> [f64; 2] {
-    let outputs = recordings.iter().flat_map(Recording::output);
-    let [low, high] = outputs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &y| {
-        [low.min(y), high.max(y)]
-    });
-    [low, high - low]
 }
 
 /// A line a diagnosis: what was put on, what is said of it, and what else.

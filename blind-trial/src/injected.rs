@@ -124,6 +124,16 @@ impl Injected {
     }
 }
 
+/// Lowest reading and range of all recordings, in the output's unit: what [`Injected::on`] takes.
+#[must_use]
+pub fn stroke(recordings: &[Recording]) -> [f64; 2] {
+    let outputs = recordings.iter().flat_map(Recording::output);
+    let [low, high] = outputs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &y| {
+        [low.min(y), high.max(y)]
+    });
+    [low, high - low]
+}
+
 /// θ dy'/dt + y' = y, y straight between samples, from rest.
 fn lagged(time_s: &[f64], output: &[f64], lag_s: f64) -> Vec<f64> {
     let mut lagged = vec![output[0]];

@@ -5,6 +5,7 @@ mod answer;
 mod case;
 mod case_line;
 mod chance;
+pub mod changed;
 mod competitors;
 mod error;
 mod family;

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, IdentifyError, WienerModel};
-use recording::{RepeatFloor, Recording, repeat_floor};
+use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::baseline::{opened, with_state_of_runs, with_unknowns};
@@ -149,167 +149,172 @@ struct Opened<'a> {
 }
 
 impl Opened<'_> {
-fn diagnosed(
-    self,
-    [training, unseen]: [&[Recording]; 2],
-    config: &DiagnoseConfig,
-    caller: &Caller<'_>,
-) -> Result<Diagnosis, IdentifyError> {
-    let Self { base, plain, has_converged, repeats } = self;
-    let baseline = Stage {
-        validated: validated(base, &plain.point(0), unseen)?,
-        predicted_rmse: predicted(base, &plain.point(0), unseen)?,
-        fit: plain.clone(),
-    };
-    let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
-    let noise = measured(training, tau_s);
-    if !has_converged && !plain.converged() {
-        return Ok(Diagnosis {
+    fn diagnosed(
+        self,
+        [training, unseen]: [&[Recording]; 2],
+        config: &DiagnoseConfig,
+        caller: &Caller<'_>,
+    ) -> Result<Diagnosis, IdentifyError> {
+        let Self {
+            base,
+            plain,
+            has_converged,
             repeats,
-            ..Diagnosis::not_converged(baseline, &noise, config.seed)
-        });
-    }
-    let fine_case = Case::new(base, plain, training, config.setting).watched_by(caller);
-    caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
-    let few = coarse(base, plain, training)?;
-    let case = Case::new(base, plain, &few, fine_case.setting).watched_by(caller);
-    let few_noise = measured(&few, tau_s);
-    let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
-    let catalogue_set = testable(&fine_case, &fine_case.baseline()?, all)?;
-    let begun = |case, catalogue| begun(case, catalogue, &few_noise, config.seed);
-    let few_blocks = blocks(&case.layout, &few, GAP * tau_s);
-    let mut completing = Completing::new(&few_blocks, config.seed);
-    let mut coarse_searches = vec![begun(&case, catalogue_set)?];
-    caller.tell_of_search()?;
-    // A loop of another family bends what is found of the rest: it comes before more effects do.
-    let mut fits = Vec::new();
-    if catalogue_set.contains(Candidate::other_loop())
-        && is_anything(&completing.audited(&coarse_searches)?)
-    {
-        fits = families::fits(&case, config.seed)?;
-    }
-    let mut goes_on = families::is_another(&fits, &coarse_searches[0]);
-    if !goes_on {
-        // More effects than one are worth their search where a curve finds more than one has.
-        let population = completing.completed(&mut coarse_searches)?;
-        goes_on = may_be_the_loop(&population);
-        if !goes_on {
-            let named = coarse_searches[0].get(leading(&population).names);
-            families::retain_rivals(&mut fits, named);
+        } = self;
+        let baseline = Stage {
+            validated: validated(base, &plain.point(0), unseen)?,
+            predicted_rmse: predicted(base, &plain.point(0), unseen)?,
+            fit: plain.clone(),
+        };
+        let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+        let noise = measured(training, tau_s);
+        if !has_converged && !plain.converged() {
+            return Ok(Diagnosis {
+                repeats,
+                ..Diagnosis::not_converged(baseline, &noise, config.seed)
+            });
         }
-    }
-    let cases = families::cases(&case, &fits);
-    for case in &cases {
-        coarse_searches.push(begun(case, catalogue_set.without(Candidate::other_loop()))?);
-    }
-    if goes_on {
-        families::grow(&mut coarse_searches)?;
-        completing.completed(&mut coarse_searches)?;
-    }
-    let of_families = families::cases(&fine_case, &fits);
-    let fine_cases: Vec<&Case<'_>> = std::iter::once(&fine_case).chain(&of_families).collect();
-    let blocks = blocks(&fine_case.layout, training, GAP * tau_s);
-    let mut weighing = Weighing::new(&blocks, config.seed);
-    let (mut searches, population) = promoted(
-        &fine_cases,
-        &mut coarse_searches,
-        &mut completing,
-        &mut weighing,
-        noise.highest(),
-    )?;
-    let case = &fine_case;
-    let looked = (noise.gate.sqrt(), config.seed);
-    let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
-    caller.tell(DiagnoseProgress::Refit)?;
-    let (place, effects) = at(&searches, leading(&population));
-    let known = known(
-        &searches[place],
-        effects,
-        &population,
-        &noise,
-        &blocks,
-        config,
-    )?;
-    let mut decided = decide(&population, &known);
-    let ceiling = population.ceiling()[0] / case.layout.n_outputs() as f64;
-    let mut simulations =
-        plain.simulations + fits.iter().map(|(_, fit)| fit.simulations).sum::<u64>();
-    simulations += searches.iter().map(Search::simulations).sum::<u64>();
-    simulations += coarse_searches.iter().map(Search::simulations).sum::<u64>();
-    let mut search = searches.swap_remove(place);
-    simulations -= search.simulations();
-    let extended = extended(&mut search, effects, unseen)?;
-    let mut shares = None;
-    if let Some(extended) = &extended {
-        decided = told(decided, extended);
-        let after = unseen::unseen(&extended.model, &extended.stage.fit.point(0), unseen)?;
-        let before = unseen::unseen(base, &plain.point(0), unseen)?;
-        let own = explained([&before, &after], decided.explained, ceiling, config.seed);
-        shares = Some(own);
-        decided = held_to(
-            decided,
-            &mut search,
-            extended,
-            (own, [&before, &after]),
-            unseen,
+        let fine_case = Case::new(base, plain, training, config.setting).watched_by(caller);
+        caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
+        let few = coarse(base, plain, training)?;
+        let case = Case::new(base, plain, &few, fine_case.setting).watched_by(caller);
+        let few_noise = measured(&few, tau_s);
+        let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
+        let catalogue_set = testable(&fine_case, &fine_case.baseline()?, all)?;
+        let begun = |case, catalogue| begun(case, catalogue, &few_noise, config.seed);
+        let few_blocks = blocks(&case.layout, &few, GAP * tau_s);
+        let mut completing = Completing::new(&few_blocks, config.seed);
+        let mut coarse_searches = vec![begun(&case, catalogue_set)?];
+        caller.tell_of_search()?;
+        // A loop of another family bends what is found of the rest: it comes before more effects do.
+        let mut fits = Vec::new();
+        if catalogue_set.contains(Candidate::other_loop())
+            && is_anything(&completing.audited(&coarse_searches)?)
+        {
+            fits = families::fits(&case, config.seed)?;
+        }
+        let mut goes_on = families::is_another(&fits, &coarse_searches[0]);
+        if !goes_on {
+            // More effects than one are worth their search where a curve finds more than one has.
+            let population = completing.completed(&mut coarse_searches)?;
+            goes_on = may_be_the_loop(&population);
+            if !goes_on {
+                let named = coarse_searches[0].get(leading(&population).names);
+                families::retain_rivals(&mut fits, named);
+            }
+        }
+        let cases = families::cases(&case, &fits);
+        for case in &cases {
+            coarse_searches.push(begun(case, catalogue_set.without(Candidate::other_loop()))?);
+        }
+        if goes_on {
+            families::grow(&mut coarse_searches)?;
+            completing.completed(&mut coarse_searches)?;
+        }
+        let of_families = families::cases(&fine_case, &fits);
+        let fine_cases: Vec<&Case<'_>> = std::iter::once(&fine_case).chain(&of_families).collect();
+        let blocks = blocks(&fine_case.layout, training, GAP * tau_s);
+        let mut weighing = Weighing::new(&blocks, config.seed);
+        let (mut searches, population) = promoted(
+            &fine_cases,
+            &mut coarse_searches,
+            &mut completing,
+            &mut weighing,
+            noise.highest(),
         )?;
+        let case = &fine_case;
+        let looked = (noise.gate.sqrt(), config.seed);
+        let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
+        caller.tell(DiagnoseProgress::Refit)?;
+        let (place, effects) = at(&searches, leading(&population));
+        let known = known(
+            &searches[place],
+            effects,
+            &population,
+            &noise,
+            &blocks,
+            config,
+        )?;
+        let mut decided = decide(&population, &known);
+        let ceiling = population.ceiling()[0] / case.layout.n_outputs() as f64;
+        let mut simulations =
+            plain.simulations + fits.iter().map(|(_, fit)| fit.simulations).sum::<u64>();
+        simulations += searches.iter().map(Search::simulations).sum::<u64>();
+        simulations += coarse_searches.iter().map(Search::simulations).sum::<u64>();
+        let mut search = searches.swap_remove(place);
+        simulations -= search.simulations();
+        let extended = extended(&mut search, effects, unseen)?;
+        let mut shares = None;
+        if let Some(extended) = &extended {
+            decided = told(decided, extended);
+            let after = unseen::unseen(&extended.model, &extended.stage.fit.point(0), unseen)?;
+            let before = unseen::unseen(base, &plain.point(0), unseen)?;
+            let own = explained([&before, &after], decided.explained, ceiling, config.seed);
+            shares = Some(own);
+            decided = held_to(
+                decided,
+                &mut search,
+                extended,
+                (own, [&before, &after]),
+                unseen,
+            )?;
+        }
+        let explained = shares;
+        caller.tell(DiagnoseProgress::Locate)?;
+        let setting = search.case.setting;
+        let written = |named: &[Named]| {
+            let mut findings: Vec<Finding> = named
+                .iter()
+                .map(|named| finding(named, &setting, extended.as_ref()))
+                .collect();
+            findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
+            findings
+        };
+        let (findings, suspects) = (written(&decided.named), written(&decided.suspects));
+        let matters = known.least_that_matters(case.layout.n_outputs());
+        let catalogue = catalogue(&mut search, &decided, effects, matters, config.seed)?;
+        if !decided.named.is_empty() {
+            mismatch.blocks = blocks_of(&decided.named);
+            mismatch.block = mismatch.blocks.first().copied();
+        }
+        let explainable =
+            population.plain().evidence.squares()[0] / case.layout.n_outputs() as f64 - ceiling;
+        let of_leading = population.get(leading(&population).names);
+        let left = of_leading.map_or(0.0, |model| model.evidence.squares()[0])
+            / case.layout.n_outputs() as f64
+            - ceiling;
+        let remainder = if matches!(
+            decided.verdict,
+            Verdict::ExplainedInPart | Verdict::Unexplained
+        ) {
+            remainder(&mut search, effects, &mismatch, [explainable, left], looked)?
+        } else {
+            None
+        };
+        let next_experiment = next(&search, &decided, effects, &config.limits)?;
+        let best = search.get(effects).unwrap_or(search.baseline());
+        let noise_floor = noise.floor(search.case, best);
+        // Last: it may visit models that are no rivals.
+        let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
+        simulations += search.simulations();
+        Ok(Diagnosis {
+            verdict: decided.verdict,
+            noise_floor,
+            repeats,
+            baseline,
+            extended,
+            ladder,
+            explained,
+            mismatch,
+            findings,
+            suspects,
+            remainder,
+            catalogue,
+            next_experiment,
+            audit: decided.audit,
+            traces: decided.traces.0,
+            simulations,
+            seed: config.seed,
+        })
     }
-    let explained = shares;
-    caller.tell(DiagnoseProgress::Locate)?;
-    let setting = search.case.setting;
-    let written = |named: &[Named]| {
-        let mut findings: Vec<Finding> = named
-            .iter()
-            .map(|named| finding(named, &setting, extended.as_ref()))
-            .collect();
-        findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
-        findings
-    };
-    let (findings, suspects) = (written(&decided.named), written(&decided.suspects));
-    let matters = known.least_that_matters(case.layout.n_outputs());
-    let catalogue = catalogue(&mut search, &decided, effects, matters, config.seed)?;
-    if !decided.named.is_empty() {
-        mismatch.blocks = blocks_of(&decided.named);
-        mismatch.block = mismatch.blocks.first().copied();
-    }
-    let explainable =
-        population.plain().evidence.squares()[0] / case.layout.n_outputs() as f64 - ceiling;
-    let of_leading = population.get(leading(&population).names);
-    let left = of_leading.map_or(0.0, |model| model.evidence.squares()[0])
-        / case.layout.n_outputs() as f64
-        - ceiling;
-    let remainder = if matches!(
-        decided.verdict,
-        Verdict::ExplainedInPart | Verdict::Unexplained
-    ) {
-        remainder(&mut search, effects, &mismatch, [explainable, left], looked)?
-    } else {
-        None
-    };
-    let next_experiment = next(&search, &decided, effects, &config.limits)?;
-    let best = search.get(effects).unwrap_or(search.baseline());
-    let noise_floor = noise.floor(search.case, best);
-    // Last: it may visit models that are no rivals.
-    let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
-    simulations += search.simulations();
-    Ok(Diagnosis {
-        verdict: decided.verdict,
-        noise_floor,
-        repeats,
-        baseline,
-        extended,
-        ladder,
-        explained,
-        mismatch,
-        findings,
-        suspects,
-        remainder,
-        catalogue,
-        next_experiment,
-        audit: decided.audit,
-        traces: decided.traces.0,
-        simulations,
-        seed: config.seed,
-    })
-}
 }

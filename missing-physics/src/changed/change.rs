@@ -139,6 +139,9 @@ const SET: f64 = 0.95;
 /// What runs may leave over the most that a run of the reference left: as much again.
 const MOST: f64 = 2.0;
 
+/// Share of what is more than that which a finding accounts for at least, where runs leave more.
+const EXPLAINED: f64 = 0.8;
+
 /// Prior probability of no change; what may have changed shares the rest alike.
 const PRIOR: f64 = 0.5;
 
@@ -147,7 +150,10 @@ pub(super) fn probabilities(nats: &[f64]) -> (f64, Vec<f64>) {
     let share = (1.0 - PRIOR) / nats.len().max(1) as f64;
     let highest = nats.iter().copied().fold(0.0, f64::max);
     let none = PRIOR * (-highest).exp();
-    let each: Vec<f64> = nats.iter().map(|nats| share * (nats - highest).exp()).collect();
+    let each: Vec<f64> = nats
+        .iter()
+        .map(|nats| share * (nats - highest).exp())
+        .collect();
     let sum = none + each.iter().sum::<f64>();
     (none / sum, each.iter().map(|one| one / sum).collect())
 }
@@ -170,7 +176,8 @@ pub(super) fn decided(
         };
         return (verdict, None);
     };
-    if excess[1] > MOST {
+    let explained = (excess[0] - excess[1]) / (excess[0] - 1.0);
+    if excess[1] > MOST && explained < EXPLAINED {
         return (ChangeVerdict::Unexplained, None);
     }
     let mut held = leading.probability;

@@ -7,13 +7,12 @@ use rayon::prelude::*;
 
 use crate::changed::discrepancy::Discrepancy;
 use crate::changed::first_order::{Tried, alternatives};
-use crate::changed::joint::{Evidence, Joint, Runs};
+use crate::changed::joint::{Joint, Runs};
 use crate::changed::version::Version;
 use crate::model::case::Case;
 use crate::{Belongs, Candidate, CandidateSet};
 
-/// Effects that are followed to their ends, the likeliest to first order; and of each so many ways.
-const FOLLOWED: usize = 8;
+/// Ways of an effect that are followed to their ends, the likeliest to first order.
 const WAYS: usize = 2;
 
 /// Changes from whose ends no change is searched again, what they must gain, and what that must gain, nats.
@@ -39,7 +38,6 @@ pub(crate) struct Ended {
     pub(crate) what: What,
     /// Logarithm of its density over that of no change.
     pub(crate) nats: f64,
-    pub(crate) squares: f64,
     pub(crate) joint: Joint,
 }
 
@@ -65,7 +63,7 @@ impl Comparison<'_> {
     pub(crate) fn made(&self, mut none: Joint) -> Result<(Joint, Vec<Ended>), IdentifyError> {
         let mut round = 1;
         loop {
-            let before = self.evidence(&none).nats;
+            let before = self.nats(&none);
             let mut found = self.ends(&none)?;
             for one in &mut found {
                 one.nats -= before;
@@ -78,7 +76,7 @@ impl Comparison<'_> {
                     let version = none.version.clone();
                     let from = one.joint.in_version(&version, self.runs.len());
                     let there = self.settled(Joint::at(self.case, version, from)?)?;
-                    Ok((self.evidence(&there).nats, there))
+                    Ok((self.nats(&there), there))
                 })
                 .collect::<Result<Vec<_>, IdentifyError>>()?;
             let best = again.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
@@ -94,11 +92,11 @@ impl Comparison<'_> {
         joint.settled(self.case, self.runs, self.which, &self.discrepancy)
     }
 
-    pub(crate) fn evidence(&self, joint: &Joint) -> Evidence {
-        joint.evidence(self.runs, self.which, &self.discrepancy)
+    fn nats(&self, joint: &Joint) -> f64 {
+        joint.nats(self.runs, self.which, &self.discrepancy)
     }
 
-    /// Effects to first order, the likeliest first, with the ways in which they may be there.
+    /// Effects to first order, with the ways in which they may be there.
     fn to_first_order(&self, joint: &Joint) -> Result<Vec<(Candidate, Vec<Tried>)>, IdentifyError> {
         let n_runs = self.runs.len();
         let points: Vec<Vec<f64>> = (0..n_runs).map(|run| joint.point(run)).collect();
@@ -110,16 +108,14 @@ impl Comparison<'_> {
         let system = joint.system(self.runs, self.which, &self.discrepancy);
         let tried = alternatives.par_iter();
         let tried = tried.map(|one| (one.effect, one.tried(self.runs, &system, self.changed)));
-        let mut tried: Vec<(Candidate, Vec<Tried>)> = tried.collect();
-        tried.sort_by(|a, b| b.1[0].nats.total_cmp(&a.1[0].nats));
-        Ok(tried)
+        Ok(tried.collect())
     }
 
     /// All changes at the ends of their searches, the likeliest first.
     fn ends(&self, none: &Joint) -> Result<Vec<Ended>, IdentifyError> {
         let effects = self.to_first_order(none)?;
         let mut starts: Vec<(What, Version, Vec<f64>)> = Vec::new();
-        for (effect, tried) in effects.iter().take(FOLLOWED) {
+        for (effect, tried) in &effects {
             for tried in tried.iter().take(WAYS) {
                 let (version, start) = self.with_effect(none, *effect, tried);
                 starts.push((What::Effect(*effect), version, start));
@@ -138,13 +134,8 @@ impl Comparison<'_> {
         }
         let ended = starts.into_par_iter().map(|(what, version, start)| {
             let joint = self.settled(Joint::at(self.case, version, start)?)?;
-            let Evidence { nats, squares } = self.evidence(&joint);
-            Ok(Ended {
-                what,
-                nats,
-                squares,
-                joint,
-            })
+            let nats = self.nats(&joint);
+            Ok(Ended { what, nats, joint })
         });
         let mut ended = ended.collect::<Result<Vec<Ended>, IdentifyError>>()?;
         ended.sort_by(|a, b| b.nats.total_cmp(&a.nats));

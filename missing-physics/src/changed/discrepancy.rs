@@ -129,7 +129,9 @@ mod tests {
             timing_s: 0.9,
         };
         let n = 40;
-        let time_s: Vec<f64> = (0..n).map(|k| 0.2 * k as f64 + 0.05 * (k % 3) as f64).collect();
+        let time_s: Vec<f64> = (0..n)
+            .map(|k| 0.2 * k as f64 + 0.05 * (k % 3) as f64)
+            .collect();
         let rate: Vec<f64> = (0..n).map(|k| (0.3 * k as f64).sin().abs()).collect();
         let covariance = Matrix::from_fn(n, n, |i, j| {
             let apart_s = (time_s[i] - time_s[j]).abs();

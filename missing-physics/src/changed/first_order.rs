@@ -98,7 +98,11 @@ pub(crate) fn alternatives(
                 for group in traces.chunk_by(|a, b| a.is_tested_with(b)) {
                     let scaled = group.iter().zip(sizes_of(effect)).map(|(trace, k)| {
                         let typical = parameters[k].typical;
-                        trace.secant.iter().map(|value| value * typical).collect::<Vec<f64>>()
+                        trace
+                            .secant
+                            .iter()
+                            .map(|value| value * typical)
+                            .collect::<Vec<f64>>()
                     });
                     let mut columns: Vec<Vec<f64>> = scaled.collect();
                     if effect.info().belongs_to == Belongs::Recording {
@@ -117,10 +121,7 @@ pub(crate) fn alternatives(
                     });
                 }
             }
-            Ok(Alternative {
-                effect,
-                ways,
-            })
+            Ok(Alternative { effect, ways })
         })
         .collect::<Result<Vec<_>, IdentifyError>>()?;
     Ok(effects)
@@ -223,4 +224,3 @@ fn ln_normal([a, b]: [f64; 2]) -> f64 {
     }
     -0.5 * a * a - (a * (2.0 * PI).sqrt()).ln()
 }
-

@@ -30,21 +30,14 @@ pub(crate) struct Joint {
     vector: ParameterVector,
 }
 
-/// How well a joint does.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Evidence {
-    pub(crate) nats: f64,
-    pub(crate) squares: f64,
-}
-
 /// Steps of a search, and what one must gain to go on, nats.
-const STEPS: usize = 12;
+const STEPS: usize = 20;
 const LEAST: f64 = 0.1;
 
 /// Damping of the first step (Levenberg and Marquardt), what it is multiplied by after one that helped, and dampings of a step.
 const FIRST_DAMPING: f64 = 1e-2;
 const EASED: f64 = 0.1;
-const TRIES: usize = 5;
+const TRIES: usize = 7;
 
 impl Runs {
     /// `residual` is what a model of them leaves.
@@ -52,7 +45,9 @@ impl Runs {
         let outputs = case.layout.of_channel(Channel::Output);
         let ranges: Vec<_> = outputs.map(|one| one.range.clone()).collect();
         let pairs = case.recorded().iter().zip(residual);
-        let shown: Vec<f64> = pairs.map(|(recorded, residual)| recorded - residual).collect();
+        let shown: Vec<f64> = pairs
+            .map(|(recorded, residual)| recorded - residual)
+            .collect();
         let runs = case.training.iter().zip(&ranges);
         let mut sampled: Vec<Sampled> = runs
             .map(|(recording, range)| Sampled {
@@ -93,7 +88,11 @@ impl Runs {
         (of_runs.map(squares).sum::<f64>() / n as f64).sqrt()
     }
 
-    pub(crate) fn filters(&self, runs: &[usize], discrepancy: &Discrepancy) -> Vec<(usize, Filter)> {
+    pub(crate) fn filters(
+        &self,
+        runs: &[usize],
+        discrepancy: &Discrepancy,
+    ) -> Vec<(usize, Filter)> {
         runs.iter()
             .map(|&run| (run, Filter::of(discrepancy, &self.sampled[run])))
             .collect()
@@ -190,7 +189,10 @@ impl Joint {
         coordinates: &[f64],
         residual: &[f64],
     ) -> f64 {
-        let offsets = self.sensitivities.iter().filter(|one| one.coordinate.is_none());
+        let offsets = self
+            .sensitivities
+            .iter()
+            .filter(|one| one.coordinate.is_none());
         let white: Vec<Vec<f64>> = offsets
             .map(|one| runs.white(filters, &one.column))
             .filter(|white| white.iter().any(|value| value.abs() > 0.0))
@@ -205,7 +207,9 @@ impl Joint {
         let squares = System::new(Vec::new(), adjusted, own).squares();
         let acts = |row: &&PriorRow| {
             filters.iter().any(|(run, _)| {
-                self.vector.acting_on(*run).any(|one| row.derivative(one).abs() > 0.0)
+                self.vector
+                    .acting_on(*run)
+                    .any(|one| row.derivative(one).abs() > 0.0)
             })
         };
         let rows = self.rows.iter().filter(acts);
@@ -257,23 +261,14 @@ impl Joint {
         System::new(filters, adjusted, residual)
     }
 
-    /// Logarithm of the density of some of the runs, what may be adjusted integrated out, nats; and the squares that are left.
-    pub(crate) fn evidence(
-        &self,
-        runs: &Runs,
-        which: &[usize],
-        discrepancy: &Discrepancy,
-    ) -> Evidence {
+    /// Logarithm of the density of some of the runs, but for a constant, what may be adjusted integrated out.
+    pub(crate) fn nats(&self, runs: &Runs, which: &[usize], discrepancy: &Discrepancy) -> f64 {
         let system = self.system(runs, which, discrepancy);
         // Not what a step might still gain: a search that stands still is worth what it has found.
-        let squares = self.cost(runs, &system.filters, &self.coordinates, &self.residual);
-        Evidence {
-            nats: system.nats(squares),
-            squares,
-        }
+        system.nats(self.cost(runs, &system.filters, &self.coordinates, &self.residual))
     }
 
-    /// The same where these parameters are, as far as another version has them; what it has alone is dropped.
+    /// Coordinates of another version where these parameters are, as far as it has them; what it has beside is at nothing.
     pub(crate) fn in_version(&self, version: &Version, n_runs: usize) -> Vec<f64> {
         let vector = ParameterVector::new(version.parameters(), n_runs);
         let points: Vec<Vec<f64>> = (0..n_runs).map(|run| self.point(run)).collect();
@@ -284,9 +279,11 @@ impl Joint {
             None => Some(0.0),
             Some((effect, k)) => {
                 let first = own.first_parameter(effect);
-                Some(first.map_or(effect.info().parameters[k].neutral(), |first| {
-                    points[run][first + k]
-                }))
+                Some(
+                    first.map_or(effect.info().parameters[k].neutral(), |first| {
+                        points[run][first + k]
+                    }),
+                )
             }
         })
     }

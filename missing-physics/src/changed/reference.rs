@@ -19,7 +19,7 @@ use crate::model::case::Case;
 use crate::model::coarse::coarse_at;
 use crate::model::elsewhere::validated;
 use crate::watch::DiagnoseProgress;
-use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel};
+use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel, Setting};
 
 /// Odds by which an effect must be likelier than none, for each of the catalogue, to be taken into the laws.
 const ODDS: f64 = 20.0;
@@ -67,9 +67,8 @@ impl Reference {
         config: &DiagnoseConfig,
         progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
     ) -> Result<Self, IdentifyError> {
-        let is_law = |effect: Candidate| {
-            effect.info().belongs_to == Belongs::Rig && !effect.info().costly
-        };
+        let is_law =
+            |effect: Candidate| effect.info().belongs_to == Belongs::Rig && !effect.info().costly;
         let laws = config.catalogue.iter().filter(|&one| is_law(one.into()));
         let of_laws = DiagnoseConfig {
             catalogue: laws.fold(EffectSet::EMPTY, EffectSet::with),
@@ -86,6 +85,7 @@ impl Reference {
             }
         };
         let points: Vec<Vec<f64>> = (0..runs.len()).map(|run| fit.point(run)).collect();
+        let loop_family = model.loop_family();
         let mut reference = Self {
             tau_s: fit.parameter("tau_s").map_or(0.0, |tau| tau.values[0]),
             coolings: coolings(&model, &points, runs)?,
@@ -94,7 +94,13 @@ impl Reference {
             model,
             points,
             runs: runs.to_vec(),
-            config: config.clone(),
+            config: DiagnoseConfig {
+                setting: Setting {
+                    loop_family,
+                    ..config.setting
+                },
+                ..config.clone()
+            },
             discrepancy: Discrepancy::default(),
             left_out: Vec::new(),
             most: 1.0,
@@ -267,9 +273,12 @@ impl Reference {
                 (what, infos.len() - 1)
             }
         };
-        let is_logarithm = matches!(one.what, What::Law(law) if infos[law].scale == Scale::Logarithmic);
+        let is_logarithm =
+            matches!(one.what, What::Law(law) if infos[law].scale == Scale::Logarithmic);
         let change = one.joint.point(asked.changed[0])[place];
-        let system = one.joint.system(asked.runs, asked.which, &asked.discrepancy);
+        let system = one
+            .joint
+            .system(asked.runs, asked.which, &asked.discrepancy);
         let coordinate = one.joint.coordinate_of(place);
         let error = coordinate.and_then(|coordinate| system.error(coordinate));
         Considered {
@@ -291,12 +300,21 @@ impl Reference {
 /// White squares a sample that the changed runs add to those of the others.
 fn share(joint: &Joint, asked: &Comparison<'_>) -> f64 {
     let changed = |run: &usize| asked.changed.contains(run);
-    let others: Vec<usize> = asked.which.iter().copied().filter(|run| !changed(run)).collect();
+    let others: Vec<usize> = asked
+        .which
+        .iter()
+        .copied()
+        .filter(|run| !changed(run))
+        .collect();
     let squares = |which: &[usize]| {
         let system = joint.system(asked.runs, which, &asked.discrepancy);
         system.squares()
     };
-    let n: usize = asked.changed.iter().map(|&run| asked.runs.n_samples(run)).sum();
+    let n: usize = asked
+        .changed
+        .iter()
+        .map(|&run| asked.runs.n_samples(run))
+        .sum();
     (squares(asked.which) - squares(&others)) / n as f64
 }
 

@@ -65,7 +65,11 @@ impl System {
         } = adjusted;
         let n = columns.len();
         let mut precision = Matrix::from_fn(n, n, |i, j| {
-            if i >= j { dot(&columns[i], &columns[j]) } else { 0.0 }
+            if i >= j {
+                dot(&columns[i], &columns[j])
+            } else {
+                0.0
+            }
         });
         precision.fill_upper_triangle_with_lower_triangle();
         let mut along = Matrix::from_fn(n, 1, |i, _| dot(&columns[i], &residual));
@@ -90,8 +94,8 @@ impl System {
             let one = precision[(i, j)] * scale[i] * scale[j];
             if i == j { one + 1e-10 } else { one }
         });
-        let (inverse, ln_scaled) = dense::definite_inverse(&scaled)
-            .unwrap_or_else(|| (dense::inverse(&scaled), f64::NAN));
+        let (inverse, ln_scaled) =
+            dense::definite_inverse(&scaled).unwrap_or_else(|| (dense::inverse(&scaled), f64::NAN));
         let covariance = Matrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
         Self {
             ln_prior,
@@ -152,7 +156,9 @@ impl System {
     /// White series outside what may be adjusted.
     pub(crate) fn outside(&self, white: &[Vec<f64>]) -> Outside {
         let m = white.len();
-        let with = Matrix::from_fn(self.columns.len(), m, |i, k| dot(&self.columns[i], &white[k]));
+        let with = Matrix::from_fn(self.columns.len(), m, |i, k| {
+            dot(&self.columns[i], &white[k])
+        });
         let adjusted = &self.covariance * &with;
         let own = Matrix::from_fn(m, m, |i, j| dot(&white[i], &white[j]));
         let along = adjusted.transpose() * &self.along;

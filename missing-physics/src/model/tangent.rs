@@ -83,7 +83,9 @@ pub(crate) fn derivatives(
         .collect();
     // In a recording nothing moves but by what acts on it: as many of them in each.
     let shown = case.layout.shown(model, case.training, |r| {
-        let ends = vector.acting_on(r).flat_map(|j| ends[j].map(|end| (j, end)));
+        let ends = vector
+            .acting_on(r)
+            .flat_map(|j| ends[j].map(|end| (j, end)));
         let moved = ends.map(|(j, end)| {
             let mut moved = coordinates.to_vec();
             moved[j] = end;
