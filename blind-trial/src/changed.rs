@@ -144,19 +144,19 @@ pub fn said<'a>(answers: impl IntoIterator<Item = &'a Answered>) -> String {
     };
     let is = |id: &'static str| move |answer: &Answered| answer.verdict == id;
     format!(
-        "changed: {} of {} named, {} named wrongly, {} unexplained, {} unchanged, {} with too few coolings
-         nothing: {} of {} with a name, {} unexplained, {} with too few coolings
+        "changed: {} of {} named, {} named wrongly, {} unexplained, {} unchanged, {} with too short a reference
+         nothing: {} of {} with a name, {} unexplained, {} with too short a reference
 ",
         count(&some, &Answered::is_named),
         some.len(),
         count(&some, &Answered::is_wrong),
         count(&some, &is("unexplained")),
         count(&some, &is("unchanged")),
-        count(&some, &is("too_few_coolings")),
+        count(&some, &is("reference_too_short")),
         count(&none, &Answered::is_wrong),
         none.len(),
         count(&none, &is("unexplained")),
-        count(&none, &is("too_few_coolings")),
+        count(&none, &is("reference_too_short")),
     )
 }
 

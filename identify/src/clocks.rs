@@ -1,6 +1,7 @@
 //! Whether an output comes before the drive that causes it.
 
 use recording::Recording;
+use recording::order::rising;
 
 use crate::least_squares::LeastSquaresConfig;
 use crate::{Fit, ForwardModel, IdentifyError, ParameterVector, RefineConfig, Refined, refine};
@@ -80,7 +81,7 @@ pub fn early_output(
         return Ok(None);
     }
     for _ in 0..HALVINGS {
-        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rising(&mut tried, |one| one.0);
         let best = best_of(&tried);
         let below = best.checked_sub(1).map(|k| tried[k].0);
         let above = tried.get(best + 1).map(|one| one.0);

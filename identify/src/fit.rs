@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use recording::Recording;
+use recording::order::rising;
 
 use crate::fitted::{fitted_parameters, parameter_covariance};
 use crate::identifiability::unfixed_directions;
@@ -195,9 +196,7 @@ pub fn fit(
     let mut agreeing_starts = search.ends.iter().filter(agrees).count() as u64;
     // Before weights change it: the outputs' own spread.
     let spread = problem.spread();
-    search
-        .ends
-        .sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    rising(&mut search.ends, |end| end.sum_of_squares);
     let held = held_within(&problem, &search.ends, &config.least_squares)?;
     let wall = held
         .as_ref()

@@ -2,6 +2,7 @@ use std::borrow::Cow;
 
 use pso::Bound;
 use recording::Recording;
+use recording::order::rising;
 
 use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
 use crate::moments::Solved;
@@ -146,7 +147,7 @@ fn raced<'a>(
         .iter()
         .map(|start| minimize(problem, bounds, start, &short))
         .collect::<Result<Vec<Minimum>, IdentifyError>>()?;
-    ends.sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    rising(&mut ends, |end| end.sum_of_squares);
     ends.truncate(FOLLOWED);
     Ok(Cow::Owned(ends.into_iter().map(|end| end.point).collect()))
 }

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, IdentifyError, WienerModel};
+use recording::order::falling;
 use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
@@ -267,7 +268,7 @@ impl Opened<'_> {
                 .iter()
                 .map(|named| finding(named, &setting, extended.as_ref()))
                 .collect();
-            findings.sort_by(|a, b| b.contribution.total_cmp(&a.contribution));
+            falling(&mut findings, |finding| finding.contribution);
             findings
         };
         let (findings, suspects) = (written(&decided.named), written(&decided.suspects));

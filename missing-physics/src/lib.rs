@@ -18,7 +18,10 @@ mod screen;
 mod search;
 mod watch;
 
-pub use changed::{Change, ChangeVerdict, Changed, Changing, Considered, LeftOut, Reference};
+pub use changed::{
+    Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS, LeftOut,
+    Reference,
+};
 pub use config::DiagnoseConfig;
 pub use decide::Verdict;
 pub use decide::{Basis, Comparison, RULES, Rule, RuleId, Trace};

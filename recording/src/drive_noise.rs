@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::Recording;
 use crate::holds::HOLD_TOLERANCE;
+use crate::order::rising;
 use crate::quantity::Quantity;
 use crate::sampling::Sampling;
 use crate::stretches::{Stretch, stretches};
@@ -173,7 +174,7 @@ impl Levels {
         let mut means: Vec<(f64, f64)> = held
             .map(|stretch| (stretch.middle(), stretch.samples.len() as f64))
             .collect();
-        means.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rising(&mut means, |one| one.0);
         let mut levels: Vec<Level> = Vec::new();
         for (mean, n_samples) in means {
             match levels.last_mut() {

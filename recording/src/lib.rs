@@ -99,6 +99,7 @@ mod limited;
 mod lines;
 mod mended;
 mod noise;
+pub mod order;
 mod quantity;
 mod quantization;
 mod rates;

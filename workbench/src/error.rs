@@ -78,6 +78,20 @@ pub enum WorkbenchError {
         /// The recording.
         recording: String,
     },
+    /// A run is of the reference and since.
+    #[error("{recording}: is given to --reference and to --train; a run is one or the other")]
+    InReference {
+        /// The recording.
+        recording: String,
+    },
+    /// Laws are asked for of a rig that is no heated rod.
+    #[error(
+        "{recording}: --reference is for recordings of a heated rod with time, drive and displacement"
+    )]
+    NoReference {
+        /// The recording.
+        recording: String,
+    },
     /// A diagnosis is asked for of two rods that pull against one another.
     #[error(
         "{recording}: two drives: effects are known of one rod only; `sma identify` fits both; for a diagnosis record each with the other cold, and name one drive"
@@ -156,6 +170,8 @@ impl WorkbenchError {
                 | Self::OtherColumns { .. }
                 | Self::OnlyTemperature { .. }
                 | Self::TwoRods { .. }
+                | Self::InReference { .. }
+                | Self::NoReference { .. }
         )
     }
 }

@@ -1,7 +1,5 @@
 //! What is said of what has changed.
 
-use std::cmp::Ordering;
-
 use crate::Candidate;
 
 /// Verdict on what has changed since the reference.
@@ -13,8 +11,8 @@ pub enum ChangeVerdict {
     Changed,
     /// Something has, and neither a known effect nor a law accounts for it; or the runs go where the reference did not.
     Unexplained,
-    /// The reference cools too seldom for a name: its laws, and how far it repeats, are not known.
-    TooFewCoolings,
+    /// The reference is one run alone, or cools too seldom: its laws, and how far it repeats, are not known.
+    ReferenceTooShort,
 }
 
 impl ChangeVerdict {
@@ -25,7 +23,7 @@ impl ChangeVerdict {
             Self::Unchanged => "unchanged",
             Self::Changed => "changed",
             Self::Unexplained => "unexplained",
-            Self::TooFewCoolings => "too_few_coolings",
+            Self::ReferenceTooShort => "reference_too_short",
         }
     }
 }
@@ -117,8 +115,8 @@ pub struct Change {
     pub left_out: Vec<LeftOut>,
     /// Effects that the reference has.
     pub laws: Vec<Candidate>,
-    /// Names of the runs that were asked about, and what the laws of the reference leave of each, and with the likeliest change, in the
-    /// unit of the output; each run's own state is known in both.
+    /// Names of the runs that were asked about, and root mean squares of what the laws of the reference leave of each without a change
+    /// and with the likeliest, in the unit of the output; each run's own state is known in both.
     pub runs: Vec<(String, [f64; 2])>,
     /// What they leave more than the runs of the reference did when left out, as a ratio of squares: without a change and with the
     /// likeliest.
@@ -128,7 +126,10 @@ pub struct Change {
 }
 
 /// Fewest coolings of a reference from which a name is given.
-pub(super) const FEWEST_COOLINGS: usize = 2;
+pub const FEWEST_COOLINGS: usize = 2;
+
+/// Fewest runs of a reference: how far one repeats nobody knows.
+pub const FEWEST_RUNS: usize = 2;
 
 /// Probability of no change from which nothing is said to have changed.
 const UNCHANGED: f64 = 0.05;
@@ -163,10 +164,10 @@ pub(super) fn decided(
     considered: &[Considered],
     unchanged: f64,
     excess: [f64; 2],
-    coolings: usize,
+    (runs, coolings): (usize, usize),
 ) -> (ChangeVerdict, Option<Changed>) {
-    if coolings < FEWEST_COOLINGS {
-        return (ChangeVerdict::TooFewCoolings, None);
+    if runs < FEWEST_RUNS || coolings < FEWEST_COOLINGS {
+        return (ChangeVerdict::ReferenceTooShort, None);
     }
     let Some(leading) = considered.first().filter(|_| unchanged < UNCHANGED) else {
         let verdict = if excess[0] > MOST {
@@ -197,11 +198,6 @@ pub(super) fn decided(
         could_also_be,
     };
     (ChangeVerdict::Changed, Some(finding))
-}
-
-/// The likeliest first.
-pub(super) fn by_probability(one: &Considered, other: &Considered) -> Ordering {
-    other.nats.total_cmp(&one.nats)
 }
 
 #[cfg(test)]
@@ -236,14 +232,19 @@ mod tests {
             considered(EffectId::DeadTime, 0.17),
             considered(EffectId::Backlash, 0.03),
         ];
-        let (verdict, finding) = decided(&all, 1e-9, [30.0, 1.1], 2);
+        let (verdict, finding) = decided(&all, 1e-9, [30.0, 1.1], (2, 2));
         assert_eq!(verdict, ChangeVerdict::Changed);
         let others = finding.unwrap().could_also_be;
         assert_eq!(others, [Changing::Appeared(EffectId::DeadTime.into())]);
-        let of = |unchanged, excess, coolings| decided(&all, unchanged, excess, coolings).0;
-        assert_eq!(of(1e-9, [30.0, 2.5], 2), ChangeVerdict::Unexplained);
-        assert_eq!(of(0.5, [2.5, 2.4], 2), ChangeVerdict::Unexplained);
-        assert_eq!(of(0.5, [1.5, 1.4], 2), ChangeVerdict::Unchanged);
-        assert_eq!(of(1e-9, [30.0, 1.1], 1), ChangeVerdict::TooFewCoolings);
+        let of = |unchanged, excess, reference| decided(&all, unchanged, excess, reference).0;
+        assert_eq!(of(1e-9, [4.0, 2.5], (2, 2)), ChangeVerdict::Unexplained);
+        // What it does not account for is no reason against what it does.
+        assert_eq!(of(1e-9, [30.0, 2.5], (2, 2)), ChangeVerdict::Changed);
+        assert_eq!(of(0.5, [2.5, 2.4], (2, 2)), ChangeVerdict::Unexplained);
+        assert_eq!(of(0.5, [1.5, 1.4], (2, 2)), ChangeVerdict::Unchanged);
+        for reference in [(1, 5), (3, 1)] {
+            let verdict = of(1e-9, [30.0, 1.1], reference);
+            assert_eq!(verdict, ChangeVerdict::ReferenceTooShort);
+        }
     }
 }

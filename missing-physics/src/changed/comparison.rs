@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use identify::{ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
 use rayon::prelude::*;
+use recording::order::falling;
 
 use crate::changed::discrepancy::Discrepancy;
 use crate::changed::first_order::{Tried, alternatives};
@@ -138,7 +139,7 @@ impl Comparison<'_> {
             Ok(Ended { what, nats, joint })
         });
         let mut ended = ended.collect::<Result<Vec<Ended>, IdentifyError>>()?;
-        ended.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+        falling(&mut ended, |one| one.nats);
         let mut seen: Vec<What> = Vec::new();
         ended.retain(|one| {
             let is_first = !seen.contains(&one.what);

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use identify::IdentifyError;
 use identify::dense::{Matrix, definite_inverse};
 use rayon::prelude::*;
+use recording::order::falling;
 
 use crate::changed::joint::Runs;
 use crate::changed::system::System;
@@ -132,7 +133,7 @@ impl Alternative {
     pub(crate) fn tried(&self, runs: &Runs, system: &System, changed: &[usize]) -> Vec<Tried> {
         let ways = self.ways.iter();
         let mut tried: Vec<Tried> = ways.map(|way| way.tried(runs, system, changed)).collect();
-        tried.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+        falling(&mut tried, |one| one.nats);
         tried
     }
 }

@@ -15,5 +15,7 @@ mod reference;
 mod system;
 mod version;
 
-pub use change::{Change, ChangeVerdict, Changed, Changing, Considered, LeftOut};
+pub use change::{
+    Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS, LeftOut,
+};
 pub use reference::Reference;

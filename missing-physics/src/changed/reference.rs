@@ -5,9 +5,7 @@ use std::ops::ControlFlow;
 use identify::{Fit, ForwardModel, IdentifyError, Scale, WienerModel, predict};
 use recording::Recording;
 
-use crate::changed::change::{
-    Change, Changing, Considered, LeftOut, by_probability, decided, probabilities,
-};
+use crate::changed::change::{Change, Changing, Considered, LeftOut, decided, probabilities};
 use crate::changed::comparison::{Comparison, Ended, What, names, unchanged};
 use crate::changed::discrepancy::Discrepancy;
 use crate::changed::joint::{Joint, Runs};
@@ -227,21 +225,20 @@ impl Reference {
         let (none, mut found) = asked.made(none)?;
         let nats: Vec<f64> = found.iter().map(|one| one.nats).collect();
         let (likely, each) = probabilities(&nats);
-        let mut considered: Vec<Considered> = found
+        let considered: Vec<Considered> = found
             .iter()
             .zip(each)
             .map(|(one, probability)| self.considered(one, &asked, probability))
             .collect();
-        considered.sort_by(by_probability);
         let with = if found.is_empty() {
             none.clone()
         } else {
             found.swap_remove(0).joint
         };
         let excess = [&none, &with].map(|joint| share(joint, &asked) / self.most);
-        let (verdict, finding) = decided(&considered, likely, excess, self.coolings);
-        let left = |joint: &Joint, run: usize| runs.rms_of(run, &joint.residual);
-        let of_runs = today.iter().zip(n_reference..);
+        let (verdict, finding) = decided(&considered, likely, excess, (n_reference, self.coolings));
+        let after = validated(&with.version, &with.point(n_reference), today)?;
+        let of_runs = own.iter().zip(&after);
         Ok(Change {
             verdict,
             finding,
@@ -251,7 +248,7 @@ impl Reference {
             left_out: self.left_out.clone(),
             laws: self.model.active().iter().collect(),
             runs: of_runs
-                .map(|(one, run)| (one.name().to_owned(), [left(&none, run), left(&with, run)]))
+                .map(|(before, after)| (before.name.clone(), [before.rmse, after.rmse]))
                 .collect(),
             excess,
             output_unit: all[0].output_unit().to_owned(),

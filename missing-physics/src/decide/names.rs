@@ -1,5 +1,7 @@
 //! What may be called by name, and what else it could be.
 
+use recording::order::falling;
+
 use crate::decide::known::Known;
 use crate::decide::rules::RuleId;
 use crate::decide::trace::Traces;
@@ -154,7 +156,7 @@ fn alternatives(
     others.iter_mut().for_each(|(_, mass)| *mass *= share);
     let own = own * share;
     others.extend(untried.into_iter().map(|other| (other, own)));
-    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    falling(&mut others, |other| other.1);
     let named = Named {
         effect,
         others,

@@ -2,6 +2,7 @@
 
 use identify::ResidualNoise;
 use identify::dense::Matrix;
+use recording::order::falling;
 
 use crate::EffectBlock;
 use crate::locate::located::Located;
@@ -207,7 +208,7 @@ pub(crate) fn blocks(pulled: &Pulled) -> Vec<(EffectBlock, f64)> {
         .zip(weights)
         .map(|(block, weight)| (block, weight / whole))
         .collect();
-    blocks.sort_by(|a, b| b.1.total_cmp(&a.1));
+    falling(&mut blocks, |block| block.1);
     blocks
 }
 

@@ -3,6 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use recording::order::falling;
 
 use crate::Cell;
 use crate::locate::located::Located;
@@ -67,7 +68,7 @@ pub(crate) fn cells(located: &Located<'_>, regimes: &[Regime]) -> Vec<Cell> {
     let mut found: Vec<(Cell, &Regime)> = judged
         .filter(|(cell, _)| cell.share > cell.occupancy && cell.p_value <= LARGEST_P)
         .collect();
-    found.sort_by(|(a, _), (b, _)| information(b).total_cmp(&information(a)));
+    falling(&mut found, |(one, _)| information(one));
     distinct(found)
 }
 

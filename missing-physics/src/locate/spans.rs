@@ -1,5 +1,7 @@
 //! Stretches of time that hold most of the error.
 
+use recording::order::falling;
+
 use crate::Span;
 use crate::locate::located::Located;
 use crate::pullback::scene::Scene;
@@ -70,7 +72,7 @@ pub(crate) fn spans(located: &Located<'_>, scene: &Scene) -> Vec<Span> {
             share,
         });
     }
-    spans.sort_by(|a, b| b.share.total_cmp(&a.share));
+    falling(&mut spans, |span| span.share);
     spans
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use identify::{IdentifyError, Limits, ResidualNoise};
 use rayon::prelude::*;
 use recording::Recording;
+use recording::order::rising;
 
 use crate::Candidate;
 use crate::model::case::{Case, Node};
@@ -207,7 +208,9 @@ impl Lab<'_> {
                 (samples <= self.bench.most_samples() as f64).then_some((times as usize, tried))
             })
             .collect();
-        wanted.sort_by_key(|(times, tried)| times * tried.drive.len());
+        rising(&mut wanted, |(times, tried)| {
+            (times * tried.drive.len()) as f64
+        });
         wanted.iter().take(REPEATED).find_map(|&(times, tried)| {
             let drive = tried.drive.repeat(times);
             let recording = recording(self.case, drive, self.bench.dt_s).ok()?;

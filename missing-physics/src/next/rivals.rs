@@ -2,6 +2,8 @@
 
 use identify::{IdentifyError, Limits};
 
+use recording::order::falling;
+
 use crate::decide::Verdict;
 use crate::decide::{Decided, Named};
 use crate::model::case::Node;
@@ -84,10 +86,9 @@ fn in_its_place<'a>(
 fn nearest<'a>(search: &'a Search<'_>, chosen: CandidateSet) -> Vec<Rival<'a>> {
     let with_effects = |node: &&Node| search.admits(node) && !node.effects.is_empty();
     let mut nodes: Vec<&Node> = search.nodes().filter(with_effects).collect();
-    let rank = |node: &Node| (node.effects == chosen, search.credit(node.effects));
-    nodes.sort_by(|a, b| {
-        let (a, b) = (rank(a), rank(b));
-        b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
+    falling(&mut nodes, |node| match node.effects == chosen {
+        true => f64::INFINITY,
+        false => search.credit(node.effects),
     });
     let own = |node: &Node, other: &Node| {
         let mut own = node.effects.iter();

@@ -1,6 +1,7 @@
 //! Where models and recordings part, and what is left.
 
 use identify::IdentifyError;
+use recording::order::falling;
 
 use crate::decide::Named;
 use crate::locate::everywhere::{locate, remainder_shape};
@@ -53,7 +54,7 @@ pub(crate) fn blocks_of(named: &[Named]) -> Vec<(EffectBlock, f64)> {
             }
         }
     }
-    blocks.sort_by(|a, b| b.1.total_cmp(&a.1));
+    falling(&mut blocks, |block| block.1);
     blocks
 }
 

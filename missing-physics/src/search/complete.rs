@@ -2,6 +2,8 @@
 
 use identify::IdentifyError;
 
+use recording::order::falling;
+
 use crate::decide::leading;
 use crate::evidence::{Block, Population};
 use crate::model::elsewhere::is_drift;
@@ -163,7 +165,7 @@ pub(crate) fn parts(effects: CandidateSet) -> Vec<CandidateSet> {
             own.map(|(_, effect)| *effect).collect()
         })
         .collect();
-    parts.sort_by_key(|part| std::cmp::Reverse(part.len()));
+    falling(&mut parts, |part| part.len() as f64);
     parts
 }
 

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector};
+use recording::order::rising;
 
 use crate::agreed::agreed;
 use crate::decide::leading;
@@ -46,7 +47,7 @@ pub(crate) fn plain_fits(
         ))
     });
     let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;
-    fits.sort_by(|(_, a), (_, b)| a.train_rmse.total_cmp(&b.train_rmse));
+    rising(&mut fits, |(_, fit)| fit.train_rmse);
     Ok(fits)
 }
 

@@ -2,6 +2,7 @@
 
 use identify::IdentifyError;
 use rayon::prelude::*;
+use recording::order::falling;
 
 use crate::decide::leading;
 use crate::evidence::{Model, Population};
@@ -106,7 +107,7 @@ fn contenders(
 ) -> Vec<(usize, CandidateSet)> {
     let best = population.best();
     let mut models: Vec<&Model> = population.models.iter().collect();
-    models.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
+    falling(&mut models, |model| model.worth());
     let could = |(rank, model): &(usize, &&Model)| {
         *rank < FEWEST && !is_costly(model.effects) || model.worth() > best.worth() - HOPELESS
     };

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use identify::{Fit, IdentifyError};
 use rayon::prelude::*;
+use recording::order::{falling, rising};
 
 use crate::model::case::{Case, Node};
 use crate::model::elsewhere::is_drift;
@@ -286,8 +287,8 @@ impl<'a> Search<'a> {
             sets.retain(admitted);
         }
         let mut by_error = sets.clone();
-        by_error.sort_by(|&a, &b| self.error(a).total_cmp(&self.error(b)));
-        sets.sort_by(|&a, &b| self.credit(b).total_cmp(&self.credit(a)));
+        rising(&mut by_error, |&one| self.error(one));
+        falling(&mut sets, |&set| self.credit(set));
         let mut best: Vec<CandidateSet> = sets.into_iter().take(BRANCHES).collect();
         for set in by_error.into_iter().take(BRANCHES) {
             if !best.contains(&set) {
@@ -494,7 +495,7 @@ pub(crate) fn gained(parent: &Node, child: &Node, effect: Candidate) -> f64 {
 fn shortlist(scores: &[Score], least: f64, most: [usize; 2]) -> Vec<&Score> {
     let first = |of: fn(&Score) -> f64, n: usize| {
         let mut sorted: Vec<&Score> = scores.iter().filter(|score| of(score) > least).collect();
-        sorted.sort_by(|a, b| of(b).total_cmp(&of(a)));
+        falling(&mut sorted, |one| of(one));
         sorted.truncate(n);
         sorted
     };

@@ -6,6 +6,7 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use recording::order::rising;
 
 use crate::model::case::{Case, Node};
 use crate::search::refit::led;
@@ -116,7 +117,7 @@ fn raced(
         .flatten()
         .map(|end| (end.deviance, end.coordinates))
         .collect();
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rising(&mut ends, |end| end.0);
     Ok(ends)
 }
 
@@ -162,7 +163,7 @@ fn lowest(
         places.iter().map(|place| vector.values(place, r)).collect()
     })?;
     let mut ranked: Vec<End> = residuals.into_iter().zip(places).collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rising(&mut ranked, |one| one.0);
     ranked.truncate(SEARCHES);
     Ok(ranked)
 }

@@ -1,5 +1,6 @@
 //! What two runs of the same drive differ by.
 
+use crate::order::falling;
 use crate::recording::Recording;
 use crate::repeated::pairs::Pair;
 
@@ -92,7 +93,7 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
         .filter(|&(_, taken)| taken > NAMED * whole)
         .map(|((kind, value), taken)| (taken, kind(value)))
         .collect();
-    named.sort_by(|a, b| b.0.total_cmp(&a.0));
+    falling(&mut named, |one| one.0);
     Apart {
         offset,
         rms: (whole / n).sqrt(),

@@ -2,6 +2,7 @@
 
 use crate::holds::range;
 use crate::noise::{NoiseConfig, noise_floor};
+use crate::order::falling;
 use crate::recording::Recording;
 use crate::repeated::apart::{Apart, apart};
 use crate::repeated::pairs::{Pair, pairs};
@@ -189,7 +190,7 @@ pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
         })
         .collect();
     let mut all = pairs(recordings);
-    all.sort_by_key(|pair| std::cmp::Reverse(pair.samples.len()));
+    falling(&mut all, |pair| pair.samples.len() as f64);
     // Of recordings in several units those of the longest pair.
     let unit_of = |pair: &Pair| recordings[pair.recordings[0]].output_unit();
     let unit = unit_of(all.first()?).to_owned();

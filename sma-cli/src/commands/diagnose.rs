@@ -16,6 +16,7 @@ use missing_physics::{
 use recording::Recording;
 
 use crate::commands::on_threads;
+use crate::commands::since::since_reference;
 use crate::commands::used::UseArgs;
 use crate::earlier::Earlier;
 use crate::memory::Memory;
@@ -69,6 +70,10 @@ pub(crate) struct DiagnoseArgs {
     /// Recordings that decide, CSV.
     #[arg(long, num_args = 1.., required = true, value_name = "CSV")]
     train: Vec<PathBuf>,
+    /// Runs of the rig as it should be, CSV: says what has changed since in those of --train. Two at least, each with a slow cooling.
+    #[arg(long, num_args = 1.., value_name = "CSV", conflicts_with_all = ["validate", "from_model", "save_model", "save_next", "plots",
+        "report", "resume"])]
+    pub(crate) reference: Vec<PathBuf>,
     /// Recordings to check the result on, CSV; opened once, at the end.
     #[arg(long, num_args = 1.., value_name = "CSV")]
     validate: Vec<PathBuf>,
@@ -76,7 +81,7 @@ pub(crate) struct DiagnoseArgs {
     used: UseArgs,
     /// Which reversals the hysteresis of the plain model remembers.
     #[arg(long, value_enum, default_value_t = Memory::LastReversal)]
-    memory: Memory,
+    pub(crate) memory: Memory,
     /// Effects that are not to be found.
     #[arg(long, num_args = 1.., value_name = "EFFECT", value_parser = EffectId::parse)]
     without: Vec<EffectId>,
@@ -103,7 +108,7 @@ pub(crate) struct DiagnoseArgs {
     no_plot: bool,
     /// Seed: same seed and inputs, same result.
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub(crate) seed: u64,
     /// Threads; 0 takes all. The result does not depend on it.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=256))]
     threads: u16,
@@ -116,7 +121,7 @@ pub(crate) struct DiagnoseArgs {
     json: Option<PathBuf>,
     /// No progress and no notes.
     #[arg(long, short)]
-    quiet: bool,
+    pub(crate) quiet: bool,
 }
 
 /// Places for results.
@@ -145,7 +150,8 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         plots: args.plots.as_deref().map(Gallery::at).transpose()?,
     };
     let mut rod = Rod::read(&args.rod)?;
-    let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
+    let recordings = args.train.iter().chain(&args.validate);
+    let recordings: Vec<PathBuf> = recordings.chain(&args.reference).cloned().collect();
     args.used.apply(&mut rod, &recordings)?;
     let training = read_all(&rod, &args.train)?;
     let given = read_all(&rod, &args.validate)?;
@@ -160,6 +166,9 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         unseen,
         notes,
     };
+    if !args.reference.is_empty() {
+        return since_reference(args, rig, places.json);
+    }
     let model = RigModel::new(&rig.rod, args.memory.rule(), &rig.training)?;
     match &model {
         RigModel::Wiener(plain) => with_time(args, &model, plain, rig, places),
@@ -383,6 +392,7 @@ impl DiagnoseArgs {
         std::iter::once(&self.rod)
             .chain(&self.train)
             .chain(&self.validate)
+            .chain(&self.reference)
             .chain(&self.hypothesis)
             .chain(&self.from_model)
             .map(PathBuf::as_path)
@@ -393,7 +403,7 @@ impl DiagnoseArgs {
         clippy::needless_update,
         reason = "a setting that is not a flag has its default"
     )]
-    fn config(&self, from: Vec<Vec<f64>>, rig: &Rig) -> anyhow::Result<DiagnoseConfig> {
+    pub(crate) fn config(&self, from: Vec<Vec<f64>>, rig: &Rig) -> anyhow::Result<DiagnoseConfig> {
         let preset = DiagnoseConfig::default();
         let catalogue = self
             .without

@@ -9,6 +9,7 @@ pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod shell;
 pub(crate) mod simulate;
+mod since;
 pub(crate) mod trial;
 pub(crate) mod tune;
 mod used;

@@ -1,5 +1,6 @@
 //! What the commands say: text for people, JSON for programs.
 
+pub mod changed;
 pub mod diagnosed;
 pub mod diagnosed_json;
 pub mod identified;

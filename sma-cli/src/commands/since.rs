@@ -1,0 +1,60 @@
+//! `sma diagnose --reference`: what has changed since runs of the rig as it should be.
+
+use std::ops::ControlFlow;
+
+use identify::RigModel;
+use missing_physics::Reference;
+use workbench::report::changed::SinceReference;
+use workbench::{WorkbenchError, read_all};
+
+use super::diagnose::{DiagnoseArgs, Rig, show};
+use crate::outcome::Outcome;
+use crate::sink::{Sink, deliver};
+use crate::terminal::{bar, say};
+
+/// Fits the laws of the reference, and asks of the training recordings what has changed.
+pub(crate) fn since_reference(
+    args: &DiagnoseArgs,
+    rig: Rig,
+    json: Option<Sink>,
+) -> anyhow::Result<Outcome> {
+    let reference = read_all(&rig.rod, &args.reference)?;
+    if let Some(twice) = rig
+        .training
+        .iter()
+        .find(|one| reference.iter().any(|run| run.name() == one.name()))
+    {
+        return Err(WorkbenchError::InReference {
+            recording: twice.name().to_owned(),
+        }
+        .into());
+    }
+    let model = RigModel::new(&rig.rod, args.memory.rule(), &reference)?;
+    let RigModel::Wiener(plain) = &model else {
+        return Err(WorkbenchError::NoReference {
+            recording: reference[0].name().to_owned(),
+        }
+        .into());
+    };
+    let config = args.config(Vec::new(), &rig)?;
+    let bar = bar(
+        args.quiet,
+        config.baseline.starts,
+        "reference {bar:20}  {msg}",
+    );
+    let healthy = Reference::of(plain, &reference, &config, &mut |progress| {
+        show(&bar, &progress);
+        ControlFlow::Continue(())
+    })?;
+    bar.set_message("asking what has changed");
+    let change = healthy.changed(&rig.training)?;
+    bar.finish_and_clear();
+    let since = SinceReference {
+        change: &change,
+        seed: args.seed,
+        notes: rig.notes,
+    };
+    say(args.quiet, &since.notes)?;
+    deliver(&since.text(), &since.json(), json)?;
+    Ok(Outcome::Done)
+}

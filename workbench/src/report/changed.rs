@@ -1,0 +1,253 @@
+//! What `sma diagnose --reference` says.
+
+use std::fmt::Write;
+
+use comfy_table::{Cell, Table};
+use missing_physics::{Change, ChangeVerdict, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS};
+use serde_json::{Value, json};
+
+use super::label::label;
+use super::number::{behind, percent, significant, spoken};
+use super::table::{right, table, unpadded};
+
+/// Changes that a person reads; JSON has all.
+const ROWS: usize = 6;
+
+/// Probability that is not told from certainty.
+const CERTAIN: f64 = 0.995;
+
+/// The result of `sma diagnose --reference`.
+#[derive(Debug)]
+pub struct SinceReference<'a> {
+    /// What was found.
+    pub change: &'a Change,
+    /// The seed.
+    pub seed: u64,
+    /// What to know beside the result.
+    pub notes: Vec<String>,
+}
+
+impl SinceReference<'_> {
+    /// For people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = self.verdict() + "\n" + &self.errors() + "\n";
+        if self.change.verdict != ChangeVerdict::ReferenceTooShort {
+            let _ = write!(
+                text,
+                "\nChanges that were considered, the likeliest first (probability against no change and all others)\n{}\n",
+                self.considered()
+            );
+        }
+        let _ = write!(
+            text,
+            "\nRuns of the reference, each met by laws from the others\n{}\n",
+            self.left_out()
+        );
+        let _ = write!(text, "\nRuns since\n{}\n", self.runs());
+        unpadded(&text)
+    }
+
+    fn verdict(&self) -> String {
+        let change = self.change;
+        match (change.verdict, &change.finding) {
+            (ChangeVerdict::Unchanged, _) => format!(
+                "Nothing has changed since the reference that these runs could show (probability of no change {}).",
+                probability(change.unchanged)
+            ),
+            (ChangeVerdict::ReferenceTooShort, _) => format!(
+                "The reference is too short for a name: it has {} of at least {FEWEST_RUNS} runs, and cools {} of at least {FEWEST_COOLINGS} \
+                 times through the loop. Record more runs of the rig as it should be, each with a slow cooling.",
+                change.left_out.len().max(1),
+                change.coolings
+            ),
+            (ChangeVerdict::Changed, Some(finding)) => {
+                let mut said = said(&finding.leading);
+                if !finding.could_also_be.is_empty() {
+                    let others = finding.could_also_be.iter().map(|other| name(*other));
+                    let others: Vec<String> = others.collect();
+                    let _ = write!(
+                        said,
+                        " It could also be: {}. These runs do not tell them apart.",
+                        others.join(", ")
+                    );
+                }
+                said
+            }
+            _ => format!(
+                "Something has changed since the reference, and no single effect or law accounts for it: these runs leave {} times \
+                 what a run of the reference left at most. Or they go where the reference did not: record runs of the same drive.",
+                spoken(change.excess[0])
+            ),
+        }
+    }
+
+    /// How well the laws do.
+    fn errors(&self) -> String {
+        let change = self.change;
+        let unit = behind(&change.output_unit);
+        let rms = |squares: &mut dyn Iterator<Item = f64>| {
+            let (n, sum) = squares.fold((0, 0.0), |(n, sum), one| (n + 1, sum + one * one));
+            (sum / f64::from(n.max(1))).sqrt()
+        };
+        let of_runs = |k: usize| rms(&mut change.runs.iter().map(|(_, errors)| errors[k]));
+        let reference = rms(&mut change.left_out.iter().map(|one| one.rmse));
+        let mut said = String::new();
+        if !change.left_out.is_empty() {
+            let _ = write!(
+                said,
+                "Laws of the reference leave {}{unit} of a run of it that they do not know, and ",
+                spoken(reference)
+            );
+        }
+        let _ = write!(said, "{}{unit} of the runs since", spoken(of_runs(0)));
+        if change.finding.is_some() {
+            let _ = write!(said, ", {}{unit} with the change", spoken(of_runs(1)));
+        }
+        said + "; surroundings, heat loss and stroke of each run are its own."
+    }
+
+    fn considered(&self) -> Table {
+        let mut table = table(["change", "parameter", "by", "± 95 %", "unit", "probability"]);
+        for one in self.change.considered.iter().take(ROWS) {
+            table.add_row([
+                Cell::new(name(one.what)),
+                Cell::new(one.parameter),
+                right(significant(one.change)),
+                right(half(one).map_or("not fixed".to_owned(), significant)),
+                Cell::new(&one.unit),
+                right(probability(one.probability)),
+            ]);
+        }
+        table
+    }
+
+    fn names(&self) -> impl Iterator<Item = &str> {
+        let reference = self.change.left_out.iter().map(|one| one.name.as_str());
+        reference.chain(self.change.runs.iter().map(|(name, _)| name.as_str()))
+    }
+
+    fn left_out(&self) -> Table {
+        let error = format!("error, {}", self.change.output_unit);
+        let mut table = table(["recording", &error]);
+        for one in &self.change.left_out {
+            table.add_row([
+                Cell::new(label(&one.name, self.names())),
+                right(significant(one.rmse)),
+            ]);
+        }
+        table
+    }
+
+    fn runs(&self) -> Table {
+        let unit = &self.change.output_unit;
+        let errors = [
+            format!("error unchanged, {unit}"),
+            format!("with the likeliest change, {unit}"),
+        ];
+        let mut table = table(["recording", &errors[0], &errors[1]]);
+        for (name, [before, after]) in &self.change.runs {
+            table.add_row([
+                Cell::new(label(name, self.names())),
+                right(significant(*before)),
+                right(significant(*after)),
+            ]);
+        }
+        table
+    }
+
+    /// For programs.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let change = self.change;
+        let what = |what: Changing| {
+            let kind = match what {
+                Changing::Appeared(_) => "appeared",
+                Changing::Grown(_) => "grown",
+                Changing::Law(_) => "law",
+            };
+            json!({"id": what.id(), "kind": kind})
+        };
+        let considered = |one: &Considered| {
+            let mut row = what(one.what);
+            row["parameter"] = json!(one.parameter);
+            row["unit"] = json!(one.unit);
+            row["change"] = json!(one.change);
+            row["ci95"] = json!(one.ci95);
+            row["probability"] = json!(one.probability);
+            row["nats"] = json!(one.nats);
+            row
+        };
+        let finding = change.finding.as_ref().map(|finding| {
+            let mut found = considered(&finding.leading);
+            let others = finding.could_also_be.iter();
+            found["could_also_be"] = others.map(|other| what(*other)).collect();
+            found["sentence"] = json!(said(&finding.leading));
+            found
+        });
+        let left_out = change.left_out.iter();
+        let left_out =
+            left_out.map(|one| json!({"recording": one.name, "rmse": one.rmse, "nats": one.nats}));
+        let runs = change.runs.iter();
+        let runs = runs.map(|(name, [before, after])| json!({"recording": name, "rmse": before, "rmse_changed": after}));
+        json!({
+            "command": "diagnose",
+            "verdict": change.verdict.id(),
+            "finding": finding,
+            "probability_unchanged": change.unchanged,
+            "considered": change.considered.iter().map(considered).collect::<Value>(),
+            "reference": {
+                "coolings": change.coolings,
+                "effects": change.laws.iter().map(|effect| effect.id()).collect::<Vec<_>>(),
+                "left_out": left_out.collect::<Value>(),
+            },
+            "runs": runs.collect::<Value>(),
+            "excess": change.excess,
+            "output_unit": change.output_unit,
+            "seed": self.seed,
+        })
+    }
+}
+
+/// A change in a sentence.
+fn said(one: &Considered) -> String {
+    let size = match half(one) {
+        Some(half) => format!("{} ± {}", spoken(one.change), spoken(half)),
+        None => spoken(one.change),
+    };
+    let unit = match one.unit.as_str() {
+        "1" => String::new(),
+        unit => behind(unit),
+    };
+    let verb = match one.what {
+        Changing::Appeared(_) => "has appeared",
+        Changing::Grown(_) => "is of another size",
+        Changing::Law(_) => "is another",
+    };
+    format!(
+        "Since the reference, {} {verb}: {} by {size}{unit} (probability {}).",
+        name(one.what),
+        one.parameter,
+        probability(one.probability)
+    )
+}
+
+fn name(what: Changing) -> String {
+    match what {
+        Changing::Appeared(effect) | Changing::Grown(effect) => effect.info().name.to_owned(),
+        Changing::Law(parameter) => format!("the parameter {parameter}"),
+    }
+}
+
+/// Half of the interval.
+fn half(one: &Considered) -> Option<f64> {
+    one.ci95.map(|[lower, upper]| 0.5 * (upper - lower))
+}
+
+fn probability(value: f64) -> String {
+    if value > CERTAIN {
+        "> 99 %".to_owned()
+    } else {
+        percent(value)
+    }
+}
