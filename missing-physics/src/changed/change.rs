@@ -140,7 +140,8 @@ const SET: f64 = 0.95;
 /// What runs may leave over the most that a run of the reference left: as much again.
 const MOST: f64 = 2.0;
 
-/// Share of what is more than that which a finding accounts for at least, where runs leave more.
+/// Share of what is more than that which a finding accounts for at least, where runs leave more. A flexible effect has to account for
+/// all: it takes much of whatever has changed.
 const EXPLAINED: f64 = 0.8;
 
 /// Prior probability of no change; what may have changed shares the rest alike.
@@ -178,7 +179,9 @@ pub(super) fn decided(
         return (verdict, None);
     };
     let explained = (excess[0] - excess[1]) / (excess[0] - 1.0);
-    if excess[1] > MOST && explained < EXPLAINED {
+    let effect = leading.what.effect();
+    let is_flexible = effect.is_some_and(|effect| effect.info().flexible);
+    if excess[1] > MOST && (is_flexible || explained < EXPLAINED) {
         return (ChangeVerdict::Unexplained, None);
     }
     let mut held = leading.probability;
@@ -240,6 +243,10 @@ mod tests {
         assert_eq!(of(1e-9, [4.0, 2.5], (2, 2)), ChangeVerdict::Unexplained);
         // What it does not account for is no reason against what it does.
         assert_eq!(of(1e-9, [30.0, 2.5], (2, 2)), ChangeVerdict::Changed);
+        let drift = [considered(EffectId::AmbientDrift, 1.0)];
+        let verdict = |excess| decided(&drift, 1e-9, excess, (2, 2)).0;
+        assert_eq!(verdict([30.0, 2.5]), ChangeVerdict::Unexplained);
+        assert_eq!(verdict([30.0, 1.1]), ChangeVerdict::Changed);
         assert_eq!(of(0.5, [2.5, 2.4], (2, 2)), ChangeVerdict::Unexplained);
         assert_eq!(of(0.5, [1.5, 1.4], (2, 2)), ChangeVerdict::Unchanged);
         for reference in [(1, 5), (3, 1)] {

@@ -13,6 +13,7 @@ mod house;
 mod noise_classes;
 mod own_hypotheses;
 mod saved;
+mod since_reference;
 mod smaller_effect;
 mod spoiled_unseen;
 mod stopped;

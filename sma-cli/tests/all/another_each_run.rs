@@ -171,3 +171,63 @@ fn surroundings_of_one_run_may_be_stated_once() {
     assert_eq!(code, 3);
     assert!(said.contains("a.csv: ambient_degc = 24.5 °C is stated of it under [recordings], and it has a column of that"), "{said}");
 }
+
+#[test]
+fn what_has_changed_since_a_reference_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("rod.toml"), ROD).unwrap();
+    ran(folder, "a.csv", [2.3, 1.9], [0.0, 0.0]);
+    ran(folder, "b.csv", [2.1, 2.4], [0.05, -0.01]);
+    ran(folder, "today.csv", [2.0, 2.2], [-0.05, 0.01]);
+
+    let call = "diagnose rod.toml --reference a.csv b.csv --train today.csv --quiet";
+    let (code, text, said) = sma(folder, call);
+    assert_eq!(code, 0, "{said}");
+    assert!(
+        text.starts_with("Nothing has changed since the reference that these runs could show"),
+        "{text}"
+    );
+    assert!(text.contains("\nRuns of the reference, each met by laws from the others\n"));
+    // What is shown is half a second old, then three: so late is no dead time that is known.
+    let recorded = fs::read_to_string(folder.join("today.csv")).unwrap();
+    let rows = recorded
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect());
+    let rows: Vec<Vec<&str>> = rows.collect();
+    let since = |n_late: usize| -> Value {
+        let mut text = "time_s,current_a,displacement_mm\n".to_owned();
+        for (k, row) in rows.iter().enumerate() {
+            let shown = rows[k.saturating_sub(n_late)][2];
+            writeln!(text, "{},{},{shown}", row[0], row[1]).unwrap();
+        }
+        fs::write(folder.join("late.csv"), text).unwrap();
+        let call = "diagnose rod.toml --reference a.csv b.csv --train late.csv --quiet --json -";
+        let (code, json, said) = sma(folder, call);
+        assert_eq!(code, 0, "{said}");
+        serde_json::from_str(&json).unwrap()
+    };
+    let json = since(1);
+    assert_eq!(json["verdict"], "changed", "{json}");
+    assert_eq!(json["finding"]["id"], "dead-time", "{json}");
+    assert_eq!(json["finding"]["kind"], "appeared");
+    let late_s = json["finding"]["change"].as_f64().unwrap();
+    assert!((late_s - 0.5).abs() < 0.05, "{late_s}");
+    assert_eq!(since(6)["verdict"], "unexplained");
+
+    let (code, _, said) = sma(
+        folder,
+        "diagnose rod.toml --reference a.csv b.csv --train a.csv",
+    );
+    assert_eq!(code, 3);
+    assert!(
+        said.contains("a.csv: is given to --reference and to --train; a run is one or the other"),
+        "{said}"
+    );
+    let (code, _, said) = sma(
+        folder,
+        "diagnose rod.toml --reference a.csv --train b.csv --report page.html",
+    );
+    assert_eq!(code, 2, "{said}");
+}

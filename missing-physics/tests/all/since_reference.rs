@@ -1,0 +1,128 @@
+//! What has changed of a rig since runs of it as it should be, each in a state of its own.
+
+use std::ops::ControlFlow;
+use std::sync::LazyLock;
+
+use fixtures::wire::ROD;
+use identify::{Rod, WienerModel};
+use missing_physics::{
+    Change, ChangeVerdict, DiagnoseConfig, EffectId, EffectSet, EffectValues, Extended, Reference,
+    Setting,
+};
+use recording::Recording;
+use wiener::hysteresis::Rule;
+
+use crate::common;
+use common::{noisy, params, played, recording, setting, triangles_a};
+
+const DT_S: f64 = 0.5;
+
+/// A run in which the wire loses more heat by a share, and moves further by another; it has latent heat, and what has changed.
+fn ran(
+    name: &str,
+    heights_a: &[f64],
+    [heat_loss, gain]: [f64; 2],
+    changed: Option<(EffectId, f64)>,
+) -> Recording {
+    let mut effects = EffectValues::typical(EffectId::LatentHeat, 1.0);
+    let mut active = EffectSet::of(EffectId::LatentHeat);
+    if let Some((effect, size)) = changed {
+        *effects.slot(effect, 0).unwrap() = size;
+        active = active.with(effect);
+    }
+    let mut wire = params();
+    wire.heat.conductance_w_per_m_k *= 1.0 + heat_loss;
+    wire.gain *= 1.0 + gain;
+    let drive = triangles_a(heights_a);
+    let setting = Setting {
+        active,
+        ..setting()
+    };
+    let output = played(&Extended { setting }, wire, effects, &drive, DT_S);
+    recording(name, drive, noisy(output), DT_S)
+}
+
+fn reference() -> Vec<Recording> {
+    vec![
+        ran("a.csv", &[2.3, 1.9], [0.0, 0.0], None),
+        ran("b.csv", &[2.1, 2.4], [0.05, -0.01], None),
+        ran("c.csv", &[2.4, 2.0], [-0.04, 0.008], None),
+    ]
+}
+
+static LAWS: LazyLock<Reference> = LazyLock::new(|| laws(&reference()));
+
+fn laws(reference: &[Recording]) -> Reference {
+    let base = WienerModel::new(
+        &Rod::parse("rod.toml", ROD).unwrap(),
+        Rule::LastReversal,
+        reference,
+    )
+    .unwrap();
+    let config = DiagnoseConfig {
+        setting: setting(),
+        ..DiagnoseConfig::default()
+    };
+    Reference::of(
+        &base,
+        reference,
+        &config,
+        &mut |_| ControlFlow::Continue(()),
+    )
+    .unwrap()
+}
+
+fn today(laws: &Reference, changed: Option<(EffectId, f64)>) -> Change {
+    laws.changed(&[ran("today.csv", &[2.0, 2.3], [0.06, 0.01], changed)])
+        .unwrap()
+}
+
+#[test]
+fn a_change_is_named_with_its_size_and_none_is_said_of_another_state() {
+    let none = today(&LAWS, None);
+    assert_eq!(none.verdict, ChangeVerdict::Unchanged, "{:?}", none.finding);
+    assert_eq!(none.laws, [EffectId::LatentHeat]);
+    assert!(none.coolings >= 4, "{}", none.coolings);
+    for one in &none.left_out {
+        assert!(one.rmse < 0.01, "{one:?}");
+    }
+    for (effect, size) in [(EffectId::OutputLag, 2.0), (EffectId::Backlash, 0.03)] {
+        let change = today(&LAWS, Some((effect, size)));
+        assert_eq!(change.verdict, ChangeVerdict::Changed, "{effect}");
+        let finding = change.finding.unwrap();
+        assert_eq!(finding.leading.what.id(), effect.id());
+        assert_eq!(finding.could_also_be, []);
+        let [low, high] = finding.leading.ci95.unwrap();
+        assert!(
+            (finding.leading.change - size).abs() < 0.1 * size && high - low < 0.3 * size,
+            "{effect}: {low} {high}"
+        );
+        let [before, after] = change.runs[0].1;
+        assert!(before > 3.0 * after, "{effect}: {before} {after}");
+    }
+}
+
+#[test]
+fn a_law_that_is_another_is_said_to_be() {
+    let mut effects = EffectValues::typical(EffectId::LatentHeat, 1.0);
+    effects.latent_heat.latent_heat_j_per_kg *= 1.5;
+    let setting = Setting {
+        active: EffectSet::of(EffectId::LatentHeat),
+        ..setting()
+    };
+    let drive = triangles_a(&[2.0, 2.3]);
+    let output = played(&Extended { setting }, params(), effects, &drive, DT_S);
+    let run = recording("today.csv", drive, noisy(output), DT_S);
+    let change = LAWS.changed(&[run]).unwrap();
+    let finding = change.finding.unwrap();
+    assert_eq!(finding.leading.what.id(), "latent-heat");
+    let grown = 0.5 * EffectId::LatentHeat.info().parameters[0].typical;
+    assert!((finding.leading.change - grown).abs() < 0.1 * grown);
+}
+
+#[test]
+fn one_run_alone_is_no_reference() {
+    let change = today(&laws(&reference()[..1]), Some((EffectId::OutputLag, 2.0)));
+    assert_eq!(change.verdict, ChangeVerdict::ReferenceTooShort);
+    assert_eq!(change.finding, None);
+}
