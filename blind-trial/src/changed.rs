@@ -144,9 +144,8 @@ pub fn said<'a>(answers: impl IntoIterator<Item = &'a Answered>) -> String {
     };
     let is = |id: &'static str| move |answer: &Answered| answer.verdict == id;
     format!(
-        "changed: {} of {} named, {} named wrongly, {} unexplained, {} unchanged, {} with too short a reference
-         nothing: {} of {} with a name, {} unexplained, {} with too short a reference
-",
+        "changed: {} of {} named, {} named wrongly, {} unexplained, {} unchanged, {} with too short a reference\n\
+         nothing: {} of {} with a name, {} unexplained, {} with too short a reference\n",
         count(&some, &Answered::is_named),
         some.len(),
         count(&some, &Answered::is_wrong),
@@ -323,5 +322,51 @@ impl ChangedRig {
             ..DiagnoseConfig::default()
         };
         Ok((base, config))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answered(changed: Option<&str>, verdict: &str, named: &[&str]) -> Answered {
+        Answered {
+            number: 0,
+            of: "l2p".to_owned(),
+            changed: changed.map(str::to_owned),
+            size: 1.0,
+            verdict: verdict.to_owned(),
+            named: named.iter().map(|&id| id.to_owned()).collect(),
+            coolings: 4,
+            excess: [1.0; 2],
+        }
+    }
+
+    #[test]
+    fn names_are_right_if_the_truth_is_among_them() {
+        let answers = [
+            answered(Some("backlash"), "changed", &["output-lag", "backlash"]),
+            answered(Some("backlash"), "changed", &["output-lag"]),
+            answered(Some("radiation"), "unchanged", &[]),
+            answered(None, "unchanged", &[]),
+            answered(None, "changed", &["zeta"]),
+        ];
+        let text = said(&answers);
+        assert!(
+            text.starts_with("changed: 1 of 3 named, 1 named wrongly, 0 unexplained, 1 unchanged")
+        );
+        assert!(text.contains("\nnothing: 1 of 2 with a name, "));
+    }
+
+    #[test]
+    fn a_rig_is_recorded_in_ever_other_states_and_only_today_changes() {
+        let rig = ChangedRig::drawn(1, 3);
+        assert_eq!((rig.effect(), rig.size()), ("radiation", 1.0));
+        let [reference, unchanged] = rig.recorded(false).unwrap();
+        let [again, changed] = rig.recorded(true).unwrap();
+        assert_eq!([reference.len(), changed.len()], RUNS);
+        assert_eq!(reference, again);
+        assert_ne!(unchanged[0].output(), changed[0].output());
+        assert_eq!(unchanged[0].drive(), changed[0].drive());
     }
 }

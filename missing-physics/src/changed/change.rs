@@ -7,7 +7,7 @@ use crate::Candidate;
 pub enum ChangeVerdict {
     /// Nothing that would show.
     Unchanged,
-    /// What is said under [`Change::findings`].
+    /// What is said under [`Change::finding`].
     Changed,
     /// Something has, and neither a known effect nor a law accounts for it; or the runs go where the reference did not.
     Unexplained,

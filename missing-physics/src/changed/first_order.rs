@@ -1,17 +1,14 @@
-//! Effects that may have appeared, to first order.
-
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+//! Effects that may have appeared, to first order: where searches of them start.
 
 use identify::IdentifyError;
-use identify::dense::{Matrix, definite_inverse};
+use identify::dense::{Matrix, symmetric_solved};
 use rayon::prelude::*;
 use recording::order::falling;
 
 use crate::changed::joint::Runs;
 use crate::changed::system::System;
 use crate::model::case::{Case, Node};
-use crate::model::projection::dot;
-use crate::model::tangent::traces;
+use crate::model::tangent::{Trace, traces};
 use crate::screen::scores::sizes_of;
 use crate::{Belongs, Candidate, CandidateSet, Sign};
 
@@ -24,108 +21,64 @@ const APART: f64 = 3.0;
 /// The share at which an effect of several sizes is tried, and the standard deviation of each.
 const OF_SEVERAL: f64 = 0.5;
 
-/// One way in which an effect may be there, to first order.
-#[derive(Debug, Clone)]
-pub(crate) struct Way {
-    /// Of each size, per typical size: in all runs, or in one where each has its own.
-    columns: Vec<Vec<f64>>,
-    size: Size,
-    partner: Option<f64>,
-    typical: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Size {
-    /// Between two ends, or as far below nothing.
-    Within([f64; 2], bool),
-    /// Normal about nothing.
-    About(f64),
-}
-
-/// All the ways in which an effect may be there.
+/// An effect, and the ways in which it may be there.
 #[derive(Debug, Clone)]
 pub(crate) struct Alternative {
     pub(crate) effect: Candidate,
     ways: Vec<Way>,
 }
 
-/// How well a way does to first order.
+/// One way in which an effect may be there.
 #[derive(Debug, Clone)]
+struct Way {
+    /// Of each size, in all runs, or in one where each has its own.
+    columns: Vec<Vec<f64>>,
+    size: Size,
+    partner: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Size {
+    /// One, between two ends, or as far below nothing.
+    Within { ends: [f64; 2], two_sided: bool },
+    /// Several, normal about nothing; the columns are of typical sizes.
+    About { typical: f64 },
+}
+
+/// How well a way does.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Tried {
-    /// Logarithm of its density over that of no change, nats.
-    pub(crate) nats: f64,
-    /// Its likeliest sizes; one of several stands for all.
+    /// What it gains over no change, nats.
+    nats: f64,
+    /// Its likeliest size; of several the first.
     pub(crate) size: f64,
     pub(crate) partner: Option<f64>,
 }
 
+/// The effects of a catalogue that a node does not have and that can be computed.
 pub(crate) fn alternatives(
     case: &Case<'_>,
     runs: &Runs,
     node: &Node,
     catalogue: CandidateSet,
 ) -> Result<Vec<Alternative>, IdentifyError> {
-    let wanted: Vec<Candidate> = catalogue
-        .iter()
-        .filter(|&effect| !node.effects.contains(effect) && case.missing(effect).is_none())
-        .collect();
-    let effects = wanted
-        .par_iter()
-        .map(|&effect| {
-            let n_sizes = sizes_of(effect).count();
-            let is_single = n_sizes == 1;
-            let shares: &[f64] = if is_single { &SHARES } else { &[OF_SEVERAL] };
-            let parameters = effect.info().parameters;
-            let shares: Vec<f64> = shares
-                .iter()
-                .copied()
-                .filter(|share| share * parameters[0].typical <= parameters[0].bounds[1])
-                .collect();
-            let traces = traces(case, node, effect, &shares, None)?;
-            let mut ways: Vec<Way> = Vec::new();
-            if is_single {
-                for trace in traces {
-                    let at = trace.share * parameters[0].typical;
-                    let root = APART.sqrt();
-                    let two_sided = parameters[0].sign() != Sign::NonNegative;
-                    ways.push(Way {
-                        size: Size::Within([at / root, at * root], two_sided),
-                        columns: vec![trace.secant],
-                        partner: trace.partner,
-                        typical: 1.0,
-                    });
-                }
-            } else {
-                for group in traces.chunk_by(|a, b| a.is_tested_with(b)) {
-                    let scaled = group.iter().zip(sizes_of(effect)).map(|(trace, k)| {
-                        let typical = parameters[k].typical;
-                        trace
-                            .secant
-                            .iter()
-                            .map(|value| value * typical)
-                            .collect::<Vec<f64>>()
-                    });
-                    let mut columns: Vec<Vec<f64>> = scaled.collect();
-                    if effect.info().belongs_to == Belongs::Recording {
-                        columns = columns
-                            .iter()
-                            .flat_map(|column| {
-                                (0..runs.len()).map(|run| runs.only_in(&[run], column))
-                            })
-                            .collect();
-                    }
-                    ways.push(Way {
-                        columns,
-                        size: Size::About(OF_SEVERAL),
-                        partner: group[0].partner,
-                        typical: parameters[0].typical,
-                    });
-                }
-            }
-            Ok(Alternative { effect, ways })
-        })
-        .collect::<Result<Vec<_>, IdentifyError>>()?;
-    Ok(effects)
+    let is_possible =
+        |effect: &Candidate| !node.effects.contains(*effect) && case.missing(*effect).is_none();
+    let wanted: Vec<Candidate> = catalogue.iter().filter(is_possible).collect();
+    let alternatives = wanted.into_par_iter().map(|effect| {
+        let size = &effect.info().parameters[0];
+        let shares: &[f64] = match sizes_of(effect).count() {
+            1 => &SHARES,
+            _ => &[OF_SEVERAL],
+        };
+        let shares = shares.iter().copied();
+        let shares = shares.filter(|share| share * size.typical <= size.bounds[1]);
+        let traces = traces(case, node, effect, &shares.collect::<Vec<f64>>(), None)?;
+        let ways = traces.chunk_by(|a, b| a.is_tested_with(b));
+        let ways = ways.map(|group| Way::of(effect, group, runs)).collect();
+        Ok(Alternative { effect, ways })
+    });
+    alternatives.collect()
 }
 
 impl Alternative {
@@ -139,89 +92,79 @@ impl Alternative {
 }
 
 impl Way {
-    fn tried(&self, runs: &Runs, system: &System, changed: &[usize]) -> Tried {
-        let none = Tried {
-            nats: 0.0,
-            size: 0.0,
-            partner: self.partner,
+    /// `group` has the trace of each size.
+    fn of(effect: Candidate, group: &[Trace], runs: &Runs) -> Self {
+        let info = effect.info();
+        let size = &info.parameters[0];
+        let partner = group[0].partner;
+        if let [only] = group {
+            let [at, root] = [only.share * size.typical, APART.sqrt()];
+            return Self {
+                columns: vec![only.secant.clone()],
+                size: Size::Within {
+                    ends: [at / root, at * root],
+                    two_sided: size.sign() != Sign::NonNegative,
+                },
+                partner,
+            };
+        }
+        let of_typical = group.iter().zip(sizes_of(effect)).map(|(trace, k)| {
+            let typical = info.parameters[k].typical;
+            trace.secant.iter().map(|value| value * typical).collect()
+        });
+        let columns: Vec<Vec<f64>> = of_typical.collect();
+        let each_its_own = info.belongs_to == Belongs::Recording;
+        let of_runs = |column: &Vec<f64>| {
+            let runs_of = |run| runs.only_in(&[run], column);
+            (0..runs.len()).map(runs_of).collect::<Vec<_>>()
         };
+        Self {
+            columns: match each_its_own {
+                true => columns.iter().flat_map(of_runs).collect(),
+                false => columns,
+            },
+            size: Size::About {
+                typical: size.typical,
+            },
+            partner,
+        }
+    }
+
+    fn tried(&self, runs: &Runs, system: &System, changed: &[usize]) -> Tried {
         let only = self.columns.iter();
         let only = only.map(|column| runs.only_in(changed, column));
         let white: Vec<Vec<f64>> = only
-            .filter(|column| column.iter().any(|value| *value != 0.0))
+            .filter(|column| column.iter().any(|value| value.abs() > 0.0))
             .map(|column| runs.white(&system.filters, &column))
             .collect();
-        if white.is_empty() {
-            return none;
-        }
         let outside = system.outside(&white);
         let (nats, size) = match self.size {
-            Size::Within(ends, two_sided) => {
-                let q = outside.squares[(0, 0)];
-                let raw = dot(&white[0], &white[0]);
-                if q.is_nan() || q <= SHOWS * raw || raw <= 0.0 {
-                    return none;
-                }
-                let at = outside.along[0] / q;
-                let up = ln_within(q, at, ends);
-                let (nats, sign) = if two_sided {
-                    let down = ln_within(q, -at, ends);
-                    let top = up.max(down);
-                    let both = top + (0.5 * ((up - top).exp() + (down - top).exp())).ln();
-                    (both, if up >= down { 1.0 } else { -1.0 })
-                } else {
-                    (up, 1.0)
-                };
-                (nats, sign * (sign * at).clamp(ends[0], ends[1]))
+            _ if white.is_empty() => (0.0, 0.0),
+            Size::Within { ends, two_sided } => {
+                let (square, along) = (outside.squares[(0, 0)], outside.along[0]);
+                let sign = if two_sided { along.signum() } else { 1.0 };
+                let at = along * sign / square;
+                let size = sign * at.clamp(ends[0], ends[1]);
+                (size * along - 0.5 * size * size * square, size)
             }
-            Size::About(deviation) => {
+            Size::About { typical } => {
                 let m = white.len();
                 let precision = Matrix::from_fn(m, m, |i, j| {
-                    let own = if i == j { 1.0 } else { 0.0 };
-                    own + deviation * deviation * outside.squares[(i, j)]
+                    let of_prior = if i == j { OF_SEVERAL.powi(-2) } else { 0.0 };
+                    of_prior + outside.squares[(i, j)]
                 });
-                let Some((inverse, ln_determinant)) = definite_inverse(&precision) else {
-                    return none;
-                };
-                let along = Matrix::from_fn(m, 1, |i, _| deviation * outside.along[i]);
-                let sizes = &inverse * &along;
-                let nats = 0.5 * ((along.transpose() * &sizes)[(0, 0)] - ln_determinant);
-                (nats, deviation * sizes[(0, 0)])
+                let along = Matrix::from_fn(m, 1, |i, _| outside.along[i]);
+                let sizes = symmetric_solved(&precision, &along);
+                let gained = along.iter().zip(sizes.iter()).map(|(a, b)| a * b);
+                (0.5 * gained.sum::<f64>(), typical * sizes[(0, 0)])
             }
         };
+        // What shows nowhere has no size.
+        let shows = nats.is_finite() && size.is_finite();
         Tried {
-            nats,
-            size: size * self.typical,
-            ..none
+            nats: if shows { nats } else { 0.0 },
+            size: if shows { size } else { 0.0 },
+            partner: self.partner,
         }
     }
-}
-
-/// Share of a series outside what may be adjusted below which that is rounding.
-const SHOWS: f64 = 1e-8;
-
-/// ln ∫ exp(q (A â - A²/2)) dA/w over a range of width w.
-fn ln_within(q: f64, at: f64, [low, high]: [f64; 2]) -> f64 {
-    let root = q.sqrt();
-    let ends = [(low - at) * root, (high - at) * root];
-    let mass = ln_normal(ends);
-    0.5 * q * at * at + mass + 0.5 * (2.0 * PI).ln() - root.ln() - (high - low).ln()
-}
-
-/// Logarithm of what a standard normal has between two ends.
-fn ln_normal([a, b]: [f64; 2]) -> f64 {
-    if b <= 0.0 {
-        return ln_normal([-b, -a]);
-    }
-    if a <= 0.0 {
-        let outside = 0.5 * (libm::erfc(-a * FRAC_1_SQRT_2) + libm::erfc(b * FRAC_1_SQRT_2));
-        return (1.0 - outside).max(f64::MIN_POSITIVE).ln();
-    }
-    if a < 25.0 {
-        let mass = 0.5 * (libm::erfc(a * FRAC_1_SQRT_2) - libm::erfc(b * FRAC_1_SQRT_2));
-        if mass > 0.0 {
-            return mass.ln();
-        }
-    }
-    -0.5 * a * a - (a * (2.0 * PI).sqrt()).ln()
 }
