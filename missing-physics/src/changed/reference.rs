@@ -54,7 +54,8 @@ impl Reference {
     ///
     /// The diagnosis of them says which effects the rig has; drifts are none, and effects with zones are left out. Effects that all
     /// runs together ask for are taken in beside. Then the laws are fitted without each run in turn, and that run is asked what has
-    /// changed in it: whatever is said beyond odds of 20 enlarges the discrepancy against which other runs are judged.
+    /// changed in it: whatever is said beyond odds of 20 enlarges the discrepancy against which other runs are judged, for several of
+    /// them so many times.
     ///
     /// # Errors
     ///
@@ -188,11 +189,17 @@ impl Reference {
                 nats: found.first().map_or(0.0, |first| first.nats.max(0.0)),
             });
         }
-        let most = self.left_out.iter().map(|one| one.nats).fold(0.0, f64::max);
-        let enlarged = (most / OF_REFERENCE.ln()).max(1.0);
-        self.discrepancy = discrepancy.enlarged(enlarged);
-        self.most = shares.into_iter().fold(0.0, f64::max) / enlarged;
+        self.discrepancy = discrepancy;
+        self.most = shares.into_iter().fold(0.0, f64::max);
         Ok(())
+    }
+
+    /// By how much variances are larger than they were measured, judged by what is said of runs of the reference that were left out: of
+    /// one run so much, of several so much of each.
+    fn enlarged(&self, n_runs: usize) -> f64 {
+        let of_one = self.left_out.iter().map(|one| one.nats);
+        let most = n_runs as f64 * of_one.fold(0.0, f64::max);
+        (most / OF_REFERENCE.ln()).max(1.0)
     }
 
     /// What has changed in other runs of the rig.
@@ -212,12 +219,13 @@ impl Reference {
         let none = unchanged(&case, version, &points)?;
         let runs = Runs::of(&case, &none.residual);
         let which: Vec<usize> = (0..all.len()).collect();
+        let enlarged = self.enlarged(today.len());
         let asked = Comparison {
             case: &case,
             runs: &runs,
             which: &which,
             changed: &which[n_reference..],
-            discrepancy: self.discrepancy,
+            discrepancy: self.discrepancy.enlarged(enlarged),
             catalogue: self.catalogue(),
             with_laws: true,
         };
@@ -235,7 +243,7 @@ impl Reference {
         } else {
             found.swap_remove(0).joint
         };
-        let excess = [&none, &with].map(|joint| share(joint, &asked) / self.most);
+        let excess = [&none, &with].map(|joint| share(joint, &asked) * enlarged / self.most);
         let (verdict, finding) = decided(&considered, likely, excess, (n_reference, self.coolings));
         let after = validated(&with.version, &with.point(n_reference), today)?;
         let of_runs = own.iter().zip(&after);

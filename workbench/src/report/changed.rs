@@ -51,10 +51,18 @@ impl SinceReference<'_> {
     fn verdict(&self) -> String {
         let change = self.change;
         match (change.verdict, &change.finding) {
-            (ChangeVerdict::Unchanged, _) => format!(
-                "Nothing has changed since the reference that these runs could show (probability of no change {}).",
-                probability(change.unchanged)
-            ),
+            (ChangeVerdict::Unchanged, _) => {
+                let likeliest = change.considered.first();
+                let likeliest = likeliest.map(|one| {
+                    let share = probability(one.probability);
+                    format!(", and the likeliest change, {}, to {share}", name(one.what))
+                });
+                format!(
+                    "Nothing has changed since the reference that these runs could show: no change is probable to {}{}.",
+                    probability(change.unchanged),
+                    likeliest.unwrap_or_default()
+                )
+            }
             (ChangeVerdict::ReferenceTooShort, _) => format!(
                 "The reference is too short for a name: it has {} of at least {FEWEST_RUNS} runs, and cools {} of at least {FEWEST_COOLINGS} \
                  times through the loop. Record more runs of the rig as it should be, each with a slow cooling.",
