@@ -48,7 +48,7 @@ pub fn early_output(
         .iter()
         .filter_map(|one| one.sampling().usual_dt_s());
     let dt_s = steps.fold(f64::INFINITY, f64::min);
-    let tau_s = fit.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+    let tau_s = fit.tau_s();
     if fit.noise.lag_1 < WHITE || !dt_s.is_finite() || tau_s < dt_s {
         return Ok(None);
     }

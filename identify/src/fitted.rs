@@ -170,6 +170,19 @@ impl Fit {
         point(&self.parameters, recording)
     }
 
+    /// The same of every training recording.
+    #[must_use]
+    pub fn points(&self) -> Vec<Vec<f64>> {
+        let recordings = 0..self.recordings.len();
+        recordings.map(|recording| self.point(recording)).collect()
+    }
+
+    /// Time constant of the rod, s; 0 of a model that has none.
+    #[must_use]
+    pub fn tau_s(&self) -> f64 {
+        self.parameter("tau_s").map_or(0.0, |tau| tau.values[0])
+    }
+
     /// Coordinates of the fit in a vector of its parameters.
     #[must_use]
     pub fn coordinates(&self, vector: &ParameterVector) -> Vec<f64> {

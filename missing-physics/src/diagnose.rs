@@ -167,7 +167,7 @@ impl Opened<'_> {
             predicted_rmse: predicted(base, &plain.point(0), unseen)?,
             fit: plain.clone(),
         };
-        let tau_s = plain.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
+        let tau_s = plain.tau_s();
         let noise = measured(training, tau_s);
         if !has_converged && !plain.converged() {
             return Ok(Diagnosis {

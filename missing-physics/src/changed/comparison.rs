@@ -1,7 +1,5 @@
 //! Everything that may have changed in some runs, compared with no change.
 
-use std::sync::Arc;
-
 use identify::{ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
 use rayon::prelude::*;
 use recording::order::falling;
@@ -9,7 +7,7 @@ use recording::order::falling;
 use crate::changed::discrepancy::Discrepancy;
 use crate::changed::first_order::{Tried, alternatives};
 use crate::changed::joint::{Joint, Runs};
-use crate::changed::version::Version;
+use crate::changed::version::{Version, What};
 use crate::model::case::Case;
 use crate::{Belongs, Candidate, CandidateSet};
 
@@ -23,15 +21,6 @@ const BETTER: f64 = 0.5;
 
 /// Rounds of that.
 const ROUNDS: usize = 4;
-
-/// What may have changed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum What {
-    /// An effect that was not there.
-    Effect(Candidate),
-    /// A parameter of the laws, by its place in the model.
-    Law(usize),
-}
 
 /// A change at the end of its search.
 #[derive(Debug, Clone)]
@@ -100,7 +89,7 @@ impl Comparison<'_> {
     /// Effects to first order, with the ways in which they may be there.
     fn to_first_order(&self, joint: &Joint) -> Result<Vec<(Candidate, Vec<Tried>)>, IdentifyError> {
         let n_runs = self.runs.len();
-        let points: Vec<Vec<f64>> = (0..n_runs).map(|run| joint.point(run)).collect();
+        let points = joint.points(n_runs);
         let model = joint.version.model().clone();
         let vector = ParameterVector::new(model.parameters(), n_runs);
         let coordinates = vector.coordinates(|parameter, run| Some(points[run][parameter]));
@@ -171,23 +160,4 @@ impl Comparison<'_> {
         }
         (version, start)
     }
-}
-
-/// What has no change: a version of laws alone, at points of each run.
-pub(crate) fn unchanged(
-    case: &Case<'_>,
-    version: Version,
-    points: &[Vec<f64>],
-) -> Result<Joint, IdentifyError> {
-    let vector = ParameterVector::new(version.parameters(), points.len());
-    let start = vector.coordinates(|parameter, run| points[run].get(parameter).copied());
-    Joint::at(case, version, start)
-}
-
-/// Names of runs, as versions know them.
-pub(crate) fn names<'r>(
-    runs: impl IntoIterator<Item = &'r recording::Recording>,
-) -> Arc<std::collections::BTreeSet<String>> {
-    let names = runs.into_iter().map(|run| run.name().to_owned());
-    Arc::new(names.collect())
 }

@@ -138,6 +138,17 @@ impl Joint {
         })
     }
 
+    /// A version without a change, at points of each run.
+    pub(crate) fn unchanged(
+        case: &Case<'_>,
+        version: Version,
+        points: &[Vec<f64>],
+    ) -> Result<Self, IdentifyError> {
+        let vector = ParameterVector::new(version.parameters(), points.len());
+        let start = vector.coordinates(|parameter, run| Some(points[run][parameter]));
+        Self::at(case, version, start)
+    }
+
     /// From here to where some of the runs are met best.
     pub(crate) fn settled(
         mut self,
@@ -271,7 +282,7 @@ impl Joint {
     /// Coordinates of another version where these parameters are, as far as it has them; what it has beside is at nothing.
     pub(crate) fn in_version(&self, version: &Version, n_runs: usize) -> Vec<f64> {
         let vector = ParameterVector::new(version.parameters(), n_runs);
-        let points: Vec<Vec<f64>> = (0..n_runs).map(|run| self.point(run)).collect();
+        let points = self.points(n_runs);
         let (own, other) = (self.version.model(), version.model());
         vector.coordinates(|parameter, run| match other.slot(parameter) {
             None if parameter < other.n_plain() => Some(points[run][parameter]),
@@ -286,6 +297,11 @@ impl Joint {
                 )
             }
         })
+    }
+
+    /// Values of all parameters in each run.
+    pub(crate) fn points(&self, n_runs: usize) -> Vec<Vec<f64>> {
+        (0..n_runs).map(|run| self.point(run)).collect()
     }
 
     /// Values of all parameters in a run.

@@ -6,16 +6,17 @@ use identify::{Fit, ForwardModel, IdentifyError, Scale, WienerModel, predict};
 use recording::Recording;
 
 use crate::changed::change::{Change, Changing, Considered, LeftOut, decided, probabilities};
-use crate::changed::comparison::{Comparison, Ended, What, names, unchanged};
+use crate::changed::comparison::{Comparison, Ended};
 use crate::changed::discrepancy::Discrepancy;
 use crate::changed::joint::{Joint, Runs};
 use crate::changed::likeliest::likeliest;
-use crate::changed::version::Version;
+use crate::changed::version::{Version, What};
 use crate::config::DiagnoseConfig;
 use crate::diagnose::diagnose_runs;
 use crate::model::case::Case;
 use crate::model::coarse::coarse_at;
 use crate::model::elsewhere::validated;
+use crate::report::catalogue::HALF_95;
 use crate::watch::DiagnoseProgress;
 use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel, Setting};
 
@@ -27,9 +28,6 @@ const MORE: usize = 3;
 
 /// Most that a run of the reference may be said to have changed by, odds: what it exceeds them by is discrepancy.
 const OF_REFERENCE: f64 = 20.0;
-
-/// 95 % of a normal distribution, standard deviations either way.
-const WITHIN_95: f64 = 1.96;
 
 /// The laws of a rig, how well they meet a run that they do not know, and what may have changed since.
 #[derive(Debug)]
@@ -83,10 +81,10 @@ impl Reference {
                 (model, plain.clone())
             }
         };
-        let points: Vec<Vec<f64>> = (0..runs.len()).map(|run| fit.point(run)).collect();
+        let points = fit.points();
         let loop_family = model.loop_family();
         let mut reference = Self {
-            tau_s: fit.parameter("tau_s").map_or(0.0, |tau| tau.values[0]),
+            tau_s: fit.tau_s(),
             coolings: coolings(&model, &points, runs)?,
             base,
             plain,
@@ -120,8 +118,8 @@ impl Reference {
         let case = Case::new(&self.base, &self.plain, &few, self.config.setting);
         let all: Vec<usize> = (0..few.len()).collect();
         let laws: CandidateSet = self.catalogue().iter().filter(|&one| is_law(one)).collect();
-        let version = Version::unchanged(self.model.clone(), names(&few));
-        let mut joint = unchanged(&case, version, &self.points)?;
+        let version = Version::unchanged(self.model.clone(), &few);
+        let mut joint = Joint::unchanged(&case, version, &self.points)?;
         let runs = Runs::of(&case, &joint.residual);
         let seed = self.config.seed;
         let tau_s = self.tau_s;
@@ -146,11 +144,11 @@ impl Reference {
             }
         }
         self.model = joint.version.model().clone();
-        let version = Version::unchanged(self.model.clone(), names(&few));
+        let version = Version::unchanged(self.model.clone(), &few);
         let start = joint.in_version(&version, few.len());
         let own = of_size(&joint, runs.rms(&joint.residual));
         let joint = comparison(own).settled(Joint::at(&case, version, start)?)?;
-        self.points = all.iter().map(|&run| joint.point(run)).collect();
+        self.points = joint.points(few.len());
         if few.len() < 2 {
             self.discrepancy = own;
             return Ok(());
@@ -173,14 +171,14 @@ impl Reference {
         let discrepancy = of_size(&joint, rms);
         let mut shares = Vec::new();
         for (left, (rmse, points)) in without.into_iter().enumerate() {
-            let version = Version::unchanged(self.model.clone(), names([&few[left]]));
+            let version = Version::unchanged(self.model.clone(), &few[left..=left]);
             let asked = Comparison {
                 changed: &[left],
                 catalogue: self.catalogue(),
                 with_laws: true,
                 ..comparison(discrepancy)
             };
-            let none = asked.settled(unchanged(&case, version, &points)?)?;
+            let none = asked.settled(Joint::unchanged(&case, version, &points)?)?;
             let (none, found) = asked.made(none)?;
             shares.push(share(&none, &asked));
             self.left_out.push(LeftOut {
@@ -215,8 +213,8 @@ impl Reference {
         points.extend(own.iter().map(|one| one.point.clone()));
         let few = coarse_at(&self.model, &points, self.tau_s, &all)?;
         let case = Case::new(&self.base, &self.plain, &few, self.config.setting);
-        let version = Version::unchanged(self.model.clone(), names(today));
-        let none = unchanged(&case, version, &points)?;
+        let version = Version::unchanged(self.model.clone(), today);
+        let none = Joint::unchanged(&case, version, &points)?;
         let runs = Runs::of(&case, &none.residual);
         let which: Vec<usize> = (0..all.len()).collect();
         let enlarged = self.enlarged(today.len());
@@ -295,7 +293,7 @@ impl Reference {
                 infos[place].unit.clone()
             },
             change,
-            ci95: error.map(|error| [change - WITHIN_95 * error, change + WITHIN_95 * error]),
+            ci95: error.map(|error| [change - HALF_95 * error, change + HALF_95 * error]),
             probability,
             nats: one.nats,
         }

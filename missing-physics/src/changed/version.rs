@@ -9,7 +9,7 @@ use identify::{
 use recording::Recording;
 use wiener::Block;
 
-use crate::{Candidate, CandidateSet, ExtendedModel, Role};
+use crate::{Candidate, ExtendedModel, Role};
 
 /// By how much a law ordinarily changes: a logarithm, a temperature in K, or a share of its value.
 const BY_SHARE: f64 = 0.1;
@@ -18,29 +18,36 @@ const BY_K: f64 = 5.0;
 /// Standard deviations within which a change is sought.
 const WITHIN: f64 = 6.0;
 
-/// A model with effects of which some act in the changed runs alone, and with laws that are others there.
+/// What may have changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum What {
+    /// An effect that was not there.
+    Effect(Candidate),
+    /// A parameter of the laws, by its place in the model.
+    Law(usize),
+}
+
+/// A model with an effect that acts in the changed runs alone, or with a law that is another there.
 ///
-/// Parameters: those of the model, then the changes of laws, each on the scale of its law.
+/// Parameters: those of the model, then the change of a law, on its scale.
 #[derive(Debug, Clone)]
 pub(crate) struct Version {
     model: ExtendedModel,
     changed: Arc<BTreeSet<String>>,
-    /// Effects that the reference does not have.
-    new: CandidateSet,
-    /// Parameters of laws that have changed.
-    laws: Vec<usize>,
+    /// What has changed in them.
+    change: Option<What>,
     parameters: Vec<ParameterInfo>,
 }
 
 impl Version {
-    /// A model in which nothing has changed; `changed` are the names of the runs that are not of the reference.
-    pub(crate) fn unchanged(model: ExtendedModel, changed: Arc<BTreeSet<String>>) -> Self {
+    /// A model in which nothing has changed; `changed` are the runs that are not of the reference.
+    pub(crate) fn unchanged(model: ExtendedModel, changed: &[Recording]) -> Self {
+        let changed = changed.iter().map(|run| run.name().to_owned());
         Self {
             parameters: model.parameters().to_vec(),
             model,
-            changed,
-            new: CandidateSet::EMPTY,
-            laws: Vec::new(),
+            changed: Arc::new(changed.collect()),
+            change: None,
         }
     }
 
@@ -52,8 +59,7 @@ impl Version {
             parameters,
             model,
             changed: Arc::clone(&self.changed),
-            new: CandidateSet::of(effect),
-            laws: Vec::new(),
+            change: Some(What::Effect(effect)),
         }
     }
 
@@ -86,7 +92,7 @@ impl Version {
         });
         Self {
             parameters,
-            laws: vec![law],
+            change: Some(What::Law(law)),
             ..self.clone()
         }
     }
@@ -97,10 +103,9 @@ impl Version {
 
     /// Values of the model's parameters in a run.
     fn values(&self, point: &[f64], is_changed: bool) -> Vec<f64> {
-        let n = point.len() - self.laws.len();
-        let mut values = point[..n].to_vec();
-        if !is_changed {
-            for effect in self.new.iter() {
+        let mut values = point[..self.model.parameters().len()].to_vec();
+        match self.change {
+            Some(What::Effect(effect)) if !is_changed => {
                 if let Some(first) = self.model.first_parameter(effect) {
                     let parameters = effect.info().parameters.iter();
                     for (value, parameter) in values[first..].iter_mut().zip(parameters) {
@@ -108,15 +113,15 @@ impl Version {
                     }
                 }
             }
-            return values;
-        }
-        for (&law, change) in self.laws.iter().zip(&point[n..]) {
-            let info = &self.parameters[law];
-            let moved = match info.scale {
-                Scale::Linear => values[law] + change,
-                Scale::Logarithmic => values[law] * change.exp(),
-            };
-            values[law] = moved.clamp(info.bounds.lower, info.bounds.upper);
+            Some(What::Law(law)) if is_changed => {
+                let (info, change) = (&self.parameters[law], point[values.len()]);
+                let moved = match info.scale {
+                    Scale::Linear => values[law] + change,
+                    Scale::Logarithmic => values[law] * change.exp(),
+                };
+                values[law] = moved.clamp(info.bounds.lower, info.bounds.upper);
+            }
+            _ => {}
         }
         values
     }

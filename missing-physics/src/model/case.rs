@@ -135,10 +135,7 @@ impl<'a> Case<'a> {
 
     /// The fitted baseline as a node.
     pub(crate) fn baseline(&self) -> Result<Node, IdentifyError> {
-        let points = (0..self.training.len())
-            .map(|r| self.fit.point(r))
-            .collect();
-        self.plain_at(points)
+        self.plain_at(self.fit.points())
     }
 
     /// The baseline at its other minima.
@@ -193,12 +190,11 @@ impl<'a> Case<'a> {
     /// A node where a fit of its model ended.
     pub(crate) fn fitted(&self, node: &Node, fit: &Fit) -> Result<Node, IdentifyError> {
         let vector = ParameterVector::new(node.model.parameters(), self.training.len());
-        let points = (0..self.training.len()).map(|r| fit.point(r)).collect();
         let simulations = node.simulations + fit.simulations;
         self.node(
             node.model.clone(),
             fit.coordinates(&vector),
-            points,
+            fit.points(),
             simulations,
         )
     }

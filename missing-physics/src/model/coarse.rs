@@ -32,9 +32,7 @@ pub(crate) fn coarse(
     fit: &Fit,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let points: Vec<Vec<f64>> = (0..training.len()).map(|r| fit.point(r)).collect();
-    let tau_s = fit.parameter("tau_s").map_or(0.0, |tau| tau.values[0]);
-    coarse_at(model, &points, tau_s, training)
+    coarse_at(model, &fit.points(), fit.tau_s(), training)
 }
 
 /// The same of any model at points, one a recording, in which the rod has a time constant.
@@ -191,7 +189,7 @@ mod tests {
         let before = fine.baseline().unwrap();
         let recording = &fine.training[0];
         let point = fine.fit.point(0);
-        let tau_s = fine.fit.parameter("tau_s").unwrap().values[0];
+        let tau_s = fine.fit.tau_s();
         let few = of_every(5, fine.base, (&point, tau_s), recording).unwrap();
         // The rod is taken to the same temperatures.
         let [on_all, on_few] =

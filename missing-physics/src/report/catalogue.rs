@@ -11,7 +11,7 @@ use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily, Role, Setting};
 
 /// Standard errors of half a 95 % interval.
-const HALF_95: f64 = 1.96;
+pub(crate) const HALF_95: f64 = 1.96;
 
 /// An effect of the chosen model with its numbers.
 pub(crate) fn finding(

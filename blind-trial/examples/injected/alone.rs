@@ -1,23 +1,19 @@
-//! Diagnoses a measured wire with effects put on its recordings, and says which of them were found beyond what is found
-//! without: `cargo run --release -p blind-trial --example injected OUT`; see the README.
+//! The wire with an effect on all of its recordings, diagnosed.
 
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::io::{self, Write};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::Path;
 
-use blind_trial::injected::{Injected, stroke};
+use blind_trial::injected::Injected;
 use blind_trial::{Journal, Line, Named, TrialError, Verdict};
-use fixtures::bologna;
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{DiagnoseConfig, diagnose, setting_of_rod};
-use recording::{Recording, read_csv};
+use recording::Recording;
 use serde::{Deserialize, Serialize};
 use wiener::hysteresis::Rule;
 
-/// Where results stand, from the workspace's root.
-const RESULTS: &str = "blind-trial/results/injected.jsonl";
+use crate::Wire;
 
 /// One diagnosis.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -37,36 +33,23 @@ impl Line for Diagnosed {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let Some(out) = std::env::args().nth(1) else {
-        let usage =
-            format!("injected OUT: where to write, {RESULTS} for one; it takes half an hour");
-        writeln!(io::stdout(), "{usage}")?;
-        return Ok(());
-    };
-    let Some(folder) = fixtures::shared::path(bologna::FOLDER) else {
-        return Ok(());
-    };
-    let rod = Rod::parse("rod.toml", bologna::ROD)?;
-    let read = |name: &str| read_csv(folder.join(name), &rod.read_options());
-    let names = bologna::TRAINING.into_iter().chain([bologna::UNSEEN]);
-    let recorded = names.map(read).collect::<Result<Vec<_>, _>>()?;
-    let stroke = stroke(&recorded);
-    let mut journal = Journal::open(&PathBuf::from(out))?;
+/// Diagnoses the wire as it is and with each effect; says what was found.
+pub(crate) fn study(wire: &Wire, out: &Path) -> Result<String, Box<dyn Error>> {
+    let mut journal = Journal::open(out)?;
     let injections = std::iter::once(None).chain(Injected::all().into_iter().map(Some));
     for (number, injected) in injections.enumerate() {
         if journal.contains(number) {
             continue;
         }
         let on = |one: &Recording| {
-            injected.map_or_else(|| Ok(one.clone()), |injected| injected.on(one, stroke))
+            injected.map_or_else(|| Ok(one.clone()), |injected| injected.on(one, wire.stroke))
         };
-        let recordings = recorded.iter().map(on);
+        let recordings = wire.recorded.iter().map(on);
         let recordings = recordings.collect::<Result<Vec<Recording>, TrialError>>()?;
         let (training, unseen) = recordings.split_at(recordings.len() - 1);
-        let base = WienerModel::new(&rod, Rule::LastReversal, training)?;
+        let base = WienerModel::new(&wire.rod, Rule::LastReversal, training)?;
         let config = DiagnoseConfig {
-            setting: setting_of_rod(&rod, "mm"),
+            setting: setting_of_rod(&wire.rod, "mm"),
             ..DiagnoseConfig::default()
         };
         let diagnosis = diagnose(&base, training, unseen, &config, &mut |_| {
@@ -80,9 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let lines: BTreeMap<usize, &Diagnosed> =
         journal.lines().map(|line| (line.number, line)).collect();
-    // A closed pipe is not a fault of the study.
-    let _ = io::stdout().write_all(said(&lines).as_bytes());
-    Ok(())
+    Ok(said(&lines))
 }
 
 /// A line a diagnosis: what was put on, what is said of it, and what else.

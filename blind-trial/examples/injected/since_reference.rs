@@ -1,42 +1,30 @@
-//! Puts effects on some runs of a measured wire, and asks what has changed since the others, as they are:
-//! `cargo run --release -p blind-trial --example injected_reference OUT`; see the README.
+//! The wire with an effect on some of its recordings, compared with the others.
 
 use std::error::Error;
-use std::io::{self, Write};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::Path;
 
 use blind_trial::changed::{Answered, said};
-use blind_trial::injected::{Injected, stroke};
+use blind_trial::injected::Injected;
 use blind_trial::{Journal, TrialError};
-use fixtures::bologna;
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{DiagnoseConfig, Reference, setting_of_rod};
-use recording::{Recording, read_csv};
+use recording::Recording;
 use wiener::hysteresis::Rule;
+
+use crate::Wire;
 
 /// Most runs of today, of four.
 const MOST: u32 = 2;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let Some(out) = std::env::args().nth(1) else {
-        writeln!(io::stdout(), "injected_reference OUT: where to write")?;
-        return Ok(());
-    };
-    let Some(folder) = fixtures::shared::path(bologna::FOLDER) else {
-        return Ok(());
-    };
-    let rod = Rod::parse("rod.toml", bologna::ROD)?;
-    let read = |name: &str| read_csv(folder.join(name), &rod.read_options());
-    let names = bologna::TRAINING.into_iter().chain([bologna::UNSEEN]);
-    let recorded = names.map(read).collect::<Result<Vec<_>, _>>()?;
-    let stroke = stroke(&recorded);
-    let mut journal: Journal<Answered> = Journal::open(&PathBuf::from(out))?;
+/// Asks what has changed, of every way to part the runs; says how often that was right.
+pub(crate) fn study(wire: &Wire, out: &Path) -> Result<String, Box<dyn Error>> {
+    let mut journal: Journal<Answered> = Journal::open(out)?;
     let put_on: Vec<Option<Injected>> = std::iter::once(None)
         .chain(Injected::all().into_iter().map(Some))
         .collect();
     // A bit a run: those of today.
-    let splits = 1..(1_u32 << recorded.len()) - 1;
+    let splits = 1..(1_u32 << wire.recorded.len()) - 1;
     let splits = splits.filter(|today| today.count_ones() <= MOST);
     for (split, today) in splits.enumerate() {
         let number = |k: usize| (split * put_on.len() + k) as u64;
@@ -44,14 +32,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let of = |is_today: bool| -> Vec<&Recording> {
-            let runs = recorded.iter().enumerate();
+            let runs = wire.recorded.iter().enumerate();
             let own = runs.filter(|(k, _)| (today >> k & 1 == 1) == is_today);
             own.map(|(_, run)| run).collect()
         };
         let reference: Vec<Recording> = of(false).into_iter().cloned().collect();
-        let base = WienerModel::new(&rod, Rule::LastReversal, &reference)?;
+        let base = WienerModel::new(&wire.rod, Rule::LastReversal, &reference)?;
         let config = DiagnoseConfig {
-            setting: setting_of_rod(&rod, "mm"),
+            setting: setting_of_rod(&wire.rod, "mm"),
             ..DiagnoseConfig::default()
         };
         let go_on = &mut |_| ControlFlow::Continue(());
@@ -62,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 continue;
             }
             let on = |run: &&Recording| match injected {
-                Some(injected) => injected.on(run, stroke),
+                Some(injected) => injected.on(run, wire.stroke),
                 None => Ok((*run).clone()),
             };
             let today = of(true);
@@ -75,13 +63,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             journal.append(Answered::new(number(k), names.join(", "), changed, &change))?;
         }
     }
-    // A closed pipe is not a fault of the study.
-    let _ = io::stdout().write_all(said(journal.lines()).as_bytes());
-    Ok(())
+    Ok(said(journal.lines()))
 }
 
 fn file_name(run: &Recording) -> String {
-    let path = PathBuf::from(run.name());
+    let path = Path::new(run.name());
     let name = path.file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()
 }
