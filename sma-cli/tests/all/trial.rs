@@ -12,9 +12,13 @@ use std::path::Path;
 use assert_cmd::Command;
 
 fn sma(arguments: &[&str]) -> std::process::Output {
+    drawn_from("a test", arguments)
+}
+
+fn drawn_from(seed: &str, arguments: &[&str]) -> std::process::Output {
     Command::cargo_bin("sma")
         .unwrap()
-        .args(["trial", "--quiet", "--seed", "a test"])
+        .args(["trial", "--quiet", "--seed", seed])
         .args(arguments)
         .output()
         .unwrap()
@@ -28,7 +32,7 @@ fn text(path: &Path) -> String {
 fn shards_put_together_are_the_whole_to_the_byte() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).display().to_string();
-    let family = ["--family", "clean-ar", "--cases", "2"];
+    let family = ["--family", "clean-outliers", "--cases", "2"];
     let whole = sma(&[&family[..], &["--out", &place("whole"), "--json", "-"]].concat());
     assert_eq!(whole.status.code(), Some(0));
     let json: serde_json::Value = serde_json::from_slice(&whole.stdout).unwrap();
@@ -76,7 +80,7 @@ fn shards_put_together_are_the_whole_to_the_byte() {
 fn an_answer_that_was_changed_breaks_its_seal() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("t").display().to_string();
-    let ran = sma(&["--family", "clean-ar", "--cases", "1", "--out", &out]);
+    let ran = sma(&["--family", "clean-outliers", "--cases", "1", "--out", &out]);
     assert_eq!(ran.status.code(), Some(0));
     let path = folder.path().join("t/cases.jsonl");
     fs::write(&path, text(&path).replace("\"l2p\"", "\"preisach\"")).unwrap();
@@ -85,7 +89,7 @@ fn an_answer_that_was_changed_breaks_its_seal() {
     let message = String::from_utf8(ran.stderr).unwrap();
     assert_eq!(
         message,
-        "sma: lab-clean-ar-0000: the answer is not the one that was sealed\n"
+        "sma: lab-clean-outliers-0000: the answer is not the one that was sealed\n"
     );
 }
 
@@ -130,7 +134,7 @@ fn cases_are_drawn_around_a_rig_of_one_s_own() {
     let (rod, drive) = (file("rod.toml"), file("train.csv"));
     let like = ["--like", &rod, "--drive", &drive, "--out", &out];
     let two = ["--family", "single", "--cases", "2", "--json", "-"];
-    let ran = sma(&[&like[..], &two].concat());
+    let ran = drawn_from("b", &[&like[..], &two].concat());
     assert_eq!(
         ran.status.code(),
         Some(0),
@@ -141,14 +145,14 @@ fn cases_are_drawn_around_a_rig_of_one_s_own() {
     let reach = json["reach"].as_array().unwrap();
     assert_eq!(reach.len(), 2);
     assert!(reach.iter().all(|row| row["sizes"][0]["size"] == 1.0));
-    let counted = sma(&[&like[..], &["--cases", "0"]].concat());
+    let counted = drawn_from("b", &[&like[..], &["--cases", "0"]].concat());
     let said = String::from_utf8(counted.stdout).unwrap();
     assert!(
         said.starts_with("Of 2 effects of their usual size this experiment would name "),
         "{said}"
     );
     // The folder is of this rig.
-    let other = sma(&["--out", &out, "--cases", "0"]);
+    let other = drawn_from("b", &["--out", &out, "--cases", "0"]);
     let said = String::from_utf8(other.stderr).unwrap();
     assert!(said.contains("rig"), "{said}");
     let alone = sma(&["--like", &rod, "--out", &out]);
