@@ -37,6 +37,7 @@ mod rig_model;
 mod rod;
 mod sadeghi_model;
 mod saved_model;
+mod sensor;
 mod sensor_lag;
 mod source;
 mod specific_heat;
@@ -82,6 +83,7 @@ pub use sadeghi_model::SadeghiModel;
 pub use saved_model::{
     Identification, InputFile, Provenance, Role, SavedEffects, SavedModel, SavedRecording, Scores,
 };
+pub use sensor::Sensor;
 pub use state_of_run::{StateOfRun, in_states};
 pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,

@@ -10,7 +10,7 @@ use crate::quantities::{Quantities, same_quantities};
 use crate::validate::validate_at;
 use crate::{
     Fit, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance, ParameterVector,
-    RigModel, Rod, Scope, Validated,
+    RigModel, Rod, Scope, Sensor, Validated,
 };
 
 /// Id of the effect that a loop of another family is.
@@ -95,6 +95,9 @@ pub struct SavedRecording {
     pub largest_drive: f64,
     /// Root mean square of recording - model, in the output unit.
     pub rmse: f64,
+    /// Step and noise of its sensor; `None` where it does not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Sensor>,
 }
 
 /// What a recording was for.
@@ -175,6 +178,7 @@ impl SavedModel {
             largest_drive: recording.largest_drive(),
             sample_time_s: recording.sampling().usual_dt_s(),
             rmse,
+            sensor: Sensor::of(recording),
         };
         Self {
             rod: rod.clone(),
@@ -251,6 +255,15 @@ impl SavedModel {
     #[must_use]
     pub fn scores(&self) -> Scores {
         self.scores
+    }
+
+    /// Step and noise of the sensor, by the training recording in which it jumps most; `None` where none tells.
+    #[must_use]
+    pub fn sensor(&self) -> Option<Sensor> {
+        let trained = self.recordings.iter().filter(|one| one.role == Role::Train);
+        trained
+            .filter_map(|one| one.sensor)
+            .max_by(|a, b| a.jump().total_cmp(&b.jump()))
     }
 
     /// Largest drive of the training, in its unit.

@@ -64,6 +64,7 @@ impl Cell {
                 anti_windup: AntiWindup::Clamping,
                 derivative_of: DerivativeOf::Measurement,
                 derivative_filter_s: 0.0,
+                setpoint_weight: 1.0,
             },
             // 200 and 0.01, whatever the unit: ki/kp stays.
             gains: PidGains {

@@ -11,7 +11,8 @@ use std::ops::ControlFlow;
 use fixtures::sadeghi;
 use pid_tune::{
     AntiWindup, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances, DriveLimits,
-    PidGains, PidParams, Reference, Response, Task, TunerConfig, second_opinion, tune,
+    Goal, PidGains, PidParams, Plants, Reference, Response, Task, TunerConfig, second_opinion,
+    tune,
 };
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::{HeatBalanceParams, ThermalConstants};
@@ -121,6 +122,7 @@ fn task(
         anti_windup: AntiWindup::Clamping,
         derivative_of: DerivativeOf::Measurement,
         derivative_filter_s: 0.0,
+        setpoint_weight: 1.0,
     };
     Ok(Task::new(rods, closed_loop, params)?)
 }
@@ -137,10 +139,22 @@ fn controllers(
     weights: &CostWeights,
 ) -> Result<Vec<Controller>, Box<dyn Error>> {
     let paper = TunerConfig::sadeghi();
-    let of_paper = tune(task, rod, weights, &paper, |_| ControlFlow::Continue(()))?;
+    let of_paper = tune(
+        task,
+        &Plants::judged(&[rod]),
+        &Goal::of(*weights),
+        &paper,
+        |_| ControlFlow::Continue(()),
+    )?;
     let default = TunerConfig::for_task(task, printed("rig.stroke")?)?;
-    let of_default = tune(task, rod, weights, &default, |_| ControlFlow::Continue(()))?;
-    let simplex = second_opinion(task, rod, weights, &default, &of_default)?;
+    let of_default = tune(
+        task,
+        &Plants::judged(&[rod]),
+        &Goal::of(*weights),
+        &default,
+        |_| ControlFlow::Continue(()),
+    )?;
+    let simplex = second_opinion(task, &[rod], &Goal::of(*weights), &default, &of_default)?;
     println!(
         "Default search: {} responses, {} of {} swarms within 1 % of its cost, at a bound {:?}. Simplex from \
          there: {:?}; from elsewhere: {:?}.\n",

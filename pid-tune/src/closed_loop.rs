@@ -22,6 +22,10 @@ pub struct Disturbances<'a> {
     pub quantization_step: f64,
     /// Samples from a command to its effect on the plant; at most [`MAX_DEAD_TIME_SAMPLES`].
     pub dead_time_samples: usize,
+    /// Step of the drive, in its unit: the supply rounds a command to the nearest multiple; ≥ 0, and 0 for none.
+    pub drive_step: f64,
+    /// Drive up to which nothing acts, in its unit: a supply that wakes up above it; ≥ 0, and 0 for none.
+    pub drive_dead_zone: f64,
 }
 
 /// What a loop runs over.
@@ -49,7 +53,7 @@ pub struct ClosedLoopParams<'a> {
 /// y_k = plant + load_k
 /// m_k = q round((y_k + noise_k)/q)     with a converter of step q
 /// u_k = controller(r_k, m_k, f_k)
-/// plant driven by u_(k-n), n the dead time; before k = n by the controller's last drive before the loop
+/// plant driven by supply(u_(k-n)), n the dead time; before k = n by the controller's last drive before the loop
 /// ```
 ///
 /// All lanes have the same reference and disturbances, each its own plant and gains.
@@ -112,7 +116,13 @@ impl<'a> ClosedLoop<'a> {
             }
             all_finite(name, series)?;
         }
-        not_negative("quantization_step", disturbances.quantization_step)?;
+        for (name, value) in [
+            ("quantization_step", disturbances.quantization_step),
+            ("drive_step", disturbances.drive_step),
+            ("drive_dead_zone", disturbances.drive_dead_zone),
+        ] {
+            not_negative(name, value)?;
+        }
         if disturbances.dead_time_samples > MAX_DEAD_TIME_SAMPLES {
             return Err(TuneError::DeadTime {
                 value: disturbances.dead_time_samples,
@@ -160,7 +170,10 @@ impl<'a> ClosedLoop<'a> {
                 measured,
                 feed_forward: self.params.feed_forward.map_or(0.0, |series| series[k]),
             };
-            commands[place] = pid.step(pid_state, &sample).drive;
+            let mut command = pid.step(pid_state, &sample).drive;
+            quantize(&mut command, disturbances.drive_step);
+            silence(&mut command, disturbances.drive_dead_zone);
+            commands[place] = command;
             place = if place == dead_time { 0 } else { place + 1 };
             let drive = commands[place];
             visit(&Snapshot {
@@ -197,6 +210,20 @@ fn quantize<const L: usize>(values: &mut [f64; L], step: f64) {
     if step > 0.0 {
         for l in 0..L {
             values[l] = ((values[l] / step + ROUNDING) - ROUNDING) * step;
+        }
+    }
+}
+
+/// Leaves nothing of values up to an edge.
+#[inline(always)]
+fn silence<const L: usize>(values: &mut [f64; L], edge: f64) {
+    if edge > 0.0 {
+        for l in 0..L {
+            values[l] = if values[l].abs() > edge {
+                values[l]
+            } else {
+                0.0
+            };
         }
     }
 }

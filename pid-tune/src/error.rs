@@ -60,6 +60,12 @@ pub enum TuneError {
         /// Sample time, s.
         dt_s: f64,
     },
+    /// No share of a reference.
+    #[error("setpoint_weight = {value}: must lie in 0 .. 1")]
+    SetpointWeight {
+        /// Rejected value.
+        value: f64,
+    },
     /// A series has no values.
     #[error("{name} has no values; at least 1 is needed")]
     Empty {
@@ -114,6 +120,16 @@ pub enum TuneError {
     /// All weights that count for the reference are 0.
     #[error("no weight is > 0 on a term that responses to this reference have: at least 1 must be")]
     NoWeight,
+    /// No gains within the bounds meet what is required.
+    #[error(
+        "no gains within the bounds meet what is required of margins and of the sensor's jumps"
+    )]
+    Unmet,
+    /// No gains within the bounds let the loop come to rest.
+    #[error(
+        "no gains within the bounds let the loop come to rest from every side: a slower sample time, a finer sensor, a filter or larger margins would"
+    )]
+    NoRest,
     /// No response within the bounds has a finite cost.
     #[error(
         "no gains within the bounds have a finite cost: the plant's output must be a finite number"

@@ -4,7 +4,7 @@ use wiener::Fleet;
 
 use crate::error::positive;
 use crate::tuner::{Seen, Swarms};
-use crate::{CostWeights, PidGains, Task, TaskError, Terms, TuneError, TunerConfig};
+use crate::{Goal, PidGains, Response, Task, TaskError, Terms, TuneError, TunerConfig};
 
 /// Decades by which the weights of accuracy and energy are shifted against one another, each by as much: one
 /// swarm for each.
@@ -26,6 +26,8 @@ pub struct FrontPoint {
 /// that of all responses they looked at, so that it also has the points of its hollows, where no weighted sum
 /// has its minimum. Of controllers with equal terms it has the one seen first.
 ///
+/// Of several plants the first counts; gains that miss what `goal` requires are not on it.
+///
 /// It ends at no energy at all if the bounds allow that. The same bits for any number of threads.
 ///
 /// # Errors
@@ -34,16 +36,20 @@ pub struct FrontPoint {
 /// as [`tune`](crate::tune).
 pub fn front<F: Fleet<Member: Sync, Error: Send> + Sync>(
     task: &Task<'_, F>,
-    member: F::Member,
-    weights: &CostWeights,
+    members: &[F::Member],
+    goal: &Goal<'_>,
     config: &TunerConfig,
 ) -> Result<Vec<FrontPoint>, TaskError<F::Error>> {
     config.check()?;
+    let weights = goal.weights;
     positive("mse", weights.mse)?;
     positive("energy", weights.energy)?;
     let accuracies = SHIFTS.map(libm::exp10);
     let mut front = Vec::new();
-    let cost = |seen: Seen, terms: &Terms| {
+    let cost = |seen: Seen, responses: &[Response]| {
+        let Some(Response { terms, .. }) = responses.first() else {
+            return f64::NAN;
+        };
         let accuracy = accuracies[seen.number];
         front.push(FrontPoint {
             gains: seen.gains,
@@ -51,8 +57,13 @@ pub fn front<F: Fleet<Member: Sync, Error: Send> + Sync>(
         });
         weights.mse * accuracy * terms.mse + weights.energy / accuracy * terms.energy
     };
+    // Swarms that look for different things do not agree.
+    let config = &TunerConfig {
+        stall: None,
+        ..config.clone()
+    };
     let mut swarms = Swarms::new(config, SHIFTS.len())?;
-    let _to_the_end = swarms.run(task, member, cost, |_| ControlFlow::Continue(()))?;
+    let _to_the_end = swarms.run(task, members, goal, cost, |_| ControlFlow::Continue(()))?;
     keep_front(&mut front);
     if front.is_empty() {
         return Err(TuneError::NoFiniteCost.into());

@@ -11,12 +11,18 @@ mod complex;
 mod cost;
 #[cfg(feature = "std")]
 mod describing;
+#[cfg(feature = "std")]
+mod describing_curve;
 mod error;
 mod feed_forward;
 #[cfg(feature = "std")]
 mod fraction_response;
 #[cfg(feature = "std")]
 mod front;
+#[cfg(feature = "std")]
+mod goal;
+#[cfg(feature = "std")]
+mod inverse;
 #[cfg(feature = "std")]
 mod limit_cycle;
 #[cfg(feature = "std")]
@@ -26,17 +32,29 @@ mod loop_analysis;
 #[cfg(feature = "std")]
 mod margins;
 #[cfg(feature = "std")]
+mod open_loop;
+#[cfg(feature = "std")]
 mod oscillation;
 #[cfg(feature = "std")]
 mod pace;
 mod pid;
+#[cfg(feature = "std")]
+mod plant_response;
 mod reference;
+#[cfg(feature = "std")]
+mod rest_test;
 #[cfg(feature = "std")]
 mod robustness;
 #[cfg(feature = "std")]
 mod rod_loop;
 #[cfg(feature = "std")]
+mod rules;
+#[cfg(feature = "std")]
+mod screen;
+#[cfg(feature = "std")]
 mod second_opinion;
+#[cfg(feature = "std")]
+mod small_changes;
 mod step_response;
 #[cfg(feature = "std")]
 mod task;
@@ -64,6 +82,8 @@ pub use fraction_response::{
 #[cfg(feature = "std")]
 pub use front::{FrontPoint, front};
 #[cfg(feature = "std")]
+pub use goal::{Across, Goal};
+#[cfg(feature = "std")]
 pub use limit_cycle::{PredictedCycle, RELIABLE_HARMONIC_RATIO};
 #[cfg(feature = "std")]
 pub use linear_loop::LinearLoop;
@@ -72,13 +92,19 @@ pub use loop_analysis::{AGREEMENT, Agreement, Forecast, LoopAnalysis, Outcome, S
 #[cfg(feature = "std")]
 pub use margins::Margins;
 #[cfg(feature = "std")]
+pub use open_loop::{OpenLoop, Passage};
+#[cfg(feature = "std")]
 pub use oscillation::{Oscillation, StartFrom};
 #[cfg(feature = "std")]
 pub use pace::Pace;
 pub use pid::{
     AntiWindup, Command, DerivativeOf, DriveLimits, Pid, PidGains, PidParams, PidState, Sample,
 };
+#[cfg(feature = "std")]
+pub use plant_response::{FirstOrder, PlantResponse};
 pub use reference::Reference;
+#[cfg(feature = "std")]
+pub use rest_test::RestTest;
 #[cfg(feature = "std")]
 pub use robustness::{
     Ending, Percentiles, Robustness, Sensitivity, StepRobustness, Variation, robustness,
@@ -87,11 +113,17 @@ pub use robustness::{
 #[cfg(feature = "std")]
 pub use rod_loop::{Approach, RodLoop, RodLoopParams};
 #[cfg(feature = "std")]
+pub use rules::{RelayCycle, RelayTest};
+#[cfg(feature = "std")]
+pub use screen::{Requirements, Screen};
+#[cfg(feature = "std")]
 pub use second_opinion::{Opinion, SecondOpinion, Verdict, second_opinion};
+#[cfg(feature = "std")]
+pub use small_changes::SmallChanges;
 pub use step_response::StepTerms;
 #[cfg(feature = "std")]
 pub use task::{Response, Task, TaskError};
 #[cfg(feature = "std")]
-pub use tuner::{TuneProgress, Tuned, tune};
+pub use tuner::{Plants, TuneProgress, Tuned, tune};
 #[cfg(feature = "std")]
 pub use tuner_config::{BoundEnd, GainBounds, GainScale, TunerConfig};

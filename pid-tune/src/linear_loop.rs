@@ -2,7 +2,8 @@ use core::f64::consts::PI;
 
 use crate::complex::Complex;
 use crate::error::{finite, positive};
-use crate::{MAX_DEAD_TIME_SAMPLES, Pid, PidGains, PidParams, TuneError};
+use crate::open_loop::{controller_response, frequencies};
+use crate::{MAX_DEAD_TIME_SAMPLES, Margins, Pid, PidGains, PidParams, TuneError};
 
 /// A sampled PID, without its limits, around a first-order lag with dead time.
 ///
@@ -61,20 +62,7 @@ impl LinearLoop {
     /// C at a frequency, rad/s.
     #[must_use]
     pub fn controller_response(&self, omega_rad_per_s: f64) -> Complex {
-        let PidGains { kp, ki, kd } = self.gains;
-        let dt_s = self.controller.dt_s;
-        let z = Complex::unit(omega_rad_per_s * dt_s);
-        let z_less_one = z + Complex::real(-1.0);
-        let retained = libm::exp(-dt_s / self.controller.derivative_filter_s);
-        let mut response = Complex::real(kp);
-        if ki > 0.0 {
-            response = response + Complex::real(ki * dt_s) / z_less_one;
-        }
-        if kd > 0.0 {
-            response = response
-                + z_less_one / (z + Complex::real(-retained)) * (kd * (1.0 - retained) / dt_s);
-        }
-        response
+        controller_response(&self.controller, &self.gains, omega_rad_per_s)
     }
 
     /// L/C at a frequency, rad/s.
@@ -87,31 +75,21 @@ impl LinearLoop {
         lag * Complex::unit(-angle_rad * self.dead_time_samples as f64) * self.plant_gain
     }
 
-    /// Frequencies dense enough to follow the angle of L, rad/s: in equal ratios from far below all corners,
-    /// then in equal steps to half of the sampling frequency.
+    /// Margins, by a sweep of frequencies and refinement between them.
+    #[must_use]
+    pub fn margins(&self) -> Margins {
+        let sweep = self.sweep();
+        let responses: Vec<Complex> = sweep.iter().map(|&omega| self.response(omega)).collect();
+        Margins::of(&sweep, &responses, |omega| self.response(omega))
+    }
+
+    /// Frequencies dense enough to follow the angle of L, rad/s.
     pub(crate) fn sweep(&self) -> Vec<f64> {
-        const DECADES_PER_STEP: f64 = 0.01;
-        const EQUAL_STEPS: usize = 800;
-        /// Of half of the sampling frequency: the sweep begins no lower, however slow the integral.
-        const LOWEST_SHARE: f64 = 1e-9;
-        let nyquist = self.nyquist_rad_per_s();
         let PidGains { kp, ki, .. } = self.gains;
-        let mut slowest = (1.0 / self.tau_s).min(nyquist);
+        let mut slowest = 1.0 / self.tau_s;
         if ki > 0.0 && kp > 0.0 {
             slowest = slowest.min(ki / kp);
         }
-        let step = nyquist / EQUAL_STEPS as f64;
-        // From here on equal steps are the shorter ones.
-        let joint = step / (libm::exp10(DECADES_PER_STEP) - 1.0);
-        let first = (0.01 * slowest)
-            .min(0.5 * joint)
-            .max(LOWEST_SHARE * nyquist);
-        let n_ratios = (libm::log10(joint / first) / DECADES_PER_STEP) as usize;
-        let mut sweep: Vec<f64> = (0..n_ratios)
-            .map(|k| first * libm::exp10(DECADES_PER_STEP * k as f64))
-            .collect();
-        let n_steps = ((nyquist - joint) / step) as usize;
-        sweep.extend((0..=n_steps).map(|k| nyquist - step * (n_steps - k) as f64));
-        sweep
+        frequencies(slowest, self.nyquist_rad_per_s())
     }
 }

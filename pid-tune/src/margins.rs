@@ -1,6 +1,5 @@
 use core::f64::consts::PI;
 
-use crate::LinearLoop;
 use crate::bracket::root;
 use crate::complex::{Complex, unwrapped};
 
@@ -37,50 +36,84 @@ pub struct Margins {
     pub peak_hz: f64,
 }
 
-impl LinearLoop {
-    /// Margins, by a sweep of frequencies and refinement between them.
-    #[must_use]
-    pub fn margins(&self) -> Margins {
-        let sweep = self.sweep();
-        let responses: Vec<Complex> = sweep.iter().map(|&omega| self.response(omega)).collect();
-        let (peak_sensitivity, peak_rad_per_s) = self.peak_sensitivity(&sweep, &responses);
-        // 1 + L with the points at which it is real: next to -1 it turns by half a circle between two frequencies.
-        let mut path = Vec::with_capacity(responses.len());
-        let mut margins = Margins {
+impl Margins {
+    /// Margins of a loop by its response at a sweep of frequencies, rising, up to half of the sampling frequency,
+    /// and refinement between them.
+    pub(crate) fn of(
+        sweep: &[f64],
+        responses: &[Complex],
+        response: impl Fn(f64) -> Complex,
+    ) -> Self {
+        let exact = |k: usize, excess: fn(Complex) -> f64| {
+            let tolerance = FREQUENCY_TOLERANCE * sweep[k];
+            let omega = root(
+                |omega| excess(response(omega)),
+                [sweep[k - 1], sweep[k]],
+                tolerance,
+            )?;
+            Some((omega, response(omega)))
+        };
+        let mut margins = Self::along(sweep, responses, exact);
+        let (peak_sensitivity, peak_rad_per_s) = peak_sensitivity(sweep, responses, response);
+        margins.peak_sensitivity = peak_sensitivity;
+        margins.peak_hz = peak_rad_per_s / (2.0 * PI);
+        margins
+    }
+
+    /// Margins by responses alone, with straight lines between them: for a search, that looks at many loops.
+    pub(crate) fn between(sweep: &[f64], responses: &[Complex]) -> Self {
+        Self::along(sweep, responses, |k, excess| {
+            let [before, after] = [responses[k - 1], responses[k]];
+            let [at_before, at_after] = [excess(before), excess(after)];
+            let share = at_before / (at_before - at_after);
+            let way = after + before * -1.0;
+            let omega = sweep[k - 1] + share * (sweep[k] - sweep[k - 1]);
+            Some((omega, before + way * share))
+        })
+    }
+
+    /// `crossing` finds where L has no excess, in the interval that ends with a number.
+    fn along(
+        sweep: &[f64],
+        responses: &[Complex],
+        crossing: impl Fn(usize, fn(Complex) -> f64) -> Option<(f64, Complex)>,
+    ) -> Self {
+        let mut margins = Self {
             stable: false,
             gain_margin: f64::INFINITY,
             phase_margin_rad: f64::INFINITY,
             delay_margin_s: f64::INFINITY,
-            peak_sensitivity,
-            peak_hz: peak_rad_per_s / (2.0 * PI),
+            peak_sensitivity: 1.0,
+            peak_hz: 0.0,
+        };
+        // The Nyquist criterion for a loop without unstable poles of its own: 1 + L, from its integrator's indentation
+        // on the positive real axis to half of the sampling frequency, turns around 0 by nothing in all. With the
+        // points at which it is real: next to -1 it turns by half a circle between two frequencies.
+        let mut angle_rad = 0.0;
+        let mut turn = |response: Complex| {
+            angle_rad = unwrapped((response + Complex::ONE).angle_rad(), angle_rad);
         };
         for k in 1..sweep.len() {
-            let ends = [sweep[k - 1], sweep[k]];
-            let tolerance = FREQUENCY_TOLERANCE * sweep[k];
             let [before, after] = [responses[k - 1], responses[k]];
             if before.re.min(after.re) < 0.0
                 && before.im * after.im < 0.0
-                && let Some(omega) = root(|omega| self.response(omega).im, ends, tolerance)
+                && let Some((_, response)) = crossing(k, |response| response.im)
             {
-                margins.bear_gain(self.response(omega));
-                path.push(self.response(omega));
+                margins.bear_gain(response);
+                turn(response);
             }
-            path.push(after);
+            turn(after);
             if (before.magnitude() - 1.0) * (after.magnitude() - 1.0) <= 0.0
-                && let Some(omega) = root(
-                    |omega| self.response(omega).magnitude() - 1.0,
-                    ends,
-                    tolerance,
-                )
+                && let Some((omega, response)) = crossing(k, |response| response.magnitude() - 1.0)
             {
-                margins.bear_delay(self.response(omega), omega);
+                margins.bear_delay(response, omega);
             }
         }
         // At half of the sampling frequency L is real.
         if let Some(&last) = responses.last() {
             margins.bear_gain(last);
         }
-        margins.stable = winds_around_nothing(&path);
+        margins.stable = angle_rad.abs() < 0.5 * PI;
         if !margins.stable {
             margins.phase_margin_rad = 0.0;
             margins.delay_margin_s = 0.0;
@@ -88,33 +121,22 @@ impl LinearLoop {
         margins
     }
 
-    fn peak_sensitivity(&self, sweep: &[f64], responses: &[Complex]) -> (f64, f64) {
-        let mut nearest = 0;
-        let distance = |response: Complex| (response + Complex::ONE).magnitude();
-        for k in 0..responses.len() {
-            if distance(responses[k]) < distance(responses[nearest]) {
-                nearest = k;
-            }
-        }
-        let omega = smallest(
-            |omega| distance(self.response(omega)),
-            [
-                sweep[nearest.max(1) - 1],
-                sweep[(nearest + 1).min(sweep.len() - 1)],
-            ],
-        );
-        let refined = distance(self.response(omega));
-        let swept = distance(responses[nearest]);
-        // A golden section comes close to an end, not onto it.
-        if refined < swept {
-            (1.0 / refined, omega)
+    /// The worse of both in each respect.
+    pub(crate) fn worse(&self, other: &Self) -> Self {
+        let peak = if self.peak_sensitivity >= other.peak_sensitivity {
+            self
         } else {
-            (1.0 / swept, sweep[nearest])
+            other
+        };
+        Self {
+            stable: self.stable && other.stable,
+            gain_margin: self.gain_margin.min(other.gain_margin),
+            phase_margin_rad: self.phase_margin_rad.min(other.phase_margin_rad),
+            delay_margin_s: self.delay_margin_s.min(other.delay_margin_s),
+            ..*peak
         }
     }
-}
 
-impl Margins {
     fn bear_gain(&mut self, response: Complex) {
         if response.re < 0.0 {
             self.gain_margin = self.gain_margin.min(1.0 / response.magnitude());
@@ -128,14 +150,33 @@ impl Margins {
     }
 }
 
-/// Whether 1 + L, from its integrator's indentation on the positive real axis to half of the sampling
-/// frequency, turns around 0 by nothing in all: the Nyquist criterion for a loop without unstable poles of its own.
-fn winds_around_nothing(path: &[Complex]) -> bool {
-    let mut angle_rad = 0.0;
-    for response in path {
-        angle_rad = unwrapped((*response + Complex::ONE).angle_rad(), angle_rad);
+fn peak_sensitivity(
+    sweep: &[f64],
+    responses: &[Complex],
+    response: impl Fn(f64) -> Complex,
+) -> (f64, f64) {
+    let mut nearest = 0;
+    let distance = |response: Complex| (response + Complex::ONE).magnitude();
+    for k in 0..responses.len() {
+        if distance(responses[k]) < distance(responses[nearest]) {
+            nearest = k;
+        }
     }
-    angle_rad.abs() < 0.5 * PI
+    let omega = smallest(
+        |omega| distance(response(omega)),
+        [
+            sweep[nearest.max(1) - 1],
+            sweep[(nearest + 1).min(sweep.len() - 1)],
+        ],
+    );
+    let refined = distance(response(omega));
+    let swept = distance(responses[nearest]);
+    // A golden section comes close to an end, not onto it.
+    if refined < swept {
+        (1.0 / refined, omega)
+    } else {
+        (1.0 / swept, sweep[nearest])
+    }
 }
 
 /// Where a function with one minimum between two ends is smallest, by golden section.

@@ -75,6 +75,9 @@ pub struct PidParams {
     pub derivative_of: DerivativeOf,
     /// Time constant T_f of the derivative's first-order filter, s; ≥ 0, and 0 leaves it unfiltered.
     pub derivative_filter_s: f64,
+    /// Share b of the reference that the proportional term sees, 0 to 1: below 1, a step of the reference kicks less and
+    /// the response overshoots less, while disturbances are met as before.
+    pub setpoint_weight: f64,
 }
 
 /// PID controller as it is deployed: sampled, saturated, `L` of them side by side, each with its gains.
@@ -82,7 +85,7 @@ pub struct PidParams {
 /// ```text
 /// e_k = r_k - y_k
 /// D_k = a D_(k-1) + (1 - a) kd (x_k - x_(k-1))/Δt,   a = e^(-Δt/T_f),   x = e or -y
-/// v_k = kp e_k + I_k + D_k + f_k
+/// v_k = kp (b r_k - y_k) + I_k + D_k + f_k
 /// u_k = min(max(v_k, lower), upper)
 ///
 /// I_(k+1) = I_k + ki e_k Δt                            Off
@@ -171,7 +174,7 @@ impl<const L: usize> Pid<L> {
     /// # Errors
     ///
     /// [`TuneError::Negative`] for a gain or the filter's time constant, [`TuneError::NotPositive`] for the
-    /// sample time, [`TuneError::Limits`], [`TuneError::Tracking`].
+    /// sample time, [`TuneError::Limits`], [`TuneError::Tracking`], [`TuneError::SetpointWeight`].
     pub fn new(params: PidParams, gains: &[PidGains; L]) -> Result<Self, TuneError> {
         let dt_s = params.dt_s;
         let DriveLimits { lower, upper } = params.limits;
@@ -179,6 +182,11 @@ impl<const L: usize> Pid<L> {
         not_negative("derivative_filter_s", params.derivative_filter_s)?;
         if !(lower < upper && lower.is_finite() && upper.is_finite()) {
             return Err(TuneError::Limits { lower, upper });
+        }
+        if !(0.0..=1.0).contains(&params.setpoint_weight) {
+            return Err(TuneError::SetpointWeight {
+                value: params.setpoint_weight,
+            });
         }
         if let AntiWindup::BackCalculation { tracking_s: value } = params.anti_windup
             && !(value >= dt_s && value.is_finite())
@@ -237,7 +245,7 @@ impl<const L: usize> Pid<L> {
         let error = sample.error();
         let mut integral = [0.0; L];
         for l in 0..L {
-            integral[l] = drive[l] - self.kp[l] * error[l] - sample.feed_forward;
+            integral[l] = drive[l] - self.kp[l] * self.weighed(sample, l) - sample.feed_forward;
         }
         all_finite("integral", &integral)?;
         let watched = self.watched(&error, &sample.measured);
@@ -265,8 +273,10 @@ impl<const L: usize> Pid<L> {
         for l in 0..L {
             let rate = (watched[l] - state.watched[l]) * state.per_elapsed_s[l];
             derivative[l] = self.retained * state.derivative[l] + self.kd_new[l] * rate;
-            unsaturated[l] =
-                self.kp[l] * error[l] + state.integral[l] + derivative[l] + sample.feed_forward;
+            unsaturated[l] = self.kp[l] * self.weighed(sample, l)
+                + state.integral[l]
+                + derivative[l]
+                + sample.feed_forward;
         }
         let integral = self.integrated(&state.integral, &error, &unsaturated);
         // Nothing infinite or NaN is in a finite sum. Looked at once for all lanes: few samples are missed.
@@ -305,6 +315,12 @@ impl<const L: usize> Pid<L> {
     #[inline(always)]
     pub(crate) fn last_drive(&self, state: &PidState<L>) -> [f64; L] {
         self.params.limits.saturate(state.unsaturated)
+    }
+
+    /// b r - y; for b = 1 the same bits as the error.
+    #[inline(always)]
+    fn weighed(&self, sample: &Sample<L>, l: usize) -> f64 {
+        self.params.setpoint_weight * sample.setpoint - sample.measured[l]
     }
 
     /// x: what the derivative looks at.

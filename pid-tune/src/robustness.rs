@@ -1,6 +1,8 @@
 use wiener::Fleet;
 
-use crate::{DriveLimits, PidGains, Reference, Response, Snapshot, StepTerms, Task, TaskError};
+use crate::{
+    DriveLimits, PidGains, PidParams, Reference, Response, Snapshot, StepTerms, Task, TaskError,
+};
 
 /// A run ends with its last two eighths.
 const EIGHTH: usize = 8;
@@ -28,6 +30,10 @@ pub struct Ending {
     pub drift: f64,
     /// Share of all samples whose drive is at a limit.
     pub saturated_share: f64,
+    /// Way of the drive in the last eighth, up and down, in its unit per second: 0 for a drive at rest.
+    pub travel_per_s: f64,
+    /// Largest minus smallest drive in the last eighth, in its unit.
+    pub drive_swing: f64,
 }
 
 impl Ending {
@@ -60,12 +66,22 @@ pub(crate) struct EndingLanes<const L: usize> {
     range: [[[f64; L]; 2]; 2],
     first_error: [f64; L],
     last_error: [f64; L],
+    /// Σ |u_k - u_(k-1)| of the last eighth.
+    travel: [f64; L],
+    last_drive: [f64; L],
+    /// Smallest and largest drive of the last eighth.
+    drive_range: [[f64; L]; 2],
+    dt_s: f64,
 }
 
 impl<const L: usize> EndingLanes<L> {
-    pub(crate) fn new(n_samples: usize, limits: DriveLimits) -> Self {
+    pub(crate) fn new(n_samples: usize, pid: &PidParams) -> Self {
         Self {
-            limits,
+            limits: pid.limits,
+            dt_s: pid.dt_s,
+            travel: [0.0; L],
+            last_drive: [0.0; L],
+            drive_range: [[f64::INFINITY; L], [f64::NEG_INFINITY; L]],
             n_samples,
             eighth: n_samples / EIGHTH,
             saturated: [0.0; L],
@@ -95,6 +111,16 @@ impl<const L: usize> EndingLanes<L> {
             largest[l] = largest[l].max(error);
             self.last_error[l] = error;
             self.error_sum[l] += if is_last { error } else { 0.0 };
+            let way = (snapshot.drive[l] - self.last_drive[l]).abs();
+            self.travel[l] += if is_last { way } else { 0.0 };
+            self.last_drive[l] = snapshot.drive[l];
+        }
+        if is_last {
+            let [smallest, largest] = &mut self.drive_range;
+            for l in 0..L {
+                smallest[l] = smallest[l].min(snapshot.drive[l]);
+                largest[l] = largest[l].max(snapshot.drive[l]);
+            }
         }
         if snapshot.k == begin {
             self.first_error = self.last_error;
@@ -117,6 +143,8 @@ impl<const L: usize> EndingLanes<L> {
                 swing_before: of_seen(before),
                 drift: of_seen(self.last_error[l] - self.first_error[l]),
                 saturated_share: self.saturated[l] / self.n_samples as f64,
+                drive_swing: of_seen(self.drive_range[1][l] - self.drive_range[0][l]),
+                travel_per_s: of_seen(self.travel[l] / (self.eighth as f64 * self.dt_s)),
             }
         })
     }

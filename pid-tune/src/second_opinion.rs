@@ -4,8 +4,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wiener::Fleet;
 
-use crate::tuner::{SAME, checked_weights, evaluate_one};
-use crate::{CostWeights, PidGains, Task, TaskError, Terms, TuneError, Tuned, TunerConfig};
+use crate::tuner::{SAME, respond_one, unrested};
+use crate::{Goal, PidGains, Task, TaskError, Terms, TuneError, Tuned, TunerConfig};
 
 /// Iterations of a simplex, at most: three coordinates take some hundred.
 const ITERATIONS: u64 = 300;
@@ -27,7 +27,7 @@ pub struct Opinion {
     pub terms: Terms,
     /// Cost there.
     pub cost: f64,
-    /// Cost there over that of the search; `NaN` if both are 0.
+    /// Cost there over the lowest of the search; `NaN` if both are 0.
     pub ratio: f64,
     /// What that means.
     pub verdict: Verdict,
@@ -56,7 +56,8 @@ pub struct SecondOpinion {
 }
 
 /// Minimizes the cost of a search again, by argmin's simplex (Nelder and Mead): from where the search ended, and
-/// from elsewhere. Nothing but the responses is ours. `weights` and `config` are those of the search.
+/// from elsewhere. Nothing but the responses is ours. `members`, `goal` and `config` are those of the
+/// search.
 ///
 /// Times of rise and settling make the cost a landscape with cliffs: a simplex that starts elsewhere is often
 /// caught.
@@ -66,17 +67,21 @@ pub struct SecondOpinion {
 /// As [`tune`](crate::tune), and [`TuneError::SecondOpinion`] if argmin fails.
 pub fn second_opinion<F: Fleet<Member: Sync, Error: Send> + Sync>(
     task: &Task<'_, F>,
-    member: F::Member,
-    weights: &CostWeights,
+    members: &[F::Member],
+    goal: &Goal<'_>,
     config: &TunerConfig,
     tuned: &Tuned,
 ) -> Result<SecondOpinion, TaskError<F::Error>> {
-    checked_weights(task, weights)?;
+    goal.check(task)?;
     config.check()?;
+    if members.is_empty() {
+        return Err(TuneError::Empty { name: "members" }.into());
+    }
     let problem = ShareCost {
         task,
-        member,
-        weights,
+        members,
+        goal,
+        lowest: tuned.lowest,
         config,
     };
     // Not the stream of the search.
@@ -110,7 +115,7 @@ fn opinion<F: Fleet<Member: Sync, Error: Send> + Sync>(
     });
     let simplex = std::iter::once(start.to_vec()).chain(corners).collect();
     let solver = NelderMead::new(simplex)
-        .with_sd_tolerance(ENDED * tuned.cost)
+        .with_sd_tolerance(ENDED * tuned.lowest)
         .map_err(failed)?;
     let end = Executor::new(problem, solver)
         .configure(|state| state.max_iters(ITERATIONS))
@@ -119,14 +124,14 @@ fn opinion<F: Fleet<Member: Sync, Error: Send> + Sync>(
         .map_err(failed)?;
     let (state, counts) = (end.state, end.problem.counts);
     let gains = problem.gains(&state.best_param.unwrap_or_else(|| start.to_vec()));
-    let terms = evaluate_one(problem.task, problem.member, gains)?;
-    let cost = problem.weights.cost(&terms);
+    let cost = problem.cost_of(gains)?;
+    let terms = respond_one(problem.task, problem.members[0], gains)?.terms;
     Ok(Opinion {
         start: problem.gains(&start),
         gains,
         terms,
         cost,
-        ratio: cost / tuned.cost,
+        ratio: cost / tuned.lowest,
         verdict: verdict(cost, tuned),
         evaluations: counts.get("cost_count").copied().unwrap_or(0),
     })
@@ -134,9 +139,9 @@ fn opinion<F: Fleet<Member: Sync, Error: Send> + Sync>(
 
 /// In products: both costs may be 0.
 fn verdict(cost: f64, tuned: &Tuned) -> Verdict {
-    if cost * SAME < tuned.cost {
+    if cost * SAME < tuned.lowest {
         Verdict::EndedLower
-    } else if cost <= SAME * tuned.cost {
+    } else if cost <= SAME * tuned.lowest {
         Verdict::Agrees
     } else {
         Verdict::EndedHigher
@@ -152,8 +157,10 @@ fn failed(source: Error) -> TuneError {
 /// The cost over shares of the ranges; outside, that of the nearest point inside and more.
 struct ShareCost<'a, F: Fleet> {
     task: &'a Task<'a, F>,
-    member: F::Member,
-    weights: &'a CostWeights,
+    members: &'a [F::Member],
+    goal: &'a Goal<'a>,
+    /// Cost of the search's end.
+    lowest: f64,
     config: &'a TunerConfig,
 }
 
@@ -172,6 +179,27 @@ impl<F: Fleet> ShareCost<'_, F> {
     }
 }
 
+impl<F: Fleet<Member: Sync, Error: Send> + Sync> ShareCost<'_, F> {
+    fn cost_of(&self, gains: PidGains) -> Result<f64, TaskError<F::Error>> {
+        if let Some(cost) = self.goal.refused(&gains) {
+            return Ok(cost);
+        }
+        let cases: Vec<_> = self.members.iter().map(|&member| (member, gains)).collect();
+        let responses = self.task.responses(&cases)?;
+        let endings = responses.iter().map(|response| &response.ending);
+        if let Some(unrested) = self.goal.unrested(endings) {
+            return Ok(unrested);
+        }
+        let cost = self.goal.cost_of_all(&responses);
+        // What costs more than the search's end need not rest: it is no objection.
+        if cost >= self.lowest {
+            return Ok(cost);
+        }
+        let unrested = unrested(self.task, self.members, self.goal, &[gains], &[0])?;
+        Ok(unrested.first().map_or(cost, |&(_, cost)| cost))
+    }
+}
+
 impl<F: Fleet<Member: Sync, Error: Send> + Sync> CostFunction for ShareCost<'_, F> {
     type Param = Vec<f64>;
     type Output = f64;
@@ -182,8 +210,7 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> CostFunction for ShareCost<'_, 
             .iter()
             .map(|share| (share - share.clamp(0.0, 1.0)).powi(2))
             .sum();
-        let terms = evaluate_one(self.task, self.member, self.gains(shares));
-        let cost = terms.map_or(f64::INFINITY, |terms| self.weights.cost(&terms));
+        let cost = self.cost_of(self.gains(shares)).unwrap_or(f64::INFINITY);
         let cost = cost * (1.0 + outside);
         Ok(if cost.is_nan() { f64::INFINITY } else { cost })
     }

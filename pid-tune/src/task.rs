@@ -125,12 +125,21 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> Task<'_, F> {
         &self,
         cases: &[(F::Member, PidGains)],
     ) -> Result<Vec<Response>, TaskError<F::Error>> {
+        self.responses_around(self.closed_loop, cases)
+    }
+
+    /// Responses around another loop.
+    pub(crate) fn responses_around(
+        &self,
+        closed_loop: ClosedLoop<'_>,
+        cases: &[(F::Member, PidGains)],
+    ) -> Result<Vec<Response>, TaskError<F::Error>> {
         // Equal bits at every width: how the cases are shared out is a matter of speed only.
         let share = cases.len().div_ceil(rayon::current_num_threads());
         let share = share.next_multiple_of(NARROW).clamp(NARROW, WIDE);
         let chunks: Vec<_> = cases
             .par_chunks(share)
-            .map(|chunk| self.chunk(chunk))
+            .map(|chunk| self.chunk(&closed_loop, chunk))
             .collect();
         let mut responses = Vec::with_capacity(cases.len());
         for chunk in chunks {
@@ -162,14 +171,18 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> Task<'_, F> {
     }
 
     /// The responses of 1 to [`WIDE`] cases.
-    fn chunk(&self, cases: &[(F::Member, PidGains)]) -> Result<Vec<Response>, TaskError<F::Error>> {
+    fn chunk(
+        &self,
+        closed_loop: &ClosedLoop<'_>,
+        cases: &[(F::Member, PidGains)],
+    ) -> Result<Vec<Response>, TaskError<F::Error>> {
         let members: Vec<F::Member> = cases.iter().map(|&(member, _)| member).collect();
         let gains: Vec<PidGains> = cases.iter().map(|&(_, gains)| gains).collect();
         // Two functions that are not generic: a loop around plants is compiled here, for all of them.
         let responses = if cases.len() <= NARROW {
             let plants = self.fleet.narrow(&padded(&members));
             respond_narrow(
-                &self.closed_loop,
+                closed_loop,
                 self.pid,
                 plants.map_err(TaskError::Plant)?,
                 &gains,
@@ -177,7 +190,7 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> Task<'_, F> {
         } else {
             let plants = self.fleet.wide(&padded(&members));
             respond_wide(
-                &self.closed_loop,
+                closed_loop,
                 self.pid,
                 plants.map_err(TaskError::Plant)?,
                 &gains,
@@ -247,7 +260,7 @@ fn respond<const L: usize>(
 ) -> Result<Vec<Response>, TuneError> {
     let params = closed_loop.params();
     let mut terms = ResponseTerms::<L>::new(&params.reference, pid.dt_s)?;
-    let mut ending = EndingLanes::<L>::new(params.n_samples, pid.limits);
+    let mut ending = EndingLanes::<L>::new(params.n_samples, &pid);
     let pid = Pid::new(pid, &padded(gains))?;
     let mut pid_state = idle(&pid, &*plants)?;
     widest_vectors(

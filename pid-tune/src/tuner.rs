@@ -1,16 +1,46 @@
 use std::ops::ControlFlow;
 
-use pso::{Bound, Swarm, Termination};
+use pso::{Bound, Stall, Swarm, Termination};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use wiener::Fleet;
 
-use crate::{BoundEnd, CostWeights, PidGains, Task, TaskError, Terms, TuneError, TunerConfig};
+use crate::{
+    BoundEnd, Ending, Goal, PidGains, Response, Task, TaskError, Terms, TuneError, TunerConfig,
+};
 
 /// Ratio of costs up to which two swarms have ended alike.
 pub(crate) const SAME: f64 = 1.01;
 
-/// What a search shows of itself after each evaluation of its swarms.
+/// Swarms that agree on a cost before a search may end early.
+const AGREED: usize = 3;
+/// Ratio of costs of gains that are tried one after another.
+const DEARER: f64 = 1.002;
+/// Most of them.
+const MOST_TRIED: usize = 200;
+
+/// The plants that a controller is for.
+#[derive(Debug, Clone, Copy)]
+pub struct Plants<'a, M> {
+    /// Those whose responses count; the first is reported.
+    pub judged: &'a [M],
+    /// Others on which the loop has to rest as well, of the gains that the search has found.
+    pub resting: &'a [M],
+}
+
+impl<'a, M> Plants<'a, M> {
+    /// Plants whose responses count, and no others.
+    #[must_use]
+    pub fn judged(judged: &'a [M]) -> Self {
+        Self {
+            judged,
+            resting: &[],
+        }
+    }
+}
+
+/// State of a search after each evaluation of its swarms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TuneProgress {
     /// Moves of each swarm so far; 0 after the starts.
@@ -27,15 +57,23 @@ pub struct TuneProgress {
 pub struct Tuned {
     /// Its gains.
     pub gains: PidGains,
-    /// Terms of its response.
+    /// Terms of the first plant's response.
     pub terms: Terms,
-    /// Their cost.
+    /// How that response ended.
+    pub ending: Ending,
+    /// Its cost, over all plants that are judged.
     pub cost: f64,
+    /// The lowest cost that was found: less than that of the gains where the cheapest do not rest on all plants.
+    pub lowest: f64,
+    /// Plants besides on which its loop rests; 0 if that was not asked for, or if no gains that were kept do.
+    pub rest_on: usize,
     /// How many swarms ended within 1 % of this cost, this one among them: many that agree are evidence for
     /// the lowest minimum, one among many is a reason for more starts.
     pub agreeing: usize,
-    /// Responses that were looked at.
+    /// Controllers that were looked at.
     pub evaluations: u64,
+    /// Those among them that missed what is required, and were not simulated.
+    pub refused: u64,
     /// Those among them whose cost was `NaN`.
     pub rejected: u64,
     /// Seed of the search.
@@ -46,7 +84,8 @@ pub struct Tuned {
     pub termination: Termination,
 }
 
-/// Searches for the gains whose response to the task costs least, for one plant.
+/// Searches for the gains whose response to the task costs least, for one plant or for several at once, the first of
+/// which is the one that is reported.
 ///
 /// Same seed, same bits, for any number of threads; `progress` may end it early.
 ///
@@ -55,7 +94,7 @@ pub struct Tuned {
 ///
 /// use pid_tune::{
 ///     AntiWindup, BoundEnd, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances,
-///     DriveLimits, Pace, PidGains, PidParams, Reference, Task, TunerConfig, tune,
+///     DriveLimits, Goal, Pace, PidGains, PidParams, Plants, Reference, Task, TunerConfig, tune,
 /// };
 /// use wiener::hysteresis::{LoopParams, Rule};
 /// use wiener::thermal::{HeatBalanceParams, ThermalConstants};
@@ -74,6 +113,7 @@ pub struct Tuned {
 ///     anti_windup: AntiWindup::Clamping,
 ///     derivative_of: DerivativeOf::Measurement,
 ///     derivative_filter_s: 0.0,
+///     setpoint_weight: 1.0,
 /// };
 /// let rods = Ensemble { drive: Drive::Current, rule: Rule::Nested };
 /// let task = Task::new(rods, closed_loop, params)?;
@@ -95,7 +135,7 @@ pub struct Tuned {
 /// let weights = Pace::new(0.3)?.weigh(&CostWeights::balancing(&before));
 ///
 /// let config = TunerConfig { starts: 4, ..TunerConfig::for_task(&task, 5.0)? };
-/// let tuned = tune(&task, rod, &weights, &config, |_| ControlFlow::Continue(()))?;
+/// let tuned = tune(&task, &Plants::judged(&[rod]), &Goal::of(weights), &config, |_| ControlFlow::Continue(()))?;
 /// assert!(tuned.cost < 0.9 * weights.cost(&before));
 /// // Worth installing: swarms agree on it, and no range was too short.
 /// assert!(tuned.agreeing > 1 && !tuned.at_bound.contains(&Some(BoundEnd::Upper)));
@@ -105,71 +145,124 @@ pub struct Tuned {
 /// # Errors
 ///
 /// Settings that are not accepted: [`TuneError::Bounds`], [`TuneError::NoStarts`], [`TuneError::Swarm`],
-/// [`TuneError::Negative`] for a weight, [`TuneError::NoWeight`]. [`TuneError::NoFiniteCost`]. Those of
-/// [`Task::responses`].
+/// [`TuneError::Negative`] for a weight, [`TuneError::NoWeight`], [`TuneError::Empty`] without plants.
+/// [`TuneError::NoFiniteCost`], [`TuneError::Unmet`]. Those of [`Task::responses`].
 pub fn tune<F: Fleet<Member: Sync, Error: Send> + Sync>(
     task: &Task<'_, F>,
-    member: F::Member,
-    weights: &CostWeights,
+    plants: &Plants<'_, F::Member>,
+    goal: &Goal<'_>,
     config: &TunerConfig,
     progress: impl FnMut(&TuneProgress) -> ControlFlow<()>,
 ) -> Result<Tuned, TaskError<F::Error>> {
     config.check()?;
-    checked_weights(task, weights)?;
-    let cost = |_, terms: &Terms| weights.cost(terms);
-    let mut swarms = Swarms::new(config, config.starts)?;
-    let termination = swarms.run(task, member, cost, progress)?;
-    let Some((gains, cost)) = swarms.best() else {
-        return Err(TuneError::NoFiniteCost.into());
+    goal.check(task)?;
+    let members = plants.judged;
+    let Some(&nominal) = members.first() else {
+        return Err(TuneError::Empty { name: "members" }.into());
     };
-    let alike = |swarm: &&Swarm<_>| swarm.best_cost().is_some_and(|one| one <= SAME * cost);
+    let cost = |_, responses: &[Response]| goal.cost_of_all(responses);
+    let mut swarms = Swarms::new(config, config.starts)?;
+    let termination = swarms.run(task, members, goal, cost, progress)?;
+    let (gains, lowest) = match swarms.best() {
+        None => return Err(TuneError::NoFiniteCost.into()),
+        Some((gains, cost)) => match Goal::fault(cost) {
+            Some(fault) => return Err(fault.into()),
+            None => (gains, cost),
+        },
+    };
+    let agreeing = swarms.agreeing(lowest);
+    let kept = core::mem::take(&mut swarms.kept);
+    let standing = standing(task, plants.resting, goal, kept)?;
+    let (cost, gains) = standing.unwrap_or((lowest, gains));
+    let response = respond_one(task, nominal, gains)?;
     Ok(Tuned {
         gains,
-        terms: evaluate_one(task, member, gains)?,
+        terms: response.terms,
+        ending: response.ending,
         cost,
-        agreeing: swarms.swarms.iter().filter(alike).count(),
+        lowest,
+        rest_on: standing.map_or(0, |_| plants.resting.len()),
+        agreeing,
         evaluations: swarms.evaluations(),
         rejected: swarms.swarms.iter().map(Swarm::rejected_costs).sum(),
+        refused: swarms.refused,
         seed: config.seed,
         at_bound: config.at_bound(&gains),
         termination,
     })
 }
 
-/// Accepts weights of which one counts for the task.
-pub(crate) fn checked_weights<F>(
+/// Of all gains that a swarm kept on its way, the cheapest whose loops rest on every one of some plants; `None` without
+/// plants, or if there are none.
+///
+/// Gains are tried one after another, each dearer than the last by at least [`DEARER`].
+fn standing<F: Fleet<Member: Sync, Error: Send> + Sync>(
     task: &Task<'_, F>,
-    weights: &CostWeights,
-) -> Result<(), TuneError> {
-    let CostWeights {
-        mse,
-        energy,
-        rise_time,
-        settling_time,
-        overshoot,
-    } = weights.checked()?;
-    let of_step = if task.is_step() {
-        rise_time.max(settling_time).max(overshoot)
-    } else {
-        0.0
-    };
-    if mse.max(energy).max(of_step) > 0.0 {
-        Ok(())
-    } else {
-        Err(TuneError::NoWeight)
+    plants: &[F::Member],
+    goal: &Goal<'_>,
+    mut kept: Vec<(f64, PidGains)>,
+) -> Result<Option<(f64, PidGains)>, TaskError<F::Error>> {
+    if plants.is_empty() || goal.rest.is_none() {
+        return Ok(None);
     }
+    kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut dearer = f64::NEG_INFINITY;
+    kept.retain(|&(cost, _)| {
+        let is_next = cost >= dearer;
+        if is_next {
+            dearer = DEARER * cost;
+        }
+        is_next
+    });
+    for &(cost, gains) in kept.iter().take(MOST_TRIED) {
+        let cases: Vec<_> = plants.iter().map(|&plant| (plant, gains)).collect();
+        let responses = task.responses(&cases)?;
+        let endings = responses.iter().map(|response| &response.ending);
+        if goal.unrested(endings).is_none()
+            && unrested(task, plants, goal, &[gains], &[0])?.is_empty()
+        {
+            return Ok(Some((cost, gains)));
+        }
+    }
+    Ok(None)
 }
 
-/// The terms of one plant under one controller.
-pub(crate) fn evaluate_one<F: Fleet<Member: Sync, Error: Send> + Sync>(
+/// Costs of those candidates, by their numbers among the gains, whose loop does not rest from every side.
+pub(crate) fn unrested<F: Fleet<Member: Sync, Error: Send> + Sync>(
+    task: &Task<'_, F>,
+    members: &[F::Member],
+    goal: &Goal<'_>,
+    gains: &[PidGains],
+    candidates: &[usize],
+) -> Result<Vec<(usize, f64)>, TaskError<F::Error>> {
+    let mut unrested = Vec::new();
+    let Some(test) = &goal.rest else {
+        return Ok(unrested);
+    };
+    let cases: Vec<_> = candidates
+        .iter()
+        .flat_map(|&k| members.iter().map(move |&member| (member, gains[k])))
+        .collect();
+    for &closed_loop in test.loops {
+        let responses = task.responses_around(closed_loop, &cases)?;
+        for (&k, responses) in candidates.iter().zip(responses.chunks_exact(members.len())) {
+            let endings = responses.iter().map(|response| &response.ending);
+            unrested.extend(goal.unrested(endings).map(|cost| (k, cost)));
+        }
+    }
+    Ok(unrested)
+}
+
+/// The response of one plant under one controller.
+pub(crate) fn respond_one<F: Fleet<Member: Sync, Error: Send> + Sync>(
     task: &Task<'_, F>,
     member: F::Member,
     gains: PidGains,
-) -> Result<Terms, TaskError<F::Error>> {
-    let Some(terms) = task.evaluate(&[(member, gains)])?.pop() else {
+) -> Result<Response, TaskError<F::Error>> {
+    let Some(response) = task.responses(&[(member, gains)])?.pop() else {
         unreachable!("one case has one response");
     };
-    Ok(terms)
+    Ok(response)
 }
 
 /// Several swarms over gains that do not know of one another but are evaluated together.
@@ -177,6 +270,10 @@ pub(crate) fn evaluate_one<F: Fleet<Member: Sync, Error: Send> + Sync>(
 pub(crate) struct Swarms<'a> {
     config: &'a TunerConfig,
     swarms: Vec<Swarm<ChaCha8Rng>>,
+    /// Gains so far that missed what is required.
+    refused: u64,
+    /// Costs and gains that were the best of a particle when it came there.
+    kept: Vec<(f64, PidGains)>,
 }
 
 impl<'a> Swarms<'a> {
@@ -194,37 +291,78 @@ impl<'a> Swarms<'a> {
         Ok(Self {
             config,
             swarms: swarms.collect::<Result<_, _>>()?,
+            refused: 0,
+            kept: Vec::new(),
         })
     }
 
-    /// Moves them to the end; `cost` sees every response once, with the number of its swarm.
+    /// Moves them to the end; `cost` sees the responses of all plants to each controller once, with the number of its
+    /// swarm. Gains that miss what is required are not simulated.
     pub(crate) fn run<F: Fleet<Member: Sync, Error: Send> + Sync>(
         &mut self,
         task: &Task<'_, F>,
-        member: F::Member,
-        mut cost: impl FnMut(Seen, &Terms) -> f64,
+        members: &[F::Member],
+        goal: &Goal<'_>,
+        mut cost: impl FnMut(Seen, &[Response]) -> f64,
         mut progress: impl FnMut(&TuneProgress) -> ControlFlow<()>,
     ) -> Result<Termination, TaskError<F::Error>> {
+        let mut history = Vec::new();
         for moves in 0..=self.config.moves {
             let asked = self.swarms.iter().flat_map(|swarm| swarm.ask());
-            let cases: Vec<_> = asked.map(|at| (member, self.config.gains(at))).collect();
-            let terms = task.evaluate(&cases)?;
+            let gains: Vec<PidGains> = asked.map(|at| self.config.gains(at)).collect();
+            let refused: Vec<Option<f64>> =
+                gains.par_iter().map(|gains| goal.refused(gains)).collect();
+            let accepted = gains.iter().zip(&refused);
+            let cases: Vec<_> = accepted
+                .filter(|(_, refused)| refused.is_none())
+                .flat_map(|(&gains, _)| members.iter().map(move |&member| (member, gains)))
+                .collect();
+            let responses = task.responses(&cases)?;
+            self.refused += refused.iter().flatten().count() as u64;
+            let mut of_accepted = responses.chunks_exact(members.len());
             let n_particles = self.config.swarm.particles;
-            for (number, swarm) in self.swarms.iter_mut().enumerate() {
-                let own = number * n_particles..(number + 1) * n_particles;
-                let seen = cases[own.clone()].iter().zip(&terms[own]);
-                let costs: Vec<f64> = seen
-                    .map(|(&(_, gains), terms)| cost(Seen { number, gains }, terms))
-                    .collect();
-                swarm.tell(&costs).map_err(TuneError::Swarm)?;
+            let mut costs = Vec::with_capacity(gains.len());
+            // Gains that would change a swarm have to rest; of others nobody asks.
+            let mut candidates = Vec::new();
+            for (k, (&gains, refused)) in gains.iter().zip(refused).enumerate() {
+                let number = k / n_particles;
+                costs.push(refused.unwrap_or_else(|| {
+                    let responses = of_accepted.next().unwrap_or_default();
+                    let cost = cost(Seen { number, gains }, responses);
+                    let endings = responses.iter().map(|response| &response.ending);
+                    if cost < self.swarms[number].best_costs()[k % n_particles] {
+                        if let Some(unrested) = goal.unrested(endings) {
+                            return unrested;
+                        }
+                        candidates.push(k);
+                    }
+                    cost
+                }));
             }
+            for (k, unrested) in unrested(task, members, goal, &gains, &candidates)? {
+                costs[k] = unrested;
+            }
+            let is_sound = |k: &&usize| Goal::fault(costs[**k]).is_none();
+            let sound = candidates.iter().filter(is_sound);
+            self.kept.extend(sound.map(|&k| (costs[k], gains[k])));
+            for (swarm, costs) in self.swarms.iter_mut().zip(costs.chunks_exact(n_particles)) {
+                swarm.tell(costs).map_err(TuneError::Swarm)?;
+            }
+            let best = self.best().filter(|&(_, cost)| Goal::fault(cost).is_none());
             let wish = progress(&TuneProgress {
                 moves,
                 evaluations: self.evaluations(),
-                best: self.best(),
+                best,
             });
             if wish.is_break() && moves < self.config.moves {
                 return Ok(Termination::Observer);
+            }
+            history.push(best.map_or(f64::INFINITY, |(_, cost)| cost));
+            let has_stalled = |stall: &Stall| stall.holds(&history);
+            if best.is_some_and(|(_, cost)| self.agreeing(cost) >= AGREED)
+                && self.config.stall.as_ref().is_some_and(has_stalled)
+            {
+                return Ok(Termination::Stall);
             }
         }
         Ok(Termination::Iterations)
@@ -238,6 +376,12 @@ impl<'a> Swarms<'a> {
             .filter_map(|swarm| swarm.best_point().zip(swarm.best_cost()));
         let (shares, cost) = ends.min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((self.config.gains(shares), cost))
+    }
+
+    /// Number of swarms that have come to a cost, to 1 %.
+    fn agreeing(&self, cost: f64) -> usize {
+        let alike = |swarm: &&Swarm<_>| swarm.best_cost().is_some_and(|one| one <= SAME * cost);
+        self.swarms.iter().filter(alike).count()
     }
 
     fn evaluations(&self) -> u64 {

@@ -1,4 +1,4 @@
-use pso::SwarmConfig;
+use pso::{Stall, SwarmConfig};
 
 use crate::error::positive;
 use crate::{PidGains, Task, TuneError};
@@ -7,6 +7,10 @@ use crate::{PidGains, Task, TuneError};
 const MOVES: u64 = 150;
 /// Independent swarms of [`TunerConfig::for_task`].
 const STARTS: usize = 8;
+/// Moves over which the best cost has stalled if it falls by no more than a share of itself.
+const STALLED_MOVES: u64 = 40;
+/// See [`STALLED_MOVES`].
+const STALLED: f64 = 1e-3;
 /// Share of a range below which [`GainScale::Logarithmic`] is linear.
 const FLOOR: f64 = 1e-4;
 /// Share of a scaled range that counts as its end.
@@ -61,8 +65,10 @@ pub struct TunerConfig {
     pub swarm: SwarmConfig,
     /// Number of such swarms, which do not know of one another; ≥ 1.
     pub starts: usize,
-    /// Moves of each swarm after it was evaluated where it starts.
+    /// Moves of each swarm after it was evaluated where it starts, at most.
     pub moves: u64,
+    /// Ends the search where the best cost of all swarms stalls while three of them agree on it; `None` makes all moves.
+    pub stall: Option<Stall>,
     /// Where gains are looked for.
     pub bounds: GainBounds,
     /// How the swarm sees these ranges.
@@ -83,6 +89,7 @@ impl TunerConfig {
             swarm: SwarmConfig::sadeghi_tuning(),
             starts: 1,
             moves: MOVES,
+            stall: None,
             bounds: GainBounds {
                 lower: PidGains {
                     kp: 0.0,
@@ -140,6 +147,10 @@ impl TunerConfig {
                 ..Self::sadeghi().bounds
             },
             scale: GainScale::Logarithmic,
+            stall: Some(Stall {
+                iterations: STALLED_MOVES,
+                relative_improvement: STALLED,
+            }),
             ..Self::sadeghi()
         })
     }

@@ -48,7 +48,8 @@ pub struct Stall {
 
 impl Stall {
     /// Whether `history`, the best cost after each evaluation of the swarm, has stalled.
-    pub(crate) fn holds(self, history: &[f64]) -> bool {
+    #[must_use]
+    pub fn holds(self, history: &[f64]) -> bool {
         let window = usize::try_from(self.iterations).unwrap_or(usize::MAX);
         let Some(before) = history
             .len()

@@ -119,6 +119,12 @@ impl<R: Rng> Swarm<R> {
         &self.memory.positions
     }
 
+    /// The lowest cost of each particle so far, ∞ before its first. A point that costs more than this changes nothing.
+    #[must_use]
+    pub fn best_costs(&self) -> &[f64] {
+        &self.memory.best_costs
+    }
+
     /// Takes the costs of the points of [`Swarm::ask`], in their order, and moves the swarm.
     ///
     /// # Errors

@@ -23,6 +23,8 @@ pub(crate) enum Outcome {
     NotConverged,
     /// Done, but no rig can be what came out.
     Implausible,
+    /// Done, but the rig did not do what was promised of it.
+    NotAsPromised,
 }
 
 const DONE: u8 = 0;
@@ -55,7 +57,7 @@ pub(crate) fn with_sources(error: &dyn Error) -> String {
 fn code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
         Ok(Outcome::Done) => DONE,
-        Ok(Outcome::NotConverged | Outcome::Implausible) => NOT_TO_BE_USED,
+        Ok(Outcome::NotConverged | Outcome::Implausible | Outcome::NotAsPromised) => NOT_TO_BE_USED,
         Err(error) if is_closed_pipe(error) => DONE,
         Err(error) if is_bad_input(error.as_ref()) => BAD_INPUT,
         Err(_) => FAILED,

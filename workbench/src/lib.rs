@@ -28,5 +28,8 @@ pub use recordings::{
 };
 pub use rig::{BEYOND, Rig, RigError};
 pub use track::{Followed, Track, track};
-pub use tuning::{PAPER, controller, of_paper};
+pub use tuning::{
+    Approaches, Bench, CHATTER, End, FILTER_SAMPLES, Kept, PAPER, Promise, Rest, Side, controller,
+    usual_requirements,
+};
 pub use turned::Turned;

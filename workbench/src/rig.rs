@@ -259,6 +259,20 @@ impl Rig {
         Ok(moved)
     }
 
+    /// The rig of another rod, at rest where this one is, as the sensor reads it.
+    ///
+    /// # Errors
+    ///
+    /// [`PhysicsError`] naming what is refused.
+    pub fn of_rod(&self, rod: Member) -> Result<Self, PhysicsError> {
+        let other = Self {
+            member: rod,
+            params: turned(rod.params, self.fleet.sign),
+            ..self.clone()
+        };
+        other.resting_at(self.signed(self.rest_output()?))
+    }
+
     /// Output of the cold rod, as the controller sees it.
     ///
     /// # Errors

@@ -271,6 +271,7 @@ fn lanes_give_equal_bits() {
                 anti_windup,
                 derivative_of,
                 derivative_filter_s: 0.6,
+                setpoint_weight: 1.0,
             };
             let alone = lanes::<1>(params, loop_params);
             assert_eq!(alone.len(), 32);
@@ -278,4 +279,48 @@ fn lanes_give_equal_bits() {
             assert_eq!(lanes::<32>(params, loop_params), alone);
         }
     }
+}
+
+#[test]
+fn a_supply_rounds_commands_and_sleeps_below_its_dead_zone() {
+    // Proportional: the command is the error itself, from 0.6 down.
+    let params = ClosedLoopParams {
+        disturbances: Disturbances {
+            drive_step: 0.25,
+            drive_dead_zone: 0.25,
+            ..Disturbances::default()
+        },
+        ..undisturbed(
+            Reference::Step {
+                from: 0.0,
+                to: 0.6,
+                at_s: 0.0,
+            },
+            40,
+        )
+    };
+    let acted: Vec<f64> = snapshots(params, &Lag { tau_s: 4.0 }, &pid(PARAMS, P_ONLY))
+        .iter()
+        .map(|snapshot| snapshot.drive[0])
+        .collect();
+    // 0.25 is within the dead zone: what is left of the drive is 0.5 or nothing.
+    assert_same(&acted[..1], &[0.5]);
+    let [half, none] = [0.5_f64, 0.0].map(f64::to_bits);
+    assert!(
+        acted
+            .iter()
+            .all(|drive| [half, none].contains(&drive.to_bits()))
+    );
+    assert!(acted.iter().any(|drive| drive.to_bits() == none));
+    let refused = ClosedLoop::new(ClosedLoopParams {
+        disturbances: Disturbances {
+            drive_dead_zone: -1.0,
+            ..Disturbances::default()
+        },
+        ..params
+    });
+    assert_eq!(
+        refused.unwrap_err().to_string(),
+        "drive_dead_zone = -1: must be finite and >= 0"
+    );
 }

@@ -75,6 +75,7 @@ fn the_filter_must_not_be_negative() {
     for (value, shown) in NEGATIVE {
         let params = PidParams {
             derivative_filter_s: value,
+            setpoint_weight: 1.0,
             ..PARAMS
         };
         assert_eq!(

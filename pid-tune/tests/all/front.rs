@@ -4,7 +4,7 @@ use crate::common;
 
 use common::{AMBIENT_DEGC, rod, undisturbed};
 use pid_tune::{
-    AntiWindup, ClosedLoop, CostWeights, DerivativeOf, DriveLimits, FrontPoint, PidGains,
+    AntiWindup, ClosedLoop, CostWeights, DerivativeOf, DriveLimits, FrontPoint, Goal, PidGains,
     PidParams, Reference, Task, TunerConfig, front,
 };
 use wiener::hysteresis::Rule;
@@ -37,6 +37,7 @@ fn task() -> Task<'static, Ensemble> {
         anti_windup: AntiWindup::Clamping,
         derivative_of: DerivativeOf::Measurement,
         derivative_filter_s: 0.0,
+        setpoint_weight: 1.0,
     };
     let closed_loop = ClosedLoop::new(undisturbed(reference, 200)).unwrap();
     Task::new(rods, closed_loop, pid).unwrap()
@@ -55,7 +56,7 @@ fn found() -> Vec<FrontPoint> {
         moves: 40,
         ..TunerConfig::for_task(&task, 5.0).unwrap()
     };
-    front(&task, member(), &WEIGHTS, &config).unwrap()
+    front(&task, &[member()], &Goal::of(WEIGHTS), &config).unwrap()
 }
 
 #[test]
@@ -111,7 +112,7 @@ fn both_weights_must_be_positive() {
     let task = task();
     let config = TunerConfig::for_task(&task, 5.0).unwrap();
     let refused = |weights| {
-        front(&task, member(), &weights, &config)
+        front(&task, &[member()], &Goal::of(weights), &config)
             .unwrap_err()
             .to_string()
     };

@@ -43,6 +43,7 @@ fn paper_like() -> RodLoopParams {
             anti_windup: AntiWindup::Clamping,
             derivative_of: DerivativeOf::Measurement,
             derivative_filter_s: 0.0,
+            setpoint_weight: 1.0,
         },
         gains: PidGains {
             kp: 200.0,
@@ -64,6 +65,7 @@ fn mild(gains: PidGains) -> RodLoopParams {
         dead_time_samples: 12,
         controller: PidParams {
             derivative_filter_s: 1.0,
+            setpoint_weight: 1.0,
             ..paper.controller
         },
         ..paper

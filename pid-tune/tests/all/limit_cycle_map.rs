@@ -37,6 +37,7 @@ fn analyzed(kp: f64, tau_s: f64, setpoint: f64, dead_time_samples: usize) -> Loo
             anti_windup: AntiWindup::Clamping,
             derivative_of: DerivativeOf::Measurement,
             derivative_filter_s: 0.0,
+            setpoint_weight: 1.0,
         },
         gains: PidGains {
             kp,

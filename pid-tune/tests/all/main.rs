@@ -12,6 +12,8 @@ mod feed_forward;
 #[cfg(feature = "std")]
 mod front;
 #[cfg(feature = "std")]
+mod inverse;
+#[cfg(feature = "std")]
 mod limit_cycle;
 #[cfg(feature = "std")]
 mod limit_cycle_map;
@@ -24,5 +26,9 @@ mod published_step_info;
 mod reference;
 #[cfg(feature = "std")]
 mod robustness;
+#[cfg(feature = "std")]
+mod rules;
+#[cfg(feature = "std")]
+mod screen;
 #[cfg(feature = "std")]
 mod tuner;

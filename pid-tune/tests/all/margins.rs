@@ -15,6 +15,7 @@ const CONTROLLER: PidParams = PidParams {
     anti_windup: AntiWindup::Clamping,
     derivative_of: DerivativeOf::Error,
     derivative_filter_s: 0.0,
+    setpoint_weight: 1.0,
 };
 
 const LOOP: LinearLoop = LinearLoop {
@@ -135,6 +136,7 @@ fn stability_ends_where_the_gain_margin_says() {
                 LinearLoop {
                     controller: PidParams {
                         derivative_filter_s: 0.6,
+                        setpoint_weight: 1.0,
                         ..CONTROLLER
                     },
                     gains,

@@ -33,6 +33,7 @@ fn params() -> PidParams {
         anti_windup: AntiWindup::Clamping,
         derivative_of: DerivativeOf::Error,
         derivative_filter_s: 0.0,
+        setpoint_weight: 1.0,
     }
 }
 

@@ -153,6 +153,7 @@ fn a_filtered_derivative_of_a_ramp_is_the_exact_exponential() {
         let params = PidParams {
             dt_s,
             derivative_filter_s: FILTER_S,
+            setpoint_weight: 1.0,
             ..PARAMS
         };
         let ramp: Vec<f64> = (0..40).map(|k| SLOPE * dt_s * f64::from(k)).collect();
@@ -324,4 +325,41 @@ fn a_missed_measurement_of_one_lane_is_not_felt_by_the_others() {
     let (sound, _) = drives(&alone, 1.0, &[0.2, 0.3, 0.4]);
     let (missing, _) = drives(&alone, 1.0, &[0.2, f64::NAN, 0.4]);
     assert_same(&last, &[sound[2], missing[2], sound[2]]);
+}
+
+#[test]
+fn a_weighed_reference_kicks_less_and_meets_disturbances_as_before() {
+    let gains = PidGains {
+        kp: 2.0,
+        ki: 0.3,
+        kd: 0.0,
+    };
+    let weighed = PidParams {
+        setpoint_weight: 0.25,
+        ..PARAMS
+    };
+    let [plain, weighed] = [PARAMS, weighed].map(|params| pid(params, gains));
+    // A step of the reference, nothing measured: a quarter of the kick, the same integral.
+    let [before, after] = [&plain, &weighed].map(|pid| drives(pid, 1.0, &[0.0, 0.0]).0);
+    assert_same(&before, &[2.0, 2.0 + 0.3]);
+    assert_same(&after, &[0.5, 0.5 + 0.3]);
+    // From rest at the reference a disturbance of the measurement moves both alike.
+    let at_rest = |pid: &Pid| {
+        let start = sample(1.0, 1.0);
+        let mut state = pid.start(&start, [5.0]).unwrap();
+        let still = pid.step(&mut state, &start).drive[0];
+        pid.step(&mut state, &sample(1.0, 0.9)).drive[0] - still
+    };
+    assert!((at_rest(&plain) - at_rest(&weighed)).abs() < 1e-12);
+    let refused = Pid::new(
+        PidParams {
+            setpoint_weight: 1.5,
+            ..PARAMS
+        },
+        &[gains],
+    );
+    assert_eq!(
+        refused.unwrap_err().to_string(),
+        "setpoint_weight = 1.5: must lie in 0 .. 1"
+    );
 }

@@ -42,6 +42,7 @@ fn any_params() -> impl Strategy<Value = PidParams> {
                 anti_windup,
                 derivative_of,
                 derivative_filter_s,
+                setpoint_weight: 1.0,
             },
         )
 }

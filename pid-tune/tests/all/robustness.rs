@@ -24,6 +24,7 @@ const PID: PidParams = PidParams {
     anti_windup: AntiWindup::Clamping,
     derivative_of: DerivativeOf::Measurement,
     derivative_filter_s: 0.0,
+    setpoint_weight: 1.0,
 };
 const PAPER: PidGains = PidGains {
     kp: 200.0,
@@ -173,6 +174,8 @@ fn a_run_of_less_than_eight_samples_has_no_end() {
 #[test]
 fn what_dies_out_drifts_or_is_small_does_not_oscillate() {
     let steady = Ending {
+        travel_per_s: 0.0,
+        drive_swing: 0.0,
         mean_error: 0.0,
         swing: 0.1,
         swing_before: 0.1,

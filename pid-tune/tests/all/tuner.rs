@@ -2,23 +2,21 @@
 
 use crate::common;
 
-use std::convert::Infallible;
 use std::error::Error;
 use std::ops::ControlFlow;
 
+use common::lags::Lags;
 use common::{AMBIENT_DEGC, assert_near, assert_same, at, rod, rods, undisturbed};
 use fixtures::sadeghi;
 use pid_tune::{
     AntiWindup, BoundEnd, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances,
-    DriveLimits, GainBounds, GainScale, Pace, Pid, PidGains, PidParams, Reference, ResponseTerms,
-    Task, TaskError, Terms, TuneError, Tuned, TunerConfig, Verdict, second_opinion, tune,
+    DriveLimits, GainBounds, GainScale, Goal, Pace, Pid, PidGains, PidParams, Plants, Reference,
+    ResponseTerms, Task, TaskError, Terms, TuneError, Tuned, TunerConfig, Verdict, second_opinion,
+    tune,
 };
 use pso::{Inertia, Start as SwarmStart, SwarmConfig, Termination};
 use wiener::hysteresis::Rule;
-use wiener::{
-    Drive, Ensemble, Fleet, Input, Lanes, Member, NARROW, Output, Plant, Start, Started, WIDE,
-    WienerParams,
-};
+use wiener::{Drive, Ensemble, Lanes, Member, Plant, Start, WienerParams};
 
 const RODS: Ensemble = Ensemble {
     drive: Drive::Current,
@@ -39,6 +37,7 @@ const PID: PidParams = PidParams {
     anti_windup: AntiWindup::Clamping,
     derivative_of: DerivativeOf::Measurement,
     derivative_filter_s: 0.0,
+    setpoint_weight: 1.0,
 };
 const PAPER: PidGains = gains(200.0, 0.01, 0.0);
 const NO_WEIGHTS: CostWeights = CostWeights {
@@ -88,7 +87,14 @@ fn tuned(
     weights: &CostWeights,
     config: &TunerConfig,
 ) -> Tuned {
-    tune(task, member, weights, config, |_| ControlFlow::Continue(())).unwrap()
+    tune(
+        task,
+        &Plants::judged(&[member]),
+        &Goal::of(*weights),
+        config,
+        |_| ControlFlow::Continue(()),
+    )
+    .unwrap()
 }
 
 fn numbers(terms: &Terms) -> Vec<f64> {
@@ -106,69 +112,6 @@ fn numbers(terms: &Terms) -> Vec<f64> {
 fn on_threads<R: Send>(n_threads: usize, work: impl FnOnce() -> R + Send) -> R {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
     pool.build().unwrap().install(work)
-}
-
-/// Displacements that approach the drive; where it is above `breaks_above`, they are no number any more.
-#[derive(Debug, Clone, Copy)]
-struct Lags {
-    breaks_above: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct LagPlant<const L: usize> {
-    tau_s: [f64; L],
-    breaks_above: f64,
-}
-
-impl Fleet for Lags {
-    type Member = f64;
-    type Error = Infallible;
-
-    fn narrow(&self, tau_s: &[f64; NARROW]) -> Result<Box<dyn Lanes<NARROW> + Send>, Infallible> {
-        Ok(self.started(tau_s).boxed())
-    }
-
-    fn wide(&self, tau_s: &[f64; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, Infallible> {
-        Ok(self.started(tau_s).boxed())
-    }
-}
-
-impl Lags {
-    fn started<const L: usize>(self, tau_s: &[f64; L]) -> Started<L, LagPlant<L>> {
-        Started {
-            plant: LagPlant {
-                tau_s: *tau_s,
-                breaks_above: self.breaks_above,
-            },
-            // A time constant that is no number starts at no number.
-            state: tau_s.map(|tau_s| 0.0 * tau_s),
-        }
-    }
-}
-
-impl<const L: usize> Plant<L> for LagPlant<L> {
-    type State = [f64; L];
-
-    fn rest(&self, _: f64) -> [f64; L] {
-        [0.0; L]
-    }
-
-    fn output(&self, state: &[f64; L]) -> Output<L> {
-        Output {
-            displacement: *state,
-            temperature_degc: [AMBIENT_DEGC; L],
-        }
-    }
-
-    fn step(&self, state: &mut [f64; L], input: &Input<L>, dt_s: f64) {
-        for l in 0..L {
-            let drive = input.drive[l];
-            state[l] = drive + (state[l] - drive) * (-dt_s / self.tau_s[l]).exp();
-            if drive > self.breaks_above {
-                state[l] = f64::NAN;
-            }
-        }
-    }
 }
 
 fn lag_task(breaks_above: f64) -> Task<'static, Lags> {
@@ -299,7 +242,11 @@ fn a_search_ends_below_the_papers_gains_and_says_how_its_swarms_agree() {
     let task = step_task();
     let member = at_rest(rod(6.0));
     let weights = balanced(&task, member);
-    let config = TunerConfig::for_task(&task, STROKE_MM).unwrap();
+    // To the end, so that all evaluations are counted.
+    let config = TunerConfig {
+        stall: None,
+        ..TunerConfig::for_task(&task, STROKE_MM).unwrap()
+    };
     let found = tuned(&task, member, &weights, &config);
     let paper = weights.cost(&task.evaluate(&[(member, PAPER)]).unwrap()[0]);
     assert!(found.cost < 0.9 * paper, "{found:?}");
@@ -357,7 +304,7 @@ fn energy_alone_asks_for_no_controller() {
     // Nothing moves, whatever kd is.
     assert_eq!(found.at_bound[..2], [Some(BoundEnd::Lower); 2]);
     let member = at_rest(rod(6.0));
-    let second = second_opinion(&task, member, &weights, &config, &found).unwrap();
+    let second = second_opinion(&task, &[member], &Goal::of(weights), &config, &found).unwrap();
     assert_eq!(second.from_optimum.verdict, Verdict::Agrees);
 }
 
@@ -400,6 +347,7 @@ fn the_logarithmic_scale_spreads_decades_and_reaches_zero() {
             upper: gains(100.0, 100.0, 100.0),
         },
         scale,
+        stall: None,
         seed: 0,
     };
     let weights = CostWeights {
@@ -450,9 +398,13 @@ fn another_reference_is_judged_by_error_and_energy() {
             ..weights
         };
         assert_eq!(
-            text(tune(&task, member, &of_a_step, &quick(&task), |_| {
-                ControlFlow::Continue(())
-            })),
+            text(tune(
+                &task,
+                &Plants::judged(&[member]),
+                &Goal::of(of_a_step),
+                &quick(&task),
+                |_| { ControlFlow::Continue(()) }
+            )),
             NO_WEIGHT
         );
     }
@@ -482,9 +434,22 @@ fn an_output_that_is_no_number_costs_no_number() {
     // A search avoids such gains and counts them.
     let config = TunerConfig::for_task(&task, 1.0).unwrap();
     let to_the_end = |_: &_| ControlFlow::Continue(());
-    let found = tune(&task, 1.0, &weights, &config, to_the_end).unwrap();
+    let found = tune(
+        &task,
+        &Plants::judged(&[1.0]),
+        &Goal::of(weights),
+        &config,
+        to_the_end,
+    )
+    .unwrap();
     assert!(found.cost.is_finite() && found.rejected > 0, "{found:?}");
-    let broken = tune(&task, f64::NAN, &weights, &config, to_the_end);
+    let broken = tune(
+        &task,
+        &Plants::judged(&[f64::NAN]),
+        &Goal::of(weights),
+        &config,
+        to_the_end,
+    );
     assert_eq!(
         text(broken),
         "no gains within the bounds have a finite cost: the plant's output must be a finite number"
@@ -498,16 +463,22 @@ fn an_observer_sees_every_move_and_may_end_the_search() {
     let weights = balanced(&task, member);
     let config = quick(&task);
     let mut costs = Vec::new();
-    let found = tune(&task, member, &weights, &config, |progress| {
-        assert_eq!(progress.moves, costs.len() as u64);
-        assert_eq!(progress.evaluations, 2 * 50 * (progress.moves + 1));
-        costs.push(progress.best.unwrap().1);
-        if progress.moves == 5 {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    })
+    let found = tune(
+        &task,
+        &Plants::judged(&[member]),
+        &Goal::of(weights),
+        &config,
+        |progress| {
+            assert_eq!(progress.moves, costs.len() as u64);
+            assert_eq!(progress.evaluations, 2 * 50 * (progress.moves + 1));
+            costs.push(progress.best.unwrap().1);
+            if progress.moves == 5 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        },
+    )
     .unwrap();
     assert_eq!(found.termination, Termination::Observer);
     assert_eq!(found.evaluations, 600);
@@ -579,17 +550,17 @@ fn a_simplex_agrees_with_a_search_and_exposes_a_poor_one() {
     let weights = balanced(&task, member);
     let config = TunerConfig::for_task(&task, STROKE_MM).unwrap();
     let found = tuned(&task, member, &weights, &config);
-    let second = second_opinion(&task, member, &weights, &config, &found).unwrap();
+    let second = second_opinion(&task, &[member], &Goal::of(weights), &config, &found).unwrap();
     let there = second.from_optimum;
     assert_eq!(there.verdict, Verdict::Agrees, "{second:?}");
     assert_near(there.start.kp / found.gains.kp, 1.0, 1e-9);
     assert_near(there.ratio, there.cost / found.cost, 1e-15);
     assert!((1..2000).contains(&there.evaluations));
     let boasting = Tuned {
-        cost: 0.5 * found.cost,
+        lowest: 0.5 * found.lowest,
         ..found
     };
-    let second = second_opinion(&task, member, &weights, &config, &boasting).unwrap();
+    let second = second_opinion(&task, &[member], &Goal::of(weights), &config, &boasting).unwrap();
     assert_eq!(second.from_optimum.verdict, Verdict::EndedHigher);
     assert_near(second.from_optimum.ratio, 2.0 * there.ratio, 1e-6);
 
@@ -603,10 +574,10 @@ fn a_simplex_agrees_with_a_search_and_exposes_a_poor_one() {
         ..config
     };
     let found = tuned(&task, member, &weights, &poor);
-    let second = second_opinion(&task, member, &weights, &poor, &found).unwrap();
+    let second = second_opinion(&task, &[member], &Goal::of(weights), &poor, &found).unwrap();
     assert_eq!(second.from_optimum.verdict, Verdict::EndedLower);
     assert!(second.from_optimum.ratio < 0.99);
-    let again = second_opinion(&task, member, &weights, &poor, &found).unwrap();
+    let again = second_opinion(&task, &[member], &Goal::of(weights), &poor, &found).unwrap();
     assert_eq!(format!("{second:?}"), format!("{again:?}"));
 }
 
@@ -624,9 +595,13 @@ fn every_error_says_what_is_wrong() {
     let config = quick(&task);
     let weights = balanced(&task, member);
     let refused = |weights: &CostWeights, config: &TunerConfig| {
-        text(tune(&task, member, weights, config, |_| {
-            ControlFlow::Continue(())
-        }))
+        text(tune(
+            &task,
+            &Plants::judged(&[member]),
+            &Goal::of(*weights),
+            config,
+            |_| ControlFlow::Continue(()),
+        ))
     };
 
     assert_eq!(
@@ -705,9 +680,13 @@ fn bounds_must_not_fall() {
         config.bounds.lower.ki = lower;
         config.bounds.upper.ki = upper;
         assert_eq!(
-            text(tune(&task, member, &weights, &config, |_| {
-                ControlFlow::Continue(())
-            })),
+            text(tune(
+                &task,
+                &Plants::judged(&[member]),
+                &Goal::of(weights),
+                &config,
+                |_| { ControlFlow::Continue(()) }
+            )),
             format!(
                 "ki is looked for in {shown}: both must be finite and >= 0, the lower at most the upper"
             )
@@ -727,9 +706,13 @@ fn what_lies_below_is_the_source_of_an_error() {
         },
         ..quick(&task)
     };
-    let refused = tune(&task, member, &weights, &config, |_| {
-        ControlFlow::Continue(())
-    })
+    let refused = tune(
+        &task,
+        &Plants::judged(&[member]),
+        &Goal::of(weights),
+        &config,
+        |_| ControlFlow::Continue(()),
+    )
     .unwrap_err();
     assert_eq!(refused.to_string(), "swarm");
     assert_eq!(
@@ -747,4 +730,29 @@ fn what_lies_below_is_the_source_of_an_error() {
         said: "no".to_owned(),
     };
     assert_eq!(failed.to_string(), "second opinion: no");
+}
+
+#[test]
+fn a_search_ends_where_swarms_agree_and_nothing_gets_better() {
+    let task = step_task();
+    let member = at_rest(rod(6.0));
+    let weights = balanced(&task, member);
+    let config = TunerConfig {
+        starts: 4,
+        ..TunerConfig::for_task(&task, STROKE_MM).unwrap()
+    };
+    let whole = TunerConfig {
+        stall: None,
+        ..config.clone()
+    };
+    let [short, whole] = [&config, &whole].map(|config| tuned(&task, member, &weights, config));
+    assert_eq!(short.termination, Termination::Stall);
+    assert_eq!(whole.termination, Termination::Iterations);
+    assert!(short.evaluations < whole.evaluations && short.agreeing >= 3);
+    assert!(
+        short.cost <= 1.01 * whole.cost,
+        "{} {}",
+        short.cost,
+        whole.cost
+    );
 }

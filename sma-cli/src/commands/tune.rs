@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use identify::SavedModel;
-use missing_physics::{RestoredModel, read_model};
+use identify::{SavedModel, Sensor};
+use missing_physics::{Member, RestoredModel, read_model};
 use pid_tune::{
-    ClosedLoop, ClosedLoopParams, CostWeights, Disturbances, LoopAnalysis, Pace, Pid, PidGains,
-    PidParams, Reference, RodLoop, RodLoopParams, Task, Terms, TunerConfig, front, robustness,
+    AntiWindup, ClosedLoop, CostWeights, Goal, OpenLoop, Pace, Pid, PidGains, PidParams, Plants,
+    Reference, Requirements, Screen, Task, TuneError, TunerConfig, front, robustness,
     second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
@@ -19,9 +19,9 @@ use crate::provenance::provenance;
 use crate::sink::{Sink, deliver};
 use crate::terminal::{bar, say};
 use workbench::page;
-use workbench::report::tuned::{Candidate, TunedReport};
+use workbench::report::tuned::{Candidate, Checked, LoopPicture, TunedReport};
 use workbench::{
-    Followed, PAPER, Rig, RigError, Track, WorkbenchError, controller, of_paper,
+    Bench, Followed, PAPER, Promise, Rig, RigError, Track, Turned, WorkbenchError, controller,
     read_perhaps_without_output, track,
 };
 
@@ -31,13 +31,35 @@ const TIME_CONSTANTS: f64 = 20.0;
 /// Longest run, samples: some minutes of search.
 const MOST_SAMPLES: f64 = 1e6;
 
+/// Samples in which an integral follows a drive at its limit.
+const TRACKING_SAMPLES: f64 = 10.0;
+
+/// Rods as likely as the identified one, on which the loop has to rest as well.
+const RESTING_RODS: usize = 50;
+
+/// A controller that does nothing.
+const NO_GAINS: PidGains = PidGains {
+    kp: 0.0,
+    ki: 0.0,
+    kd: 0.0,
+};
+
+/// Steps of a test of the rig, as shares of the way to the set point, and how long each is held, time constants.
+const STEPS: [f64; 6] = [0.0, 1.0, 0.5, 1.0, 0.25, 0.75];
+/// See [`STEPS`].
+const STEP_TAUS: f64 = 15.0;
+
+/// Rods that a promise is made for, beside the identified one.
+const PROMISING_RODS: usize = 50;
+
 /// Periods of a sine that are followed; the errors of the last one count.
 const SINE_PERIODS: f64 = 3.0;
 
 /// Tune a PID controller on an identified model: gains, how good they are, and whether the loop rests.
 ///
-/// The swarm looks for the gains of least cost for one step of the set point, with the drive's limits. Beside
-/// them stand the gains of the paper and where somebody else's optimizer ends.
+/// The swarm looks for the gains of least cost for one step of the set point, with the drive's limits, the sensor as it
+/// was recorded, a sample of delay, and margins. Beside them stand rules of thumb that meet the same, and where somebody
+/// else's optimizer ends.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma tune model.toml --step-output 0.5 --drive-max 2.5 --sine-hz 0.007 --sine-amplitude 0.2 --sine-bias 0.5\n\n\
@@ -60,16 +82,26 @@ pub(crate) struct TuneArgs {
     /// Sample time of the controller, s [default: that of the first training recording].
     #[arg(long, value_name = "S")]
     sample_time_s: Option<f64>,
-    /// How is searched: over all gains that this rig could want, or as in the paper.
+    /// How is searched: for gains that this rig stands, or as in the paper, with an ideal sensor and nothing required.
     #[arg(long, value_enum, default_value_t = Preset::Default)]
     preset: Preset,
+    #[command(flatten)]
+    structure: Structure,
+    #[command(flatten)]
+    required: Required,
+    #[command(flatten)]
+    real: Real,
     /// Weights of mean square error, energy, rise time, settling time and overshoot [default: such that each
-    /// term of the response to the paper's gains counts one].
+    /// term of the response to the controller that is compared with counts one].
     #[arg(long, num_args = 5, value_names = ["MSE", "ENERGY", "RISE", "SETTLING", "OVERSHOOT"])]
     weights: Option<Vec<f64>>,
     /// From gentle (0) over balanced (0.5) to fast (1).
     #[arg(long, default_value_t = 0.5)]
     pace: f64,
+    /// Rods over which is tuned: the identified one, and others as likely by the covariance of the parameters; the worst
+    /// response counts.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    rods: u16,
     /// Sine to follow: frequency, Hz.
     #[arg(long, value_name = "F", requires_all = ["sine_amplitude", "sine_bias"])]
     sine_hz: Option<f64>,
@@ -87,12 +119,12 @@ pub(crate) struct TuneArgs {
     /// References to follow, CSV with a column `reference_…`; a recorded output beside it is compared.
     #[arg(long, num_args = 1.., value_name = "CSV")]
     reference: Vec<PathBuf>,
-    /// Step of the converter that measures, in the output's unit: 5 mm in 12 bits are 0.00122.
-    #[arg(long, default_value_t = 0.0, value_name = "Y")]
-    quantization_step: f64,
-    /// Samples from a command to its effect.
-    #[arg(long, default_value_t = 0, value_name = "N")]
-    dead_time_samples: usize,
+    /// Write what to run on the rig with the tuned gains, steps of a CSV, and what is expected of it, with a band.
+    #[arg(long, value_name = "CSV")]
+    test_script: Option<PathBuf>,
+    /// A recording of the rig under the tuned gains, with a column `reference_…` beside the output: did it do as promised?
+    #[arg(long, value_name = "CSV")]
+    check: Option<PathBuf>,
     /// Models drawn from the covariance of the parameters, to see what the gains stand.
     #[arg(long, default_value_t = 200, value_name = "N")]
     draws: usize,
@@ -119,6 +151,74 @@ pub(crate) struct TuneArgs {
     quiet: bool,
 }
 
+/// Structure of the controller.
+#[derive(Debug, Args)]
+struct Structure {
+    /// No derivative.
+    #[arg(long)]
+    pi: bool,
+    /// Time constant of the derivative's filter, s [default: four samples].
+    #[arg(long, value_name = "S")]
+    derivative_filter_s: Option<f64>,
+    /// Anti-windup of the integral.
+    #[arg(long, value_enum, default_value_t = Windup::Clamping)]
+    anti_windup: Windup,
+    /// Share of the set point that the proportional term sees: below 1, steps of it kick less.
+    #[arg(long, default_value_t = 1.0, value_name = "0..1")]
+    setpoint_weight: f64,
+    /// Add the inverse of the plain model to the drive: loop and heat balance turned around.
+    #[arg(long)]
+    feed_forward: bool,
+}
+
+/// Requirements that gains have to meet.
+#[derive(Debug, Args)]
+struct Required {
+    /// Smallest gain margin where the loop is steepest.
+    #[arg(long, default_value_t = 2.0, value_name = "FACTOR")]
+    gain_margin: f64,
+    /// Smallest phase margin there, degrees.
+    #[arg(long, default_value_t = 45.0, value_name = "DEG")]
+    phase_margin_deg: f64,
+    /// Largest share of the drive's range by which one step of the sensor, or twice its noise, may move the drive.
+    #[arg(long, default_value_t = 0.05, value_name = "SHARE")]
+    kick: f64,
+}
+
+/// Sensor, delay and supply between the controller and the rig.
+#[derive(Debug, Args)]
+struct Real {
+    /// An ideal sensor, and no delay: margins are required still.
+    #[arg(long, conflicts_with_all = ["quantization_step", "noise", "dead_time_samples"])]
+    ideal: bool,
+    /// Step of the converter that measures, in the output's unit: 5 mm in 12 bits are 0.00122 [default: as recorded].
+    #[arg(long, value_name = "Y")]
+    quantization_step: Option<f64>,
+    /// Standard deviation of the sensor's noise, in the output's unit [default: as recorded].
+    #[arg(long, value_name = "Y")]
+    noise: Option<f64>,
+    /// Samples from a measurement to its effect on the drive [default: 1, the time to compute it].
+    #[arg(long, value_name = "N")]
+    dead_time_samples: Option<usize>,
+    /// Step of the drive, in its unit; 0 for none.
+    #[arg(long, default_value_t = 0.0, value_name = "U")]
+    drive_step: f64,
+    /// Drive up to which nothing acts; 0 for none.
+    #[arg(long, default_value_t = 0.0, value_name = "U")]
+    drive_dead_zone: f64,
+}
+
+/// Anti-windup of the integral.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Windup {
+    /// Nothing.
+    Off,
+    /// The integral waits while the drive is at a limit.
+    Clamping,
+    /// The integral follows the drive, within ten samples.
+    BackCalculation,
+}
+
 /// How is searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Preset {
@@ -135,100 +235,150 @@ pub(crate) fn run(args: &TuneArgs) -> anyhow::Result<Outcome> {
 
 fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let mut inputs = vec![args.model.as_path()];
-    inputs.extend(args.reference.iter().map(PathBuf::as_path));
+    inputs.extend(
+        args.reference
+            .iter()
+            .chain(&args.check)
+            .map(PathBuf::as_path),
+    );
     let json = Sink::open_if(args.json.as_deref(), &inputs)?;
     let responses = Sink::open_if(args.responses.as_deref(), &inputs)?;
     let html = Sink::open_if(args.report.as_deref(), &inputs)?;
+    let script = Sink::open_if(args.test_script.as_deref(), &inputs)?;
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let rig = Rig::of(&saved, &model, args.drive_max)?;
     rig.check_set_point(args.step_output)?;
     let job = Job {
         args,
-        pid: args.controller(&saved, &rig)?,
-        rig: &rig,
         saved: &saved,
+        bench: Bench {
+            rig: &rig,
+            pid: args.controller(&saved, &rig)?,
+            sensor: args.sensor(&saved),
+            dead_time_samples: args.dead_time_samples(),
+            drive_step: args.real.drive_step,
+            drive_dead_zone: args.real.drive_dead_zone,
+            seed: args.seed,
+        },
     };
+    let pid = job.bench.pid;
     // A sample time that is none would also make a run of no length.
-    Pid::new(job.pid, &[PAPER])?;
-    let closed_loop = job.step()?;
-    let task = Task::new(rig.fleet, closed_loop, job.pid)?;
-    let member = rig.member;
-    // Fixed beforehand: each term of the response to the paper's gains counts one.
-    let of_paper = of_paper(&task, &rig)?;
-    let weights = Pace::new(args.pace)?.weigh(&args.weights(&of_paper));
-    let config = TunerConfig {
-        seed: args.seed,
-        ..match args.preset {
-            Preset::Default => TunerConfig::for_task(&task, rig.stroke())?,
-            Preset::Sadeghi => TunerConfig::sadeghi(),
-        }
+    Pid::new(pid, &[PAPER])?;
+    let reference = job.step()?;
+    let n_samples = job.step_samples()?;
+    let noise = job.bench.noise(n_samples);
+    let forward = job.feed_forward(&rig, &reference, n_samples)?;
+    let closed_loop = job
+        .bench
+        .closed_loop(reference, n_samples, &noise, &forward)?;
+    let task = job.bench.task(closed_loop)?;
+    let screen = job.screen()?;
+    let compared = job.compared(&task, &screen)?;
+    // Fixed beforehand: each term of the response to the controller that is compared with counts one.
+    let [before] = task.responses(&[(rig.member, compared[0].1)])?[..] else {
+        unreachable!("one case has one response");
     };
+    let balanced = args.weights(&CostWeights::balancing(&before.terms));
+    let is_paper = args.preset == Preset::Sadeghi;
+    let approaches = job.bench.approaches(rig.signed(args.step_output))?;
+    let [_, from_hot, from_near] = job.bench.approaching(&approaches)?;
+    let loops = [from_hot, from_near];
+    let weights = Pace::new(args.pace)?.weigh(&balanced);
+    let goal = if is_paper {
+        Goal::of(weights)
+    } else {
+        job.bench
+            .goal(weights, &screen, &loops, rig.signed(args.step_output))?
+    };
+    let config = job.search(&task, &screen)?;
+    let mut members = vec![rig.member];
+    let n_others = usize::from(args.rods) - 1;
+    // Not those that the gains are tried on afterwards.
+    members.extend(rig.draws(&saved, &model, n_others, !args.seed));
     let template = "tune {bar:20} move {pos}/{len}  {eta} left";
     let bar = bar(args.quiet, config.moves, template);
-    let found = tune(&task, member, &weights, &config, |progress| {
+    let resting = rig.draws(&saved, &model, RESTING_RODS, args.seed.wrapping_add(1));
+    let plants = Plants {
+        judged: &members,
+        resting: &resting,
+    };
+    let found = tune(&task, &plants, &goal, &config, |progress| {
         bar.set_position(progress.moves);
         ControlFlow::Continue(())
     })?;
     bar.finish_and_clear();
-    let opinion = second_opinion(&task, member, &weights, &config, &found)?;
-    let mut candidates = vec![
-        ("paper", PAPER, of_paper),
-        ("tuned", found.gains, found.terms),
-        (
-            "argmin from there",
-            opinion.from_optimum.gains,
-            opinion.from_optimum.terms,
-        ),
-        (
-            "argmin from elsewhere",
-            opinion.from_elsewhere.gains,
-            opinion.from_elsewhere.terms,
-        ),
-    ];
+    let opinion = second_opinion(&task, &members, &goal, &config, &found)?;
+    let mut named = vec![compared[0], ("tuned", found.gains)];
+    named.extend(&compared[1..]);
     if let Some(&[kp, ki, kd]) = args.gains.as_deref() {
-        let gains = PidGains { kp, ki, kd };
-        let terms = task.evaluate(&[(member, gains)])?[0];
-        candidates.push(("yours", gains, terms));
+        named.push(("yours", PidGains { kp, ki, kd }));
     }
-    let candidates = candidates
-        .into_iter()
-        .map(|(name, gains, terms)| Candidate {
-            name,
-            gains,
-            terms,
-            cost: weights.cost(&terms),
-        })
-        .collect();
+    let mut candidates = Vec::with_capacity(named.len());
+    for &(name, gains) in &named {
+        candidates.push(candidate(name, gains, rig.member, &task, &screen, &goal)?);
+    }
     let draws = rig.draws(&saved, &model, args.draws, args.seed);
-    let [response] = task.responses(&[(member, found.gains)])?[..] else {
-        unreachable!("one case has one response");
-    };
-    let height = rig.signed(args.step_output) - rig.rest_output()?;
+    let both = [compared[0].1, found.gains];
+    let set_point = rig.signed(args.step_output);
+    let [of_compared, of_tuned] = both.map(|gains| job.bench.rod_loop(gains, set_point));
+    let (of_compared, of_tuned) = (of_compared?, of_tuned?);
     let report = TunedReport {
         rig: &rig,
-        oscillates: response.ending.oscillates(height),
         set_point: args.step_output,
-        pid: job.pid,
-        duration_s: closed_loop.params().n_samples as f64 * job.pid.dt_s,
-        weights,
+        pid,
+        sensor: job.bench.sensor,
+        dead_time_samples: job.bench.dead_time_samples,
+        requirements: (!is_paper).then(|| *screen.requirements()),
+        feed_forward: args.structure.feed_forward,
+        n_rods: members.len(),
+        duration_s: n_samples as f64 * pid.dt_s,
+        weights: goal.weights,
+        wear: goal.wear,
         found,
         opinion,
-        analyses: [job.analysis(PAPER)?, job.analysis(found.gains)?],
+        rests: [
+            job.bench.rests(both[0], set_point)?,
+            job.bench.rests(both[1], set_point)?,
+        ],
+        analyses: [of_compared.analyzed()?, of_tuned.analyzed()?],
+        loops: pictures(&screen, pid, &named[..2]),
+        describing_curve: of_tuned.describing_curve(),
         robust: if draws.is_empty() {
             None
         } else {
             Some(robustness(&task, found.gains, &draws)?)
         },
+        restless_share: if draws.is_empty() {
+            0.0
+        } else {
+            job.bench.restless_share(found.gains, set_point, &draws)?
+        },
         varied: sensitivities(&task, found.gains, &rig.variations(&saved, &model))?,
         front: if args.front {
-            front(&task, member, &weights, &config)?
+            front(&task, &members, &goal, &config)?
         } else {
             Vec::new()
         },
-        tracks: job.tracks(&closed_loop, found.gains)?,
+        tracks: job.tracks(&closed_loop, &named[..2])?,
+        checked: None,
         candidates,
     };
+    let rods = draws
+        .iter()
+        .take(PROMISING_RODS)
+        .map(|&draw| rig.of_rod(draw));
+    let rods: Vec<Rig> = rods.collect::<Result<_, _>>()?;
+    if let Some(sink) = script {
+        let promise = job.promise(&rig, &job.steps()?, found.gains, &rods)?;
+        sink.write(&promise.csv(&rig.output_unit))?;
+    }
+    let checked = match &args.check {
+        Some(path) => Some(job.checked(path, found.gains, &rods)?),
+        None => None,
+    };
+    let report = TunedReport { checked, ..report };
+    say(args.quiet, &job.notes())?;
     say(args.quiet, &report.notes())?;
     if let Some(sink) = responses {
         sink.write(&report.responses())?;
@@ -238,7 +388,60 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         sink.write(&page::tuned(&report)?.made_by(&made))?;
     }
     deliver(&report.text(), &report.json(), json)?;
-    Ok(Outcome::Done)
+    Ok(match &report.checked {
+        Some(checked) if !checked.kept.is_kept() => Outcome::NotAsPromised,
+        _ => Outcome::Done,
+    })
+}
+
+/// Gains with their response, their margins and their cost.
+fn candidate(
+    name: &'static str,
+    gains: PidGains,
+    member: Member,
+    task: &Task<'_, Turned>,
+    screen: &Screen,
+    goal: &Goal<'_>,
+) -> anyhow::Result<Candidate> {
+    let [response] = task.responses(&[(member, gains)])?[..] else {
+        unreachable!("one case has one response");
+    };
+    Ok(Candidate {
+        name,
+        gains,
+        terms: response.terms,
+        ending: response.ending,
+        cost: goal.cost(&response),
+        margins: screen.margins(&gains),
+        passage: screen.passage(&gains),
+        kick: screen.kick(&gains),
+    })
+}
+
+/// Loops over frequencies where the rig is steepest in the end.
+fn pictures(
+    screen: &Screen,
+    controller: PidParams,
+    named: &[(&'static str, PidGains)],
+) -> Vec<LoopPicture> {
+    let Some(plant) = screen.plants().first() else {
+        return Vec::new();
+    };
+    let picture = |&(name, gains): &(&'static str, PidGains)| LoopPicture {
+        name,
+        response: plant
+            .swept()
+            .map(|(omega, _)| {
+                let open = OpenLoop {
+                    controller,
+                    gains,
+                    plant,
+                };
+                (omega / std::f64::consts::TAU, open.response(omega))
+            })
+            .collect(),
+    };
+    named.iter().map(picture).collect()
 }
 
 impl TuneArgs {
@@ -251,10 +454,49 @@ impl TuneArgs {
                 why: "no recording of the model has one",
             });
         };
-        Ok(controller(rig, dt_s))
+        let usual = controller(rig, dt_s);
+        let structure = &self.structure;
+        Ok(PidParams {
+            anti_windup: match structure.anti_windup {
+                Windup::Off => AntiWindup::Off,
+                Windup::Clamping => AntiWindup::Clamping,
+                Windup::BackCalculation => AntiWindup::BackCalculation {
+                    tracking_s: TRACKING_SAMPLES * dt_s,
+                },
+            },
+            derivative_filter_s: structure
+                .derivative_filter_s
+                .unwrap_or(usual.derivative_filter_s),
+            setpoint_weight: structure.setpoint_weight,
+            ..usual
+        })
     }
 
-    fn weights(&self, of_paper: &Terms) -> CostWeights {
+    /// True if sensor and delay are ideal, as in the paper or a textbook.
+    fn is_ideal(&self) -> bool {
+        self.real.ideal || self.preset == Preset::Sadeghi
+    }
+
+    fn sensor(&self, saved: &SavedModel) -> Sensor {
+        let recorded = if self.is_ideal() {
+            None
+        } else {
+            saved.sensor()
+        };
+        let recorded = recorded.unwrap_or(Sensor::IDEAL);
+        Sensor {
+            step: self.real.quantization_step.unwrap_or(recorded.step),
+            noise: self.real.noise.unwrap_or(recorded.noise),
+            ..recorded
+        }
+    }
+
+    fn dead_time_samples(&self) -> usize {
+        let usual = usize::from(!self.is_ideal());
+        self.real.dead_time_samples.unwrap_or(usual)
+    }
+
+    fn weights(&self, balanced: &CostWeights) -> CostWeights {
         match self.weights.as_deref() {
             Some(&[mse, energy, rise_time, settling_time, overshoot]) => CostWeights {
                 mse,
@@ -263,15 +505,7 @@ impl TuneArgs {
                 settling_time,
                 overshoot,
             },
-            _ => CostWeights::balancing(of_paper),
-        }
-    }
-
-    fn disturbances(&self) -> Disturbances<'static> {
-        Disturbances {
-            quantization_step: self.quantization_step,
-            dead_time_samples: self.dead_time_samples,
-            ..Disturbances::default()
+            _ => *balanced,
         }
     }
 }
@@ -280,29 +514,126 @@ impl TuneArgs {
 struct Job<'a> {
     args: &'a TuneArgs,
     saved: &'a SavedModel,
-    rig: &'a Rig,
-    pid: PidParams,
+    bench: Bench<'a>,
 }
 
 impl Job<'_> {
-    /// The loop around the step.
-    fn step(&self) -> anyhow::Result<ClosedLoop<'static>> {
-        let lasts_s = TIME_CONSTANTS * self.rig.tau_s();
-        let duration_s = self.args.duration_s.unwrap_or(lasts_s);
-        let reference = Reference::Step {
-            from: self.rig.rest_output()?,
-            to: self.rig.signed(self.args.step_output),
+    /// The step.
+    fn step(&self) -> anyhow::Result<Reference<'static>> {
+        Ok(Reference::Step {
+            from: self.bench.rig.rest_output()?,
+            to: self.bench.rig.signed(self.args.step_output),
             at_s: 0.0,
+        })
+    }
+
+    fn step_samples(&self) -> Result<usize, RigError> {
+        let lasts_s = TIME_CONSTANTS * self.bench.rig.tau_s();
+        let duration_s = self.args.duration_s.unwrap_or(lasts_s);
+        self.n_samples("--duration-s", duration_s)
+    }
+
+    /// Drives that the model's inverse adds; none unless asked for.
+    fn feed_forward(
+        &self,
+        rig: &Rig,
+        reference: &Reference<'_>,
+        n_samples: usize,
+    ) -> anyhow::Result<Vec<f64>> {
+        if !self.args.structure.feed_forward {
+            return Ok(Vec::new());
+        }
+        let bench = Bench { rig, ..self.bench };
+        let plain = bench.rod_loop(NO_GAINS, rig.signed(self.args.step_output))?;
+        Ok(plain.inverse_drive(reference, n_samples)?)
+    }
+
+    /// Requirements, wherever the rig is steepest up to the highest output that is asked for.
+    fn screen(&self) -> anyhow::Result<Screen> {
+        let (args, rig) = (self.args, self.bench.rig);
+        let mut highest = rig.signed(args.step_output);
+        if let (Some(bias), Some(amplitude)) = (args.sine_bias, args.sine_amplitude) {
+            highest = highest.max(rig.signed(bias) + amplitude.abs());
+        }
+        let requirements = Requirements {
+            gain_margin: args.required.gain_margin,
+            phase_margin_rad: args.required.phase_margin_deg.to_radians(),
+            sensor_step: self.bench.sensor.jump(),
+            largest_kick: args.required.kick,
         };
-        self.closed_loop(
-            self.rig,
-            reference,
-            self.n_samples("--duration-s", duration_s)?,
-        )
+        let steepest = self.bench.steepest(highest)?;
+        Ok(Screen::new(requirements, self.bench.pid, steepest)?)
+    }
+
+    /// Controllers by rule, the first of which is compared with in detail: in the paper's search its own; else SIMC, then
+    /// a relay test, each as fast as what is required allows, and the paper's gains where they have their units.
+    fn compared(
+        &self,
+        task: &Task<'_, Turned>,
+        screen: &Screen,
+    ) -> anyhow::Result<Vec<(&'static str, PidGains)>> {
+        let rig = self.bench.rig;
+        if self.args.preset == Preset::Sadeghi {
+            return Ok(vec![("paper", PAPER)]);
+        }
+        let mut compared = Vec::new();
+        compared.extend(screen.simc().map(|gains| ("SIMC", gains)));
+        let set_point = rig.signed(self.args.step_output);
+        let by_relay = self.bench.relay(set_point, screen)?;
+        compared.extend(by_relay.map(|gains| ("relay test", gains)));
+        // Of a rig whose output does not answer the drive nothing can be compared.
+        if compared.is_empty() {
+            return Err(TuneError::Unmet.into());
+        }
+        if rig.drive_unit == "A" && rig.output_unit == "mm" {
+            compared.push(("paper", PAPER));
+        }
+        // A rule that saturates for ever has no response to compare with.
+        let cases: Vec<_> = compared
+            .iter()
+            .map(|&(_, gains)| (rig.member, gains))
+            .collect();
+        let responses = task.responses(&cases)?;
+        let mut sound = responses.iter().map(|one| one.terms.mse.is_finite());
+        compared.retain(|_| sound.next().unwrap_or(false));
+        Ok(compared)
+    }
+
+    /// Where gains are looked for.
+    fn search(
+        &self,
+        task: &Task<'_, Turned>,
+        screen: &Screen,
+    ) -> Result<TunerConfig, WorkbenchError> {
+        let mut config = TunerConfig {
+            seed: self.args.seed,
+            ..match self.args.preset {
+                Preset::Default => self.bench.search(task, screen)?,
+                Preset::Sadeghi => TunerConfig::sadeghi(),
+            }
+        };
+        if self.args.structure.pi {
+            config.bounds.upper.kd = 0.0;
+        }
+        Ok(config)
+    }
+
+    /// Notes on assumptions.
+    fn notes(&self) -> Vec<String> {
+        let real = &self.args.real;
+        let told = real.quantization_step.is_some() || real.noise.is_some();
+        let mut notes = Vec::new();
+        if self.bench.sensor == Sensor::IDEAL && !self.args.is_ideal() && !told {
+            notes.push(format!(
+                "{} does not say what the sensor does by itself: identify once more, or give --quantization-step and --noise",
+                self.args.model.display()
+            ));
+        }
+        notes
     }
 
     fn n_samples(&self, name: &'static str, duration_s: f64) -> Result<usize, RigError> {
-        let n_samples = (duration_s / self.pid.dt_s).ceil();
+        let n_samples = (duration_s / self.bench.pid.dt_s).ceil();
         if (2.0..=MOST_SAMPLES).contains(&n_samples) {
             Ok(n_samples as usize)
         } else {
@@ -314,43 +645,16 @@ impl Job<'_> {
         }
     }
 
-    fn closed_loop<'r>(
+    /// All that is followed, by two controllers.
+    fn tracks(
         &self,
-        rig: &Rig,
-        reference: Reference<'r>,
-        n_samples: usize,
-    ) -> anyhow::Result<ClosedLoop<'r>> {
-        Ok(ClosedLoop::new(ClosedLoopParams {
-            reference,
-            n_samples,
-            ambient_degc: rig.ambient_degc,
-            feed_forward: None,
-            disturbances: self.args.disturbances(),
-        })?)
-    }
-
-    /// Limit cycles of the plain part.
-    fn analysis(&self, gains: PidGains) -> anyhow::Result<LoopAnalysis> {
-        let rod_loop = RodLoop::new(RodLoopParams {
-            rod: self.rig.params,
-            drive: self.rig.drive,
-            rule: self.rig.rule,
-            controller: self.pid,
-            gains,
-            setpoint: self.rig.signed(self.args.step_output),
-            ambient_degc: self.rig.ambient_degc,
-            dead_time_samples: self.args.dead_time_samples,
-            quantization_step: self.args.quantization_step,
-        })?;
-        Ok(rod_loop.analyzed()?)
-    }
-
-    /// All that is followed, by the paper's gains and by the tuned ones.
-    fn tracks(&self, step: &ClosedLoop<'_>, tuned: PidGains) -> anyhow::Result<Vec<Track>> {
-        let mut tracks = self.both("step", self.rig, step, tuned)?;
-        tracks.extend(self.sine(tuned)?);
+        step: &ClosedLoop<'_>,
+        two: &[(&'static str, PidGains)],
+    ) -> anyhow::Result<Vec<Track>> {
+        let mut tracks = self.both("step", self.bench.rig, step, two)?;
+        tracks.extend(self.sine(two)?);
         for path in &self.args.reference {
-            tracks.extend(self.recorded(path, tuned)?);
+            tracks.extend(self.recorded(path, two)?);
         }
         Ok(tracks)
     }
@@ -360,16 +664,15 @@ impl Job<'_> {
         name: &str,
         rig: &Rig,
         closed_loop: &ClosedLoop<'_>,
-        tuned: PidGains,
+        two: &[(&'static str, PidGains)],
     ) -> Result<Vec<Track>, WorkbenchError> {
-        [("paper", PAPER), ("tuned", tuned)]
-            .into_iter()
-            .map(|(controller, gains)| {
+        two.iter()
+            .map(|&(controller, gains)| {
                 let followed = Followed {
                     name,
                     controller,
                     closed_loop,
-                    pid: self.pid,
+                    pid: self.bench.pid,
                     gains,
                 };
                 track(rig, &followed)
@@ -377,7 +680,23 @@ impl Job<'_> {
             .collect()
     }
 
-    fn sine(&self, tuned: PidGains) -> anyhow::Result<Vec<Track>> {
+    /// Two controllers along a reference, on a rig.
+    fn follow(
+        &self,
+        name: &str,
+        rig: &Rig,
+        (reference, n_samples): (Reference<'_>, usize),
+        two: &[(&'static str, PidGains)],
+    ) -> anyhow::Result<Vec<Track>> {
+        let noise = self.bench.noise(n_samples);
+        let forward = self.feed_forward(rig, &reference, n_samples)?;
+        let closed_loop = self
+            .bench
+            .closed_loop(reference, n_samples, &noise, &forward)?;
+        Ok(self.both(name, rig, &closed_loop, two)?)
+    }
+
+    fn sine(&self, two: &[(&'static str, PidGains)]) -> anyhow::Result<Vec<Track>> {
         let args = self.args;
         let (Some(frequency_hz), Some(amplitude), Some(bias)) =
             (args.sine_hz, args.sine_amplitude, args.sine_bias)
@@ -385,43 +704,96 @@ impl Job<'_> {
             return Ok(Vec::new());
         };
         for end in [bias - amplitude, bias + amplitude] {
-            self.rig.check_set_point(end)?;
+            self.bench.rig.check_set_point(end)?;
         }
         let reference = Reference::Sine {
-            bias: self.rig.signed(bias),
-            amplitude: self.rig.signed(amplitude),
+            bias: self.bench.rig.signed(bias),
+            amplitude: self.bench.rig.signed(amplitude),
             frequency_hz,
         }
         .checked()?;
         let period = self.n_samples("--sine-hz", 1.0 / frequency_hz)?;
         let n_samples = (SINE_PERIODS * period as f64) as usize;
-        let closed_loop = self.closed_loop(self.rig, reference, n_samples)?;
-        let mut tracks = self.both("sine", self.rig, &closed_loop, tuned)?;
+        let mut tracks = self.follow("sine", self.bench.rig, (reference, n_samples), two)?;
         for track in &mut tracks {
             track.counted = n_samples - period..n_samples;
         }
         Ok(tracks)
     }
 
-    /// A reference from a file. Where the rig's output was recorded beside it, the rod starts from the same
-    /// rest position.
-    fn recorded(&self, path: &Path, tuned: PidGains) -> anyhow::Result<Vec<Track>> {
+    /// Levels of the way to the set point and back, for a test of the rig: large steps, small ones, and turns.
+    fn steps(&self) -> anyhow::Result<Vec<f64>> {
+        let rig = self.bench.rig;
+        let rest = rig.rest_output()?;
+        let way = rig.signed(self.args.step_output) - rest;
+        let held = self.n_samples("length of a step, s", STEP_TAUS * rig.tau_s())?;
+        let levels = STEPS.map(|share| vec![rest + share * way; held]);
+        Ok(levels.concat())
+    }
+
+    /// Response and band that gains promise along a reference.
+    fn promise(
+        &self,
+        rig: &Rig,
+        levels: &[f64],
+        gains: PidGains,
+        rods: &[Rig],
+    ) -> anyhow::Result<Promise> {
+        let forward = self.feed_forward(rig, &Reference::Samples(levels), levels.len())?;
+        let bench = Bench { rig, ..self.bench };
+        Ok(bench.promise(gains, levels, &forward, rods)?)
+    }
+
+    /// Compares a recording of the rig with the promise.
+    fn checked(&self, path: &Path, gains: PidGains, rods: &[Rig]) -> anyhow::Result<Checked> {
         let file = self.read_reference(path)?;
-        let dt_s = self.pid.dt_s;
-        let time_s = file.recording.time_s();
+        let recording = &file.recording;
+        if !file.has_output {
+            return Err(RigError::Missing {
+                what: "the output",
+                why: "--check compares what the rig did with what was promised",
+            }
+            .into());
+        }
+        let levels = self.held(recording)?;
+        let rig = self.bench.rig.resting_at(recording.output()[0])?;
+        let rods = rods.iter().map(|rod| rod.resting_at(recording.output()[0]));
+        let rods: Vec<Rig> = rods.collect::<Result<_, _>>()?;
+        let promise = self.promise(&rig, &levels, gains, &rods)?;
+        Ok(Checked {
+            name: recording.name().to_owned(),
+            kept: promise.kept(recording.time_s(), recording.output()),
+            n_rods: promise.n_rods,
+        })
+    }
+
+    /// Levels of a reference, as the controller sees them, held between its samples if the controller has others.
+    fn held(&self, recording: &Recording) -> Result<Vec<f64>, RigError> {
+        let dt_s = self.bench.pid.dt_s;
+        let time_s = recording.time_s();
         let lasts_s = time_s[time_s.len() - 1] - time_s[0];
         let n_samples = self.n_samples("length of the reference, s", lasts_s + dt_s)?;
-        // Held between its samples, if the controller has others.
-        let levels = file.recording.held_drive(dt_s, n_samples).into_iter();
-        let held: Vec<f64> = levels.map(|level| self.rig.signed(level)).collect();
+        let levels = recording.held_drive(dt_s, n_samples).into_iter();
+        Ok(levels.map(|level| self.bench.rig.signed(level)).collect())
+    }
+
+    /// A reference from a file. Where the rig's output was recorded beside it, the rod starts from the same
+    /// rest position.
+    fn recorded(
+        &self,
+        path: &Path,
+        two: &[(&'static str, PidGains)],
+    ) -> anyhow::Result<Vec<Track>> {
+        let file = self.read_reference(path)?;
+        let held = self.held(&file.recording)?;
         let rig = if file.has_output {
-            self.rig.resting_at(file.recording.output()[0])?
+            self.bench.rig.resting_at(file.recording.output()[0])?
         } else {
-            self.rig.clone()
+            self.bench.rig.clone()
         };
-        let closed_loop = self.closed_loop(&rig, Reference::Samples(&held), n_samples)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let mut tracks = self.both(&name, &rig, &closed_loop, tuned)?;
+        let reference = (Reference::Samples(&held), held.len());
+        let mut tracks = self.follow(&name, &rig, reference, two)?;
         for track in &mut tracks {
             track.recorded_rmse = file.recorded_rmse();
         }
@@ -430,7 +802,7 @@ impl Job<'_> {
 
     fn read_reference(&self, path: &Path) -> Result<ReferenceFile, RecordingError> {
         let columns = &self.saved.rod().columns;
-        let unit = self.rig.output_unit.as_str();
+        let unit = self.bench.rig.output_unit.as_str();
         // A reference is an input like that of a static loop: a number in a unit of its own.
         let options = ReadOptions {
             columns: Columns {

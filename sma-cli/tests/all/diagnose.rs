@@ -587,10 +587,7 @@ fn gains_are_tuned_on_what_was_found() {
     );
     let text = stdout(&mut tune("model.toml", &["--step-output", "2.5"]));
     assert!(
-        text.contains(
-            "All of it is with latent-heat; in the end the response to the step does not oscillate by more than 2 % \
-             of it. But limit cycles and margins are of the plain part of the model, without effects:\n"
-        ),
+        text.contains("\nAll of it is with latent-heat.\n"),
         "{text}"
     );
     // Too far for the rod, latent heat or not.

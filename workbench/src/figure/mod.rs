@@ -2,6 +2,7 @@
 
 mod compared;
 mod diagnosed;
+mod loops;
 mod svg;
 mod tracks;
 
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 pub use compared::Compared;
 pub use diagnosed::{Drawn, figures};
+pub use loops::loops;
 pub use svg::inline;
 pub use tracks::tracks;
 

@@ -2,7 +2,7 @@
 
 use super::Page;
 use crate::WorkbenchError;
-use crate::figure::tracks;
+use crate::figure::{loops, tracks};
 use crate::report::tuned::TunedReport;
 
 /// The page but for how it was made: the gains and what they do, then what they rest on.
@@ -21,8 +21,11 @@ pub fn tuned(tuned: &TunedReport<'_>) -> Result<Page, WorkbenchError> {
     page.section("The response to the step, by the terms of the cost (weighted)");
     page.table(&tuned.terms_table());
     page.section("Whether the loop rests");
-    page.table(&tuned.cycles_table());
-    page.paragraphs(&tuned.margins());
+    page.table(&tuned.rest_table());
+    page.section("How near the loop is to instability, where it is steepest");
+    for figure in loops(tuned) {
+        page.figure(&figure)?;
+    }
     page.section("What the gains stand");
     page.table(&tuned.robust_table());
     if let Some(front) = tuned.front_table() {

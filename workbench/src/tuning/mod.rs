@@ -1,12 +1,16 @@
 //! What every controller of this program is tuned with.
 
-use missing_physics::PhysicsError;
-use pid_tune::{
-    AntiWindup, DerivativeOf, DriveLimits, PidGains, PidParams, Task, TaskError, Terms,
-};
+mod bench;
+mod promise;
+mod rest;
+
+pub use bench::Bench;
+pub use promise::{Kept, Promise};
+pub use rest::{Approaches, CHATTER, End, Rest, Side};
+
+use pid_tune::{AntiWindup, DerivativeOf, DriveLimits, PidGains, PidParams, Requirements};
 
 use crate::rig::Rig;
-use crate::turned::Turned;
 
 /// Gains that ran on the rig of the paper: A/mm, A/(mm s), A s/mm there.
 pub const PAPER: PidGains = PidGains {
@@ -16,7 +20,19 @@ pub const PAPER: PidGains = PidGains {
 };
 
 /// Time constant of the derivative's filter, in samples: short beside the rod, long beside the noise.
-const FILTER_SAMPLES: f64 = 4.0;
+pub const FILTER_SAMPLES: f64 = 4.0;
+
+/// Requirements unless the user says otherwise, for a sensor that jumps by so much: the usual margins
+/// `[Astrom2006]`, and a drive that one jump moves by a twentieth of its range.
+#[must_use]
+pub fn usual_requirements(sensor_step: f64) -> Requirements {
+    Requirements {
+        gain_margin: 2.0,
+        phase_margin_rad: 45.0_f64.to_radians(),
+        sensor_step,
+        largest_kick: 0.05,
+    }
+}
 
 /// All of a rig's controller but its gains.
 #[must_use]
@@ -30,17 +46,6 @@ pub fn controller(rig: &Rig, dt_s: f64) -> PidParams {
         anti_windup: AntiWindup::Clamping,
         derivative_of: DerivativeOf::Measurement,
         derivative_filter_s: FILTER_SAMPLES * dt_s,
+        setpoint_weight: 1.0,
     }
-}
-
-/// The rig's response to the paper's gains: each of its terms counts one unless weights are given.
-///
-/// # Errors
-///
-/// What the task refuses of the plant or the controller.
-pub fn of_paper(task: &Task<'_, Turned>, rig: &Rig) -> Result<Terms, TaskError<PhysicsError>> {
-    let [terms] = task.evaluate(&[(rig.member, PAPER)])?[..] else {
-        unreachable!("one case has one response");
-    };
-    Ok(terms)
 }

@@ -2,6 +2,9 @@
 
 #![allow(dead_code, reason = "no test file needs all of it")]
 
+#[cfg(feature = "std")]
+pub(crate) mod lags;
+
 use approx::assert_abs_diff_eq;
 use pid_tune::{
     AntiWindup, ClosedLoop, ClosedLoopParams, DerivativeOf, Disturbances, DriveLimits, Pid,
@@ -29,6 +32,7 @@ pub(crate) const PARAMS: PidParams = PidParams {
     anti_windup: AntiWindup::Clamping,
     derivative_of: DerivativeOf::Error,
     derivative_filter_s: 0.0,
+    setpoint_weight: 1.0,
 };
 
 pub(crate) const ALL_ANTI_WINDUP: [AntiWindup; 3] = [
