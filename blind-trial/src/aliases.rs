@@ -54,7 +54,7 @@ fn alike_here(
     Ok(alike.map(|other| other.id().to_owned()).collect())
 }
 
-/// What the whole catalogue names together with an effect, or in its place.
+/// Effects that the whole catalogue names together with an effect, or in its place.
 pub(crate) fn stand_ins(diagnosis: &Diagnosis, effect: &str) -> Vec<String> {
     let sets = diagnosis.findings.iter().map(|finding| {
         let set = std::iter::once(&finding.effect).chain(&finding.could_also_be);

@@ -4,11 +4,11 @@ use truth_plant::{Addition, TruthPlant};
 
 use crate::sizes::size;
 
-/// What is sealed: the answer of a case.
+/// Answer of a case, which is sealed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
-    /// What was concealed; empty in a clean case.
+    /// Concealed additions; empty in a clean case.
     pub concealed: Vec<Concealed>,
     /// Family of the loop.
     pub hysteresis: String,
@@ -62,7 +62,7 @@ impl Concealed {
     }
 }
 
-/// What means the same in the truth and in the catalogue.
+/// Parameter that means the same in the truth and in the catalogue: its name and value.
 fn parameter(addition: Addition, plant: &TruthPlant) -> Option<(&'static str, f64)> {
     let name = match addition {
         Addition::SupplyLag => "supply_lag_s",
@@ -88,7 +88,7 @@ fn kebab(name: &str) -> String {
     text
 }
 
-/// What is published before the first diagnosis: SHA-256 over all answers of a plan in their order, each as JSON in a line of
+/// Seal, published before the first diagnosis: SHA-256 over all answers of a plan in their order, each as JSON in a line of
 /// its own, in hexadecimal. It shows later that no answer has changed.
 #[must_use]
 pub fn seal<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> String {

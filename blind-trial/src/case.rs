@@ -36,9 +36,9 @@ pub struct Case {
     pub(crate) known: Known,
     /// The rig.
     pub(crate) truth: TruthPlant,
-    /// The same without one of the things that are concealed, each in turn.
+    /// The rig without one of the concealed additions, each in turn.
     pub(crate) without: Vec<TruthPlant>,
-    /// What is recorded of it.
+    /// Runs that are recorded of it.
     pub(crate) runs: Runs,
     answer: Answer,
     /// Sizes of what is concealed, in the catalogue's units.
@@ -46,7 +46,7 @@ pub struct Case {
     seed: String,
 }
 
-/// What the recordings of a rig show.
+/// Recorded traces of a rig.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Recorded {
     pub(crate) training: Vec<Traces>,
@@ -130,7 +130,7 @@ impl Case {
         }
     }
 
-    /// What it conceals: not for who diagnoses.
+    /// Answer of the case. It is concealed from the person who diagnoses.
     #[must_use]
     pub fn answer(&self) -> &Answer {
         &self.answer
@@ -157,7 +157,7 @@ impl Case {
         })
     }
 
-    /// What the recording of a run shows of a plant of this case.
+    /// Recorded traces of a plant of this case in a run.
     pub(crate) fn run(&self, plant: &TruthPlant, run: &Run) -> Result<Traces, TrialError> {
         let traces = run.conditioned(plant).simulate(
             &run.profile.drive,
@@ -260,7 +260,7 @@ fn noise_of(id: CaseId, random: &mut ChaCha8Rng) -> NoiseKind {
     }
 }
 
-/// Whether the converter's steps are coarser than the noise.
+/// True if the converter's steps are coarser than the noise.
 fn is_coarse(noise: NoiseKind, id: CaseId) -> bool {
     let is_white = noise == NoiseKind::White;
     id.family == Family::CleanQuantized || (id.family == Family::HardNoise && is_white)
@@ -297,8 +297,8 @@ fn make_noise(kind: NoiseKind, id: CaseId, draw: &Draw, plant: &mut TruthPlant) 
     });
 }
 
-/// What a case conceals, and how much of it. Effects go round with the number of the case, then sizes; stress is as large as
-/// that of the spring, which every rig has.
+/// Additions that a case conceals, with their sizes. Effects go round with the number of the case, then sizes; stress is as
+/// large as that of the spring, which every rig has.
 fn concealed(id: CaseId, random: &mut ChaCha8Rng, spring_size: f64) -> Vec<(Addition, f64)> {
     let named = named();
     let round = |all: &[Addition]| {

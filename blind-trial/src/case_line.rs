@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Answer, CaseId, Competitors, Line, Oracle, Verdict};
 
-/// What came out of a case; no times, so that equal seeds give equal bytes.
+/// Result of a case; no times, so that equal seeds give equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseLine {
@@ -16,16 +16,16 @@ pub struct CaseLine {
     /// Effects that the diagnosis had to do without.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub struck: Vec<String>,
-    /// What the diagnosis says.
+    /// Verdict of the diagnosis.
     pub verdict: Verdict,
-    /// What others say of the same files, where they were asked.
+    /// Results of other methods on the same files, if they were run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub competitors: Option<Competitors>,
-    /// What was concealed, and what there was to be seen.
+    /// Answer of the case, and the visibility of its concealed effects.
     pub opened: Revealed,
 }
 
-/// What is known of a case after its diagnosis.
+/// Data of a case that are known after its diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Revealed {
@@ -36,13 +36,13 @@ pub struct Revealed {
     pub answer: Answer,
     /// Standard deviation of the output's noise, mm.
     pub noise_mm: f64,
-    /// Whether the sizes of effects are in their true units: heat capacity and resistance are known.
+    /// True if the sizes of effects are in their true units: heat capacity and resistance are known.
     pub has_scale: bool,
-    /// What each of the concealed effects left to be seen; empty where none has a name.
+    /// Visibility of each of the concealed effects; empty if none has a name.
     pub oracles: Vec<Oracle>,
     /// Effects that this recording cannot tell from each of them.
     pub aliases: Vec<Vec<String>>,
-    /// What the catalogue of the diagnosis says of each of them.
+    /// Status of each of them in the catalogue of the diagnosis.
     pub said: Vec<Option<String>>,
     /// Sizes of each of them in the catalogue's unit, where truth and catalogue can be compared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -53,17 +53,17 @@ pub struct Revealed {
     /// Of a single effect: share of the squares of what it leaves in the spans that are blamed, and share of the
     /// time that these take.
     pub spans: Option<[f64; 2]>,
-    /// What became of an ambiguous set.
+    /// Outcome of an ambiguous set.
     pub next: Option<Next>,
 }
 
-/// What one more run made of an ambiguous set.
+/// Outcome of an ambiguous set after one more run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Next {
-    /// Whether the truth was named, and alone, with the run that was recommended.
+    /// True if the truth was named, and alone, with the recommended run.
     pub recommended: bool,
-    /// The same with a run of that length drawn from the drives of the trial.
+    /// True if the truth was named, and alone, with a run of that length drawn from the drives of the trial.
     pub random: bool,
 }
 

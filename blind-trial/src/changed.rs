@@ -41,7 +41,8 @@ const LOOPS: [(FamilyKind, &str); 3] = [
 /// Preload of the spring that every rig has, and what it adds over the stroke, Pa.
 const PRELOAD_PA: f64 = 100e6;
 
-/// What may change: neither a drift of one run, nor what needs a thermometer or several zones, nor what has no size.
+/// Additions that may change. Left out: drifts of one run, additions that need a thermometer or several zones, and
+/// additions without a size.
 const CHANGES: [Addition; 14] = [
     Addition::SupplyLag,
     Addition::PhaseResistivity,
@@ -59,13 +60,13 @@ const CHANGES: [Addition; 14] = [
     Addition::OutputDelay,
 ];
 
-/// What was said of the runs of today.
+/// Diagnosis of the runs of today.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answered {
     /// Its number.
     pub number: u64,
-    /// What they are of.
+    /// Name of the rig, or names of its recordings.
     pub of: String,
     /// Id of what has changed, in the catalogue; `None` if nothing has.
     pub changed: Option<String>,
@@ -111,7 +112,7 @@ impl Answered {
         }
     }
 
-    /// Whether what has changed is among what is named.
+    /// True if the effect that has changed is among the named ones.
     #[must_use]
     pub fn is_named(&self) -> bool {
         self.changed
@@ -119,7 +120,7 @@ impl Answered {
             .is_some_and(|id| self.named.contains(id))
     }
 
-    /// Whether something is named, and it is not that.
+    /// True if effects are named, and the one that has changed is not among them.
     #[must_use]
     pub fn is_wrong(&self) -> bool {
         !self.named.is_empty() && !self.is_named()
@@ -273,7 +274,7 @@ impl ChangedRig {
     ///
     /// # Errors
     ///
-    /// What the plants refuse.
+    /// Errors of the plants.
     pub fn recorded(&self, has_changed: bool) -> Result<[Vec<Recording>; 2], TruthError> {
         let record = |run: usize| -> Result<Recording, TruthError> {
             let mut plant = self.in_state(&self.plant, run);
@@ -310,7 +311,7 @@ impl ChangedRig {
     ///
     /// # Errors
     ///
-    /// What they refuse.
+    /// Errors of the rod file and of the plain model.
     pub fn model(
         &self,
         reference: &[Recording],

@@ -7,16 +7,16 @@ use truth_plant::TruthError;
 
 use crate::CaseId;
 
-/// What stops a trial, or a case of it.
+/// Errors that stop a trial, or a case of it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrialError {
     /// No family of that name.
     #[error("no family {id:?}; there are: {known}")]
     UnknownFamily {
-        /// What was asked for.
+        /// Requested name.
         id: String,
-        /// What there is.
+        /// Names of all families.
         known: String,
     },
     /// The truth could not be simulated.
@@ -91,7 +91,7 @@ pub enum TrialError {
         path: PathBuf,
         /// Which line, from 1.
         line: usize,
-        /// What it is of.
+        /// Key of the line.
         key: String,
     },
     /// A folder holds results of another trial.
@@ -99,11 +99,11 @@ pub enum TrialError {
     OtherTrial {
         /// The folder's file.
         path: PathBuf,
-        /// What differs.
+        /// Property that differs.
         what: &'static str,
-        /// What it has.
+        /// Value in the folder.
         found: String,
-        /// What was asked for.
+        /// Requested value.
         expected: String,
     },
     /// An answer is not the one that was sealed.

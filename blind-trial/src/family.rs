@@ -5,7 +5,7 @@ use truth_plant::Addition;
 
 use crate::TrialError;
 
-/// What the cases of a family have in common.
+/// Family of cases: the properties that its cases have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
@@ -21,7 +21,7 @@ pub enum Family {
     CleanOutliers,
     /// One effect of the catalogue at half its usual size, at that, at twice that; white or autoregressive noise.
     Single,
-    /// The same with 1/f noise, coarse steps or outliers.
+    /// One effect as in [`Family::Single`], with 1/f noise, coarse steps or outliers.
     HardNoise,
     /// Two effects of the catalogue.
     Pair,
@@ -71,7 +71,7 @@ impl Family {
         }
     }
 
-    /// Whether its loops are of another family than the plain model's, whatever the plant.
+    /// True if its loops are of another family than the plain model's, whatever the plant.
     fn has_other_loop(self) -> bool {
         matches!(self, Self::OtherLoop | Self::OtherLoopClean)
     }
@@ -109,7 +109,7 @@ impl Family {
         }
     }
 
-    /// Whether nothing is concealed and the loop is that of the plain model.
+    /// True if nothing is concealed and the loop is that of the plain model.
     #[must_use]
     pub fn is_clean(self) -> bool {
         matches!(
@@ -132,8 +132,8 @@ impl fmt::Display for Family {
 /// Additions that a catalogue knows.
 const N_NAMED: u64 = 21;
 
-/// What no catalogue has. A source's impedance is not among them: it shows through a resistance that changes with the
-/// phase, which has a name.
+/// Additions that no catalogue has. A source's impedance is not among them: it shows through a resistance that changes
+/// with the phase, which has a name.
 pub(crate) const OUTSIDE: [Addition; 6] = [
     Addition::Draughts,
     Addition::MountSlip,
@@ -143,7 +143,7 @@ pub(crate) const OUTSIDE: [Addition; 6] = [
     Addition::ConvectionDip,
 ];
 
-/// What a catalogue knows.
+/// Additions that a catalogue knows.
 pub(crate) fn named() -> Vec<Addition> {
     let known = |addition: &Addition| addition.catalogue_id().is_some();
     Addition::ALL.into_iter().filter(known).collect()
@@ -215,13 +215,13 @@ impl CaseId {
         }
     }
 
-    /// Whether its loop is of another family than the plain model's: a name in the transformation is neither right nor
+    /// True if its loop is of another family than the plain model's: a name in the transformation is neither right nor
     /// wrong there.
     pub(crate) fn has_other_loop(self) -> bool {
         self.family.has_other_loop() || self.has_second_plant()
     }
 
-    /// Whether its rig is of the second plant: in turn, and for every effect of a family that goes round.
+    /// True if its rig is of the second plant: in turn, and for every effect of a family that goes round.
     pub(crate) fn has_second_plant(self) -> bool {
         let turn = match self.family {
             // Each of the plants has two loops here, in turn.

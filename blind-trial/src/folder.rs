@@ -11,7 +11,7 @@ use crate::known::drive_column;
 use crate::runs::Run;
 use crate::{CaseId, TrialError};
 
-/// What is known of a rig.
+/// Rod file: the known data of a rig.
 const ROD: &str = "rod.toml";
 /// The unseen recording.
 const UNSEEN: &str = "held.csv";

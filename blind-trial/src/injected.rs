@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::TrialError;
 
-/// What is put on a recorded output.
+/// Effect that is put on a recorded output.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Injected {

@@ -11,7 +11,7 @@ use crate::TrialError;
 
 /// A line of a [`Journal`].
 pub trait Line: Serialize + DeserializeOwned {
-    /// What tells one line from another, and their order.
+    /// Key that distinguishes the lines and gives their order.
     type Key: Ord + Copy + Display;
 
     /// That of this line.
@@ -20,14 +20,14 @@ pub trait Line: Serialize + DeserializeOwned {
 
 /// A file of results: a JSON object a line, a line a case.
 ///
-/// What is in it when it is opened stays; a last line without its end, from a run that was cut off, does not.
+/// Opening keeps all lines in it but one: a last line without its end, from a run that was cut off, is removed.
 #[derive(Debug)]
 pub struct Journal<L: Line> {
     path: PathBuf,
     file: File,
     /// With their text: to read a number and write it again may move its last digit.
     lines: BTreeMap<L::Key, (L, String)>,
-    /// Whether the lines of the file stand in their order.
+    /// True if the lines of the file stand in their order.
     is_sorted: bool,
 }
 
@@ -86,7 +86,7 @@ impl<L: Line> Journal<L> {
         })
     }
 
-    /// Whether the line is new.
+    /// Inserts a line; true if it is new.
     fn insert(&mut self, line: L, text: String) -> bool {
         let key = line.key();
         self.is_sorted &= self
@@ -96,7 +96,7 @@ impl<L: Line> Journal<L> {
         self.lines.insert(key, (line, text)).is_none()
     }
 
-    /// Whether a case is in it.
+    /// True if a case is in it.
     #[must_use]
     pub fn contains(&self, key: L::Key) -> bool {
         self.lines.contains_key(&key)

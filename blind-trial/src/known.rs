@@ -5,7 +5,7 @@ use truth_plant::{DriveKind, TruthPlant};
 
 use crate::chance::Chance;
 
-/// What the user knows of the rig and records of it: drawn without a look at what is concealed.
+/// Knowledge of the user about the rig, and the columns that he records: drawn without a look at what is concealed.
 ///
 /// | known | of so many rigs |
 /// | --- | --- |
@@ -54,7 +54,7 @@ impl Known {
         }
     }
 
-    /// Whether sizes are in their true units.
+    /// True if sizes are in their true units.
     pub(crate) fn has_scale(&self) -> bool {
         self.dimensions && self.resistance && self.specific_heat == SpecificHeat::Exactly
     }

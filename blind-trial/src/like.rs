@@ -132,7 +132,7 @@ impl Like {
     }
 }
 
-/// What the user knows and records: what the columns are named for, or the recording has.
+/// Knowledge and records of the user. A temperature is recorded if a column is named for it, or if the recording has it.
 fn known(rod: &Rod, recording: &Recording) -> Known {
     let load = rod.load.as_ref();
     Known {

@@ -1,4 +1,4 @@
-//! What there was to be seen: of one who knows the plant without the effect, and the noise.
+//! Visibility of an effect to an oracle, who knows the plant without the effect, and the noise.
 
 use identify::{
     Fit, ForwardModel, IdentifyError, ParameterVector, RefineConfig, WienerModel, predict, refine,
@@ -19,7 +19,7 @@ const MEMORY: usize = 64;
 pub struct Oracle {
     /// Root mean square of what it changes in the output, mm.
     pub raw_mm: f64,
-    /// The same of what the plain model, refitted, cannot follow, mm.
+    /// Root mean square of the part that the refitted plain model cannot follow, mm.
     pub left_mm: f64,
     /// Score of one who knows its trace and the noise, standard deviations.
     ///
@@ -29,7 +29,7 @@ pub struct Oracle {
     pub t: f64,
 }
 
-/// What an effect leaves in the training recordings after the plain model has been refitted, sample by sample.
+/// Trace that an effect leaves in the training recordings after the plain model has been refitted, sample by sample.
 #[derive(Debug, Clone)]
 pub(crate) struct Left {
     pub(crate) oracle: Oracle,
@@ -49,7 +49,7 @@ pub(crate) struct Eye<'a> {
 }
 
 impl Eye<'_> {
-    /// What one effect leaves, from quiet traces of every recording with and without it.
+    /// Trace that one effect leaves, from quiet traces of every recording with and without it.
     pub(crate) fn left(&self, with: &[Traces], without: &[Traces]) -> Result<Left, IdentifyError> {
         let [with_rest, without_rest] = [self.rest(with)?, self.rest(without)?];
         let quiet = |traces: &[Traces]| -> Vec<Vec<f64>> {
@@ -75,7 +75,7 @@ impl Eye<'_> {
         })
     }
 
-    /// What the plain model leaves of quiet traces.
+    /// Residual of the plain model, refitted to quiet traces.
     fn rest(&self, traces: &[Traces]) -> Result<Rest, IdentifyError> {
         let pairs = self.training.iter().zip(traces);
         let recordings = pairs

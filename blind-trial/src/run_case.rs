@@ -21,7 +21,7 @@ const MM_PER_M: f64 = 1e3;
 /// A case that was run, and how long its diagnosis took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ran {
-    /// What came out.
+    /// Result of the case.
     pub line: CaseLine,
     /// Wall time of the diagnosis, s.
     pub diagnosis_s: f64,
@@ -180,7 +180,7 @@ impl Judge<'_> {
             .map_err(TrialError::diagnosis(self.case.id))
     }
 
-    /// What the catalogue says of an effect.
+    /// Entry of an effect in the catalogue of the diagnosis.
     fn entry(&self, effect: &str) -> Option<&Entry> {
         let mut entries = self.diagnosis.catalogue.iter();
         entries.find(|entry| entry.effect.id() == effect)
@@ -214,7 +214,7 @@ impl Judge<'_> {
         (n_inside > 0 && all > 0.0).then(|| [own / all, f64::from(n_inside) / f64::from(n)])
     }
 
-    /// Whether one more run leaves the truth named, and alone: where the loop is of another family, a name in the
+    /// True if one more run leaves the truth named, and alone. If the loop is of another family, a name in the
     /// transformation is neither right nor wrong.
     fn resolved(&self, run: &runs::Run) -> Result<bool, TrialError> {
         let traces = self.case.run(&self.case.truth, run)?;

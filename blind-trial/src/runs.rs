@@ -34,7 +34,7 @@ pub(crate) type Habit = Option<Manner>;
 /// A run of a rig of which a recording is made.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Run {
-    /// What its randomness comes from.
+    /// Name, the source of its randomness.
     pub(crate) name: String,
     /// The whole drive.
     pub(crate) profile: DriveProfile,
@@ -75,7 +75,7 @@ impl Run {
         plant
     }
 
-    /// What the recording has of the traces of the whole run.
+    /// Recorded part of the traces of the whole run.
     pub(crate) fn recorded(&self, mut traces: Traces) -> Traces {
         let channels = [
             &mut traces.time_s,

@@ -1,7 +1,7 @@
 use truth_plant::{Addition, TruthPlant};
 
-/// What an addition would be in the catalogue: the value of its effect's first size, and whether that is in true units only
-/// where heat capacity and resistance are known.
+/// Size of an addition in the catalogue: the value of its effect's first size, and whether that is in true units only if
+/// heat capacity and resistance are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Size {
     pub(crate) value: f64,

@@ -15,7 +15,7 @@ use crate::{
 const TRIAL: &str = "trial.json";
 /// A seal a plan, published before the first diagnosis.
 const SEALS: &str = "seals.csv";
-/// What came out, a line a case.
+/// Results, a line a case.
 const CASES: &str = "cases.jsonl";
 /// How long each diagnosis took.
 const TIMES: &str = "times.csv";
@@ -33,7 +33,7 @@ pub struct Trial {
     journal: Journal<CaseLine>,
 }
 
-/// What makes two trials one.
+/// Identity of a trial: two trials with equal heads are one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Head {
@@ -49,9 +49,9 @@ struct Head {
 pub struct RunConfig {
     /// Cases under way at a time.
     pub jobs: usize,
-    /// Whether the files of the cases stay in the folder.
+    /// True if the files of the cases stay in the folder.
     pub keep_files: bool,
-    /// Whether others are asked as well.
+    /// True if other methods are run as well.
     pub asks_others: bool,
 }
 
@@ -62,7 +62,7 @@ pub struct Progress<'a> {
     pub done: usize,
     /// Cases of the plan.
     pub of: usize,
-    /// What the last one came to.
+    /// Result of the last one.
     pub last: Result<&'a CaseLine, &'a TrialError>,
 }
 

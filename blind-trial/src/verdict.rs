@@ -13,15 +13,15 @@ use wiener::hysteresis::Rule;
 use crate::folder::Folder;
 use crate::{CaseId, TrialError};
 
-/// What a diagnosis says of a case: made from its files alone, and written before the seal is opened.
+/// Verdict of a diagnosis on a case: made from its files alone, and written before the seal is opened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Verdict {
     /// Its name.
     pub verdict: String,
-    /// What the noise is like.
+    /// Class of the noise.
     pub noise_class: String,
-    /// What is missing, the strongest first.
+    /// Missing effects, the strongest first.
     pub findings: Vec<Named>,
     /// Ids of what helps without a licensed name.
     pub suspects: Vec<String>,
@@ -35,7 +35,7 @@ pub struct Verdict {
     pub extended: Option<Errors>,
     /// Share of the explainable error of the unseen recording that is explained.
     pub explained: Option<f64>,
-    /// Whether a run is recommended.
+    /// True if a run is recommended.
     pub recommends_run: bool,
 }
 
@@ -151,7 +151,7 @@ impl Opened {
         Self::of(folder, &folder.training())
     }
 
-    /// The same with the run that was recommended as one more recording.
+    /// Reads the files of a case with the recommended run as one more training recording.
     pub(crate) fn with_next(folder: &Folder) -> Result<Self, TrialError> {
         let mut training = folder.training();
         training.push(folder.next());

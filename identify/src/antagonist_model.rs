@@ -17,8 +17,8 @@ use crate::{Bounds, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterSt
 /// ```
 ///
 /// g is the stroke of the first rod and s that of its antagonist over it. Each has its own time constant and loop; the shape of the
-/// branches ζ, and steady rise or heat capacity and resistance, they share. What one does to the load of the other shows as a
-/// difference of their loops, and is not modeled beyond it. Temperatures that are shown are those of the first.
+/// branches ζ, and steady rise or heat capacity and resistance, they share. The effect of one on the load of the other shows
+/// as a difference of their loops, and is not modeled beyond it. Temperatures that are shown are those of the first.
 #[derive(Debug, Clone)]
 pub struct AntagonistModel {
     /// The first rod; its parameters are those of both.
@@ -45,7 +45,7 @@ const STROKES: Bounds = Bounds {
 /// Parameters that the antagonist adds: its own, its stroke, and its start.
 const ADDED: usize = OWN.len() + 1 + 2;
 
-/// What the antagonist adds to the parameters of the first rod.
+/// Parameters that the antagonist adds to those of the first rod.
 const MORE: More<'static> = &|first| {
     let mut more: Vec<ParameterInfo> = OWN
         .iter()
@@ -66,7 +66,7 @@ const MORE: More<'static> = &|first| {
 };
 
 impl AntagonistModel {
-    /// Whether recordings of a rig have the drive of an antagonist, by the first of them.
+    /// True if the recordings of a rig have the drive of an antagonist, judged by the first of them.
     #[must_use]
     pub fn is_for(training: &[Recording]) -> bool {
         let first = training.first();
@@ -120,7 +120,7 @@ impl AntagonistModel {
         self.first.carry_specific_heat(fit)
     }
 
-    /// Whether temperatures are in kelvins; see [`WienerModel::knows_temperature`].
+    /// True if temperatures are in kelvins; see [`WienerModel::knows_temperature`].
     #[must_use]
     pub fn knows_temperature(&self) -> bool {
         self.first.knows_temperature()

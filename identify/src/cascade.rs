@@ -1,4 +1,4 @@
-//! What all models of a driven rig have in common: its drive, its surroundings, and the lanes they run in.
+//! Parts common to all models of a driven rig: its drive, its surroundings, and the lanes they run in.
 
 use recording::{Recording, Sampling};
 use wiener::hysteresis::Rule;
@@ -52,7 +52,7 @@ impl Cascade {
         self.simulate_driven(points, recording, recording.drive(), visit, member)
     }
 
-    /// The same under another drive, of as many samples.
+    /// Simulates points in lockstep under another drive than that of the recording, of as many samples.
     pub(crate) fn simulate_driven(
         &self,
         points: &[Vec<f64>],

@@ -1,4 +1,4 @@
-//! Whether an output comes before the drive that causes it.
+//! Detection of outputs that come before the drive that causes them.
 
 use recording::Recording;
 use recording::order::rising;
@@ -30,15 +30,16 @@ pub struct EarlyOutput {
     pub rmse: f64,
 }
 
-/// Whether a fit leaves at most half of its error where the drive is taken to act earlier than it was recorded, by up to a time
-/// constant.
+/// Detects an output that comes before its drive: a drive shifted to earlier times, by up to a time constant, at least
+/// halves the root mean square error of the fit.
 ///
-/// A dead time is physics; its contrary is not, and the time constant and the loop's center hide it: they give way until the error is
-/// small, and are wrong by far. `None` where what is left is not correlated, and for models without a time constant.
+/// A dead time is physical; its opposite is not. The time constant and the loop's center hide it: they shift until the
+/// error is small, and are then far off. `None` if no such shift is found, if the residuals are not correlated, and for
+/// models without a time constant.
 ///
 /// # Errors
 ///
-/// What the model refuses.
+/// Any error of the model.
 pub fn early_output(
     model: &dyn ForwardModel,
     training: &[Recording],

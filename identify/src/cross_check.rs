@@ -1,4 +1,4 @@
-//! The same problem, given to somebody else's optimizers.
+//! Cross-check of a fit: argmin's optimizers on its cost.
 
 use std::borrow::Borrow;
 
@@ -33,7 +33,7 @@ pub struct CrossCheck {
     pub rmse: f64,
     /// Cost there over that of the fit.
     pub ratio: f64,
-    /// What that means.
+    /// Verdict on the fit, by that ratio.
     pub verdict: CrossVerdict,
     /// The shared parameters there: name, value, unit.
     pub shared: Vec<(&'static str, f64, String)>,
@@ -41,7 +41,7 @@ pub struct CrossCheck {
     pub simulations: u64,
 }
 
-/// What argmin's end says of a fit.
+/// Verdict of argmin's result on a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrossVerdict {
     /// Both ended at the same floor.
@@ -60,7 +60,7 @@ pub enum CrossVerdict {
 ///
 /// # Errors
 ///
-/// What the model refuses, and [`IdentifyError::CrossCheck`] if argmin fails.
+/// Any error of the model, and [`IdentifyError::CrossCheck`] if argmin fails.
 pub fn cross_check(
     model: &dyn ForwardModel,
     training: &[Recording],

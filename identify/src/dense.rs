@@ -134,7 +134,8 @@ pub fn solved(matrix: &Matrix, right: &Matrix) -> Matrix {
     solution.unwrap_or_else(|| Matrix::repeat(right.nrows(), right.ncols(), f64::NAN))
 }
 
-/// The same for a symmetric matrix: by Cholesky's factor where it is positive definite, else by LU.
+/// Solution of a symmetric system for each column on the right: by Cholesky's factor if the matrix is positive
+/// definite, else by LU as [`solved`].
 #[must_use]
 pub fn symmetric_solved(matrix: &Matrix, right: &Matrix) -> Matrix {
     match matrix.clone().cholesky() {

@@ -30,7 +30,7 @@ impl SavedModel {
 }
 
 impl Fit {
-    /// The same of a fit that was not saved.
+    /// Draws parameters of a fit that was not saved; see [`SavedModel::draws`].
     #[must_use]
     pub fn draws(&self, n: usize, seed: u64) -> Draws {
         draws(&self.parameters, &self.covariance, n, seed)

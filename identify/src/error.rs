@@ -1,7 +1,7 @@
 use recording::RecordingError;
 use wiener::WienerError;
 
-/// What can be wrong with a rod file, a set of recordings or a model.
+/// Error in a rod file, a set of recordings or a model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IdentifyError {
@@ -23,7 +23,7 @@ pub enum IdentifyError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What the parser found and would have accepted.
+        /// Message of the parser: found and accepted input.
         message: String,
     },
     /// A value of a rod file is out of range.
@@ -39,7 +39,7 @@ pub enum IdentifyError {
         key: String,
         /// Rejected value.
         value: f64,
-        /// What would be accepted.
+        /// Accepted values.
         accepted: String,
     },
     /// A key that this rig needs is missing.
@@ -189,7 +189,7 @@ pub enum IdentifyError {
         column: usize,
         /// Parameter.
         name: String,
-        /// What would be accepted.
+        /// Accepted entries.
         accepted: String,
     },
     /// An entry of a model file says what cannot be.
@@ -203,7 +203,7 @@ pub enum IdentifyError {
         column: usize,
         /// The entry.
         what: String,
-        /// What would be accepted.
+        /// Accepted entries.
         accepted: String,
     },
     /// A file is no model file at all.
@@ -236,7 +236,7 @@ pub enum IdentifyError {
     /// The optimizer of the cross-check gave up.
     #[error("cross-check: argmin failed: {said}")]
     CrossCheck {
-        /// What it said.
+        /// Message of argmin.
         said: String,
     },
     /// A start that is no point of the problem.

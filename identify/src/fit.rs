@@ -22,7 +22,7 @@ use crate::{
     EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, Prior, TrainedRecording,
 };
 
-/// What is made small.
+/// Loss function that a fit minimizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Loss {
     /// The mean square: the paper's cost.
@@ -45,7 +45,7 @@ pub struct FitConfig {
     pub starts: u64,
     /// Least-squares search from the best point of each swarm.
     pub least_squares: LeastSquaresConfig,
-    /// What is made small.
+    /// Loss function to minimize.
     pub loss: Loss,
     /// How the priors of parameters count.
     pub prior: Prior,

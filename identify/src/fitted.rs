@@ -1,4 +1,4 @@
-//! What a fit ends with.
+//! Result of a fit.
 
 use recording::Quantity;
 use serde::{Deserialize, Serialize};
@@ -14,19 +14,19 @@ use crate::{
 /// A parameter and what became of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedParameter {
-    /// What was known of it.
+    /// Definition of the parameter before the fit: name, unit, bounds, state.
     pub info: ParameterInfo,
     /// Its value, in its unit; one for each training recording if it is
     /// [`Scope::PerRecording`], else one.
     pub values: Vec<f64>,
     /// 95 % interval of each value; `None` if it is fixed, on a bound, or not fixed by the data.
     pub intervals: Vec<Option<Bounds>>,
-    /// Whether a value ended on a bound: the data pull it further, or say nothing of it.
+    /// True if a value ended on a bound: the data pull it further, or say nothing of it.
     pub at_bound: bool,
 }
 
 impl FittedParameter {
-    /// Whether it is shared and rests on a bound of its search that is no end of what can be.
+    /// True if the parameter is shared and rests on a bound of its search that lies inside the admissible range.
     fn is_held_by_a_bound(&self) -> bool {
         /// Distance from a bound, as a share of the range.
         const NEAR: f64 = 1e-6;
@@ -61,7 +61,7 @@ pub struct TrainedRecording {
 pub struct ParameterCovariance {
     /// Names, with the recording's number, from 0, for per-recording ones.
     pub names: Vec<String>,
-    /// Whether an entry is of the parameter or of its logarithm.
+    /// Scale of each entry: the parameter or its logarithm.
     pub scales: Vec<Scale>,
     /// Covariances, a row a name; infinite variances where the data do not fix a parameter.
     pub matrix: Vec<Vec<f64>>,
@@ -99,7 +99,7 @@ pub struct Fit {
     pub fit_fraction: f64,
     /// The training recordings one by one.
     pub recordings: Vec<TrainedRecording>,
-    /// What the residuals of the output are like.
+    /// Noise model of the output's residuals.
     pub noise: ResidualNoise,
     /// Akaike's and Schwarz's criteria of the residuals' innovations, natural units: for comparing
     /// models on the same recordings, the lower the better.
@@ -126,20 +126,20 @@ pub struct Fit {
     pub simulations: u64,
     /// Costs of the swarms that were no number; they counted as +∞.
     pub rejected_costs: u64,
-    /// What was made small.
+    /// Loss function that was minimized.
     pub loss: Loss,
     /// Seed of the fit.
     pub seed: u64,
     /// Unit of the output.
     pub output_unit: String,
-    /// What drives the rod.
+    /// Physical quantity of the drive.
     pub drive_quantity: Quantity,
     /// Its unit.
     pub drive_unit: String,
 }
 
 impl Fit {
-    /// Whether the result is a minimum, and one that at least two starts found, if there were as many.
+    /// True if the result is a minimum, found by at least two starts (by all, if fewer were made).
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination.is_minimum() && self.agreeing_starts >= self.starts.min(2)
@@ -152,8 +152,8 @@ impl Fit {
         parameters.filter(|parameter| parameter.is_held_by_a_bound())
     }
 
-    /// Whether the result may be trusted as far as the search is concerned: it has converged, no bound of the search holds it, and
-    /// the loop lies where the recordings have been.
+    /// True if the search gives no reason to distrust the result: it has converged, no bound of the search holds it,
+    /// and the loop lies within the temperatures reached.
     #[must_use]
     pub fn is_found(&self) -> bool {
         self.converged() && self.held_by_bounds().next().is_none() && self.beyond_reach.is_empty()
@@ -170,7 +170,7 @@ impl Fit {
         point(&self.parameters, recording)
     }
 
-    /// The same of every training recording.
+    /// Values of all parameters in every training recording, each as [`Fit::point`].
     #[must_use]
     pub fn points(&self) -> Vec<Vec<f64>> {
         let recordings = 0..self.recordings.len();

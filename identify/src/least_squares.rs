@@ -64,7 +64,7 @@ pub enum Termination {
 }
 
 impl Termination {
-    /// Whether the result may be called a minimum: the relative offset is below 1e-3.
+    /// True if the result may be called a minimum: the relative offset is below 1e-3.
     #[must_use]
     pub fn is_minimum(&self) -> bool {
         match self {
@@ -90,7 +90,7 @@ pub(crate) struct Linearized {
 }
 
 impl Linearized {
-    /// The same with more rows below, each its derivatives and its value, and the sum of squares that this gives.
+    /// Appends rows, each given by its derivatives and its value; `sum_of_squares` is that of the whole.
     pub(crate) fn with_rows(
         &self,
         rows: impl Iterator<Item = (Vec<f64>, f64)>,
@@ -122,7 +122,8 @@ pub(crate) trait SumOfSquares {
     /// Derivatives of one point that a run computes, at most.
     fn n_derivatives(&self) -> usize;
     fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError>;
-    /// The same, and the residual to first order around the point number `around`: in one run of the lanes.
+    /// Sums of squares at the points, and the residual to first order around the point number `around`: in one run of
+    /// the lanes.
     fn linearized(
         &self,
         points: &[Vec<f64>],

@@ -121,26 +121,26 @@ impl LoopModel {
         self.one_way
     }
 
-    /// Whether one branch of the loop is known only, also of a model that was read from a file.
+    /// True if only one branch of the loop is known, also for a model that was read from a file.
     #[must_use]
     pub fn knows_one_branch(&self) -> bool {
         let half_width = &self.parameters[HALF_WIDTH];
         matches!(half_width.state, ParameterState::Fixed(value) if value <= half_width.bounds.lower)
     }
 
-    /// The same loop with one that drifts with the cycles of its input, by the law of the effect `functional-fatigue`, and a lasting
-    /// part that each cycle leaves (Eggeler2004 in REFERENCES.md).
+    /// Adds functional fatigue: the loop drifts with the cycles of its input, by the law of the effect
+    /// `functional-fatigue`, and each cycle leaves a lasting part (Eggeler2004 in REFERENCES.md).
     ///
     /// ```text
     /// y = gain ((1 - b s) ξ(u - a s) + c s) + offset,   s = (1 - exp(-k n))/(1 - exp(-k N))
     /// ```
     ///
-    /// n counts cycles over the whole range of the input from the start of a recording, smaller ones by their path, N those of the
-    /// longest recording: a, b and c are what comes together in all of them. `None` for fewer than two cycles.
+    /// n counts cycles over the whole range of the input from the start of a recording, smaller ones by their path; N
+    /// is the count of the longest recording. a, b and c are totals over N cycles. `None` for fewer than two cycles.
     ///
     /// # Differs from the source
     ///
-    /// The effect counts cycles by what transforms, and its sizes are those of the first.
+    /// The effect counts cycles by the amount that transforms, and its sizes are those of the first cycle.
     #[must_use]
     pub fn with_fatigue(mut self, training: &[Recording]) -> Option<Self> {
         let range = inputs(training).width();
@@ -182,14 +182,14 @@ impl LoopModel {
         self.fatigue.map(|fatigue| fatigue.cycles)
     }
 
-    /// The same loop with a center that rises with the recorded stress, by `stress_coupling_k_per_mpa` from where
-    /// it is at the mean stress of the training (Clausius–Clapeyron; the reciprocal is the coefficient C, MPa/K).
+    /// Adds stress coupling: the loop's center rises with the recorded stress, by `stress_coupling_k_per_mpa` from its
+    /// value at the mean stress of the training (Clausius–Clapeyron; the reciprocal is the coefficient C, MPa/K).
     ///
     /// Shift and stroke follow the stress sample by sample; the stroke changes by `stress_gain_per_mpa` of the gain.
     ///
     /// # Errors
     ///
-    /// [`IdentifyError::NoStress`] for a recording without one.
+    /// [`IdentifyError::NoStress`] for a recording without stress.
     pub fn with_stress_coupling(mut self, training: &[Recording]) -> Result<Self, IdentifyError> {
         let (mut sum, mut n) = (0.0, 0.0);
         for recording in training {
@@ -229,7 +229,7 @@ impl LoopModel {
     pub(crate) const STRESS_EFFECTS: [&'static str; 2] =
         ["stress_coupling_k_per_mpa", "stress_gain_per_mpa"];
 
-    /// The same with a center that the stress does not move.
+    /// Fixes the center's stress coupling at 0.
     pub(crate) fn without_shift(mut self) -> Self {
         if let Some(coupling) = self.parameters.get_mut(COUPLING) {
             coupling.state = ParameterState::Fixed(0.0);
@@ -413,7 +413,7 @@ struct LoopMember {
     fatigue: Option<[f64; 4]>,
 }
 
-/// A plant whose drive is the input of its loop. What a profile has for its surroundings is the stress from its
+/// A plant whose drive is the input of its loop. The surroundings of a profile hold the stress from its
 /// reference, MPa: the loop has no surroundings.
 #[derive(Debug, Clone, Copy)]
 struct StaticLoop<const L: usize> {

@@ -45,7 +45,7 @@ impl Reading<'_> {
         Err(self.fault(version.span(), what, "must be 1"))
     }
 
-    /// What is known of the parameters of the effects, in their order; `of_effect` says it of one.
+    /// Parameters of the effects, in their order; `of_effect` gives those of one effect.
     pub(crate) fn parameters_of_effects(
         &self,
         effects: &[Spanned<String>],

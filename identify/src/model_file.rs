@@ -30,7 +30,7 @@ const HEAD: &str = "\
 
 ";
 
-/// The same for a model with effects.
+/// The first lines of a file of a model with effects.
 const HEAD_WITH_EFFECTS: &str = "\
 # A model with effects found by `sma diagnose`; `sma simulate` and `sma tune` read it.
 # The tables from [rod] to [columns] are those of the rod file.
@@ -42,13 +42,13 @@ const HEAD_WITH_EFFECTS: &str = "\
 pub struct NamedEffect<'a> {
     /// Its id, as written.
     pub id: &'a str,
-    /// What the file says of the rig.
+    /// Rig, as the file describes it.
     pub rod: &'a Rod,
     /// Unit of the output.
     pub output_unit: &'a str,
 }
 
-/// What comes before the tables of the rod file.
+/// Keys before the tables of the rod file.
 #[derive(Serialize)]
 struct Head<'a> {
     schema_version: i64,
@@ -62,7 +62,7 @@ struct Head<'a> {
     effects: &'a [String],
 }
 
-/// What comes after them.
+/// Tables after those of the rod file.
 #[derive(Serialize)]
 struct Tail<'a> {
     parameter: Vec<ParameterTable>,
@@ -301,7 +301,7 @@ impl SavedModel {
         })
     }
 
-    /// The text of the model's file. What is read back from it gives the same text again.
+    /// The text of the model's file. A model read back from it gives the same text again.
     ///
     /// # Errors
     ///

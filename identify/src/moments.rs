@@ -1,5 +1,4 @@
-//! What a recording says of a shape f: the sums from which gain, offset and cost follow in closed
-//! form.
+//! Sums over a recording for a shape f, from which gain, offset and cost follow in closed form.
 
 use recording::Recording;
 use wiener::{Block, widest_vectors};

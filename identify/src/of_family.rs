@@ -1,4 +1,4 @@
-//! What loops of other families have beside the paper's parameters.
+//! Parameters of other loop families beyond those of the paper's loop.
 
 use wiener::hysteresis::LoopFamily;
 

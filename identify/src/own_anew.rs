@@ -1,4 +1,4 @@
-//! What belongs to each recording, sought once more by itself.
+//! Second search of each recording's own parameters, one recording at a time.
 
 use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
 use crate::of_rig::OfRig;

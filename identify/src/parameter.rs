@@ -1,7 +1,7 @@
 use pso::Bound;
 use serde::{Deserialize, Serialize};
 
-/// Whether recordings share a value.
+/// Scope of a parameter: all recordings, or one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
     /// One value for all recordings: a property of the rod.
@@ -31,7 +31,7 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// Whether a parameter is sought.
+/// State of a parameter in a fit: free or fixed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParameterState {
     /// Sought within its bounds.
@@ -75,7 +75,7 @@ impl Bounds {
     }
 }
 
-/// What is known of a parameter before a fit.
+/// Definition of a parameter before a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterInfo {
     /// Name, with its unit where it has a fixed one.
@@ -94,16 +94,16 @@ pub struct ParameterInfo {
     pub enters: Enters,
     /// Free or fixed.
     pub state: ParameterState,
-    /// What is to be expected of it before a recording is looked at, if anything is.
+    /// Prior of the parameter; `None` if it has none.
     pub ordinary: Option<Ordinary>,
 }
 
-/// What is to be expected of a parameter on a linear scale before a recording is looked at.
+/// Prior of a parameter on a linear scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ordinary {
     /// Standard deviation about 0, in the parameter's unit; > 0.
     pub deviation: f64,
-    /// Whether it deviates from the parameter before it instead: the next knot of a curve.
+    /// True if the deviation is about the parameter before it instead of about 0: the next knot of a curve.
     pub from_previous: bool,
 }
 
@@ -217,13 +217,13 @@ impl ParameterVector {
         self.shared.len() + self.n_recordings * self.per_recording.len()
     }
 
-    /// Whether nothing is searched.
+    /// True if no parameter is searched.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// What is known of the parameters, in the model's order.
+    /// Definitions of the parameters, in the model's order.
     #[must_use]
     pub fn infos(&self) -> &[ParameterInfo] {
         &self.infos

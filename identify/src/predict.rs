@@ -2,7 +2,7 @@ use recording::Recording;
 
 use crate::{ForwardModel, IdentifyError};
 
-/// What a model shows of a recording's drive.
+/// Output and temperature that a model predicts for a recording's drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// Output, in the unit of the model's gain; a value a sample.
@@ -16,7 +16,7 @@ pub struct Prediction {
 ///
 /// # Errors
 ///
-/// What the model refuses.
+/// Any error of the model.
 pub fn predict(
     model: &dyn ForwardModel,
     point: &[f64],

@@ -1,4 +1,4 @@
-//! What is known of parameters before a recording is looked at, as squares beside those of the residual.
+//! Priors of parameters, as squares beside those of the residual.
 
 use crate::parameter::ParameterVector;
 
@@ -20,7 +20,7 @@ pub enum Prior {
 }
 
 impl Prior {
-    /// What counts in all, of the squares S of residuals and of P.
+    /// Total cost of the squares S of residuals and of the prior's P.
     pub(crate) fn sum(self, squares: f64, of_prior: f64) -> f64 {
         match self {
             Self::Nothing => squares,

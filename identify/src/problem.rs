@@ -38,11 +38,11 @@ pub(crate) struct Problem<'a> {
     prior: Prior,
     /// Points simulated so far.
     simulations: AtomicU64,
-    /// What was solved last: a search asks again for the best of its trials.
+    /// Points solved last, kept because a search asks again for the best of its trials.
     latest: Mutex<Vec<(Vec<f64>, Solved)>>,
 }
 
-/// What is left of one recording.
+/// Residuals of one recording.
 #[derive(Debug)]
 pub(crate) struct Residuals {
     /// Recording - model, of the output.
@@ -64,7 +64,7 @@ pub(crate) struct Row<'a> {
     pub(crate) residual: f64,
 }
 
-/// What a residual is of.
+/// Measured quantity of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Channel {
     Output,
@@ -143,7 +143,7 @@ impl<'a> Problem<'a> {
         self.temperature_weight = weight;
     }
 
-    /// The same problem with a count and a memory of its own.
+    /// Copy of the problem with a count and a memory of its own.
     pub(crate) fn apart(&self) -> Self {
         Self {
             model: self.model,
@@ -613,7 +613,7 @@ impl<'a> Problem<'a> {
         Ok((sums, linearized))
     }
 
-    /// What one recording says of points, and of the surroundings of one of them.
+    /// Contribution of one recording: moments at the points, derivatives around one of them.
     fn seen(&self, r: usize, batch: &Batch) -> Result<Seen, IdentifyError> {
         let weighed = &self.recordings[r];
         let mut moments = [Moments::default(); BATCH];
@@ -673,7 +673,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// What one recording says of points, and of the surroundings of one of them.
+/// Contribution of one recording: moments at the points, derivatives around one of them.
 #[derive(Debug)]
 struct Seen {
     moments: [Moments; BATCH],

@@ -1,4 +1,4 @@
-//! What recordings measure, and whether they measure the same.
+//! Measured quantities of recordings, and the check that they agree.
 
 use recording::{Quantity, Recording};
 
@@ -15,7 +15,7 @@ pub(crate) fn one_unit(recordings: &[Recording]) -> Result<(), IdentifyError> {
         .try_for_each(|recording| same_quantities(recording, first.name(), &expected))
 }
 
-/// What a recording measures, and in which units.
+/// Measured quantities of a recording, with their units.
 pub(crate) struct Quantities<'a> {
     pub(crate) output_unit: &'a str,
     pub(crate) drive: Quantity,

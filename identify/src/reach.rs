@@ -21,7 +21,7 @@ const DIFFERENCE: f64 = 1e-5;
 /// A branch of the limiting loop in the middle of which no recording has been.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeyondReach {
-    /// Whether it is the heating branch, above all that was reached; else the cooling branch, below.
+    /// True for the heating branch, above all that was reached; false for the cooling branch, below.
     pub is_heating: bool,
     /// Its middle, °C.
     pub branch_degc: f64,
@@ -174,7 +174,7 @@ pub(crate) struct Held {
     pub(crate) minimum: Minimum,
     /// Searches that ended there, of as many.
     pub(crate) agreeing: u64,
-    /// Whether it would leave if it were let.
+    /// True if the loop leaves the temperatures reached once it is no longer held.
     pub(crate) is_pressed: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What is used of a recording, and how.
+//! Selection and preprocessing of recordings.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::rod::ambient;
 use crate::source::Source;
 use crate::{Bounds, IdentifyError};
 
-/// What is used of one recording, and how: `[recordings."run3.csv"]` in a rod file, or flags of a command.
+/// Selection and preprocessing of one recording: `[recordings."run3.csv"]` in a rod file, or flags of a command.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RecordingUse {
     /// From when to when it is used, s; rising.
@@ -18,13 +18,13 @@ pub struct RecordingUse {
     pub exclude_s: Vec<[f64; 2]>,
     /// Every so many rows are used, with the means of those around; ≥ 2.
     pub decimate: Option<usize>,
-    /// Whether the straight line from rest to rest is taken off the output.
+    /// True if the straight line from rest to rest is subtracted from the output.
     pub detrend: bool,
     /// Temperature of its surroundings, °C, where it differs from that of the rig and is no column.
     pub ambient_degc: Option<f64>,
 }
 
-/// The same, as it is written.
+/// [`RecordingUse`] as the file writes it.
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RecordingTable {

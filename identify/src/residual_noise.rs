@@ -1,5 +1,4 @@
-//! What the residuals are like: an autoregressive model, from which intervals learn how few
-//! independent samples there really are.
+//! Autoregressive model of the residuals, from which intervals learn how few independent samples there really are.
 
 /// Highest order of the autoregressive model: sensors and filters need one to three, and the order is
 /// chosen by BIC.

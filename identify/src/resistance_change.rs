@@ -143,7 +143,7 @@ impl Line {
         })
     }
 
-    /// The same without a rise.
+    /// The line of least squares without a rise; `None` where no current flows.
     fn level(samples: &[Vec<Sample>]) -> Option<Self> {
         let [ii, _, _, iu, _] = centered(samples);
         (ii > 0.0).then_some(Self {

@@ -14,7 +14,7 @@ use crate::{
 pub enum RigModel {
     /// A rod heated by its drive.
     Wiener(WienerModel),
-    /// The same with the unknowns of the paper.
+    /// A rod heated by its drive, with the unknowns of the paper.
     Sadeghi(SadeghiModel),
     /// Static data: the loop alone.
     Loop(LoopModel),
@@ -64,7 +64,8 @@ impl RigModel {
         }
     }
 
-    /// The same for recordings that are checked on, too: of a heat balance see [`ThermalModel::with_starts_of`], the other models stay.
+    /// Opens the starts of validation recordings, too. For a heat balance see [`ThermalModel::with_starts_of`]; the
+    /// other models stay as they are.
     #[must_use]
     pub fn seeing(self, unseen: &[Recording]) -> Self {
         match self {
@@ -73,7 +74,8 @@ impl RigModel {
         }
     }
 
-    /// The same with a sensor that lags and where to search it from, for a second fit: see [`ThermalModel::with_lag`]; `None` for what has none.
+    /// The model with a sensor that lags, and coordinates to search it from, for a second fit: see
+    /// [`ThermalModel::with_lag`]. `None` for models without a sensor lag.
     #[must_use]
     pub fn with_lag(&self, without: &Fit) -> Option<(Self, Vec<Vec<f64>>)> {
         match self {
@@ -100,7 +102,7 @@ impl RigModel {
         }
     }
 
-    /// Whether temperatures are in kelvins; see [`WienerModel::knows_temperature`].
+    /// True if temperatures are in kelvins; see [`WienerModel::knows_temperature`].
     #[must_use]
     pub fn knows_temperature(&self) -> bool {
         match self {

@@ -25,12 +25,12 @@ pub const NITI_RANGE_OHM_M: Bounds = Bounds {
     upper: 1e-6,
 };
 
-/// What a rod file says, checked.
+/// Checked content of a rod file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rod {
     file: String,
     text: String,
-    /// What drives the rod.
+    /// Physical quantity of the drive.
     pub drive_kind: Quantity,
     /// Supply voltage of a duty drive, V.
     pub supply_v: Option<f64>,
@@ -52,13 +52,13 @@ pub struct Rod {
     pub ambient_degc: Option<f64>,
     /// Mechanics, where given.
     pub load: Option<Load>,
-    /// What the rig stands, for tuning and proposed experiments.
+    /// Limits of the rig, for tuning and proposed experiments.
     pub limits: Limits,
     /// Which column of a recording is what.
     pub columns: Columns,
-    /// What the user says of the model's parameters.
+    /// The user's entries on the model's parameters.
     pub model: Vec<ModelEntry>,
-    /// What is used of recordings, by the names of their files.
+    /// Selection and preprocessing of recordings, by the names of their files.
     pub uses: BTreeMap<String, RecordingUse>,
 }
 
@@ -73,7 +73,7 @@ pub struct Load {
     pub lever: Option<f64>,
 }
 
-/// What the rig stands.
+/// Operating limits of the rig: drive, temperature, duration of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Largest drive, in its unit.
@@ -84,7 +84,7 @@ pub struct Limits {
     pub duration_s: Option<f64>,
 }
 
-/// What `[model]` says of one parameter.
+/// Entry of `[model]` on one parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelEntry {
     name: String,
@@ -92,7 +92,7 @@ pub struct ModelEntry {
     wish: Wish,
 }
 
-/// What is wished of a parameter.
+/// Requested value or bounds of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Wish {
     Fixed(f64),
@@ -317,7 +317,7 @@ impl Rod {
         tables
     }
 
-    /// What is used of a recording, by its path as it was given, or else by the name of its file.
+    /// Selection and preprocessing of a recording, by its path as it was given, or else by the name of its file.
     #[must_use]
     pub fn use_of(&self, recording: &Path) -> RecordingUse {
         let name = recording.file_name().and_then(|name| name.to_str());
@@ -326,7 +326,7 @@ impl Rod {
         used.unwrap_or_default()
     }
 
-    /// Whether `[model]` fixes a parameter or gives it bounds.
+    /// True if `[model]` fixes a parameter or gives it bounds.
     #[must_use]
     pub fn says_of(&self, parameter: &str) -> bool {
         self.model.iter().any(|entry| entry.name == parameter)
@@ -431,7 +431,7 @@ impl Rod {
         })
     }
 
-    /// Whether the resistance is given, or the section that it follows from.
+    /// True if the resistance is given, or the section that it follows from.
     fn knows_resistance(&self) -> bool {
         self.resistance_ohm_per_m.is_some() || self.diameter_m.is_some()
     }
@@ -450,8 +450,8 @@ impl Rod {
         self.resistance_ohm_per_m.or(typical).unwrap_or(1.0)
     }
 
-    /// Whether the power of the drive is that of NiTi's resistivity in the section of the rod: where the resistance counts
-    /// and is not given.
+    /// True if the power of the drive rests on NiTi's resistivity and the section of the rod: the resistance counts and
+    /// is not given.
     #[must_use]
     pub fn assumes_resistivity(&self) -> bool {
         let counts = self.drive_kind != Quantity::Power;

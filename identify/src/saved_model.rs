@@ -19,7 +19,7 @@ pub(crate) const LOOP_SHAPE: &str = "loop-shape";
 /// An identified model with all that is needed to use it later: `model.toml`.
 ///
 /// It holds the tables of the rod file it came from, every parameter with its interval, their covariance, how
-/// well it met which recordings, and how it was made. What is written is read back as it was.
+/// well it met which recordings, and how it was made. A written model is read back as it was.
 ///
 /// A model may have effects beyond its plain part. This crate keeps their ids and parameters, those of the plain
 /// part first; what they do others know.
@@ -38,8 +38,8 @@ pub struct SavedModel {
     pub(crate) provenance: Provenance,
 }
 
-/// What a saved model has beyond its plain part, and how its samples are solved with it: effects, or a loop of another
-/// family, or both.
+/// Extension of a saved model beyond its plain part: effects, a loop of another family, or both, and the solver
+/// settings of its samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SavedEffects {
     /// Their ids, in the order of their parameters.
@@ -71,11 +71,11 @@ impl SavedEffects {
 pub struct Scores {
     /// Root mean square of recording - model over the training recordings, in the output unit.
     pub train_rmse: f64,
-    /// The same over what the fit has not seen; `None` if there was nothing.
+    /// Root mean square of recording - model over the validation recordings, in the output unit; `None` without any.
     pub validate_rmse: Option<f64>,
     /// 1 - RMSE / standard deviation of the output, training.
     pub fit_fraction: f64,
-    /// Whether the fit converged.
+    /// True if the fit converged.
     pub converged: bool,
 }
 
@@ -85,7 +85,7 @@ pub struct Scores {
 pub struct SavedRecording {
     /// Its name.
     pub name: String,
-    /// Whether the fit saw it.
+    /// Role of the recording: fitted to or checked on.
     pub role: Role,
     /// Number of samples.
     pub n_samples: usize,
@@ -100,7 +100,7 @@ pub struct SavedRecording {
     pub sensor: Option<Sensor>,
 }
 
-/// What a recording was for.
+/// Role of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
@@ -134,10 +134,10 @@ pub struct InputFile {
     pub sha256: String,
 }
 
-/// What a saved model is made of.
+/// Components of a saved model.
 #[derive(Debug)]
 pub struct Identification<'a> {
-    /// What is known of the rig.
+    /// Known properties of the rig.
     pub rod: &'a Rod,
     /// The model that was fitted; with effects its plain part.
     pub model: &'a RigModel,
@@ -203,7 +203,7 @@ impl SavedModel {
         }
     }
 
-    /// What is known of the rig.
+    /// Known properties of the rig.
     #[must_use]
     pub fn rod(&self) -> &Rod {
         &self.rod
@@ -298,7 +298,7 @@ impl SavedModel {
         self.validate_by(&self.model, &self.point(0), recording)
     }
 
-    /// The same by the model with its effects, at a point of its parameters.
+    /// Predicts a recording by the model with its effects, at a point of its parameters.
     ///
     /// # Errors
     ///

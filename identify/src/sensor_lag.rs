@@ -1,13 +1,14 @@
 //! A sensor that follows a rod late.
 
-/// What a sensor of one time constant shows of a rod of another, exact over a sample in which the rod goes to where it would end.
+/// Reading of a sensor of one time constant on a rod of another. Exact over a sample in which the rod relaxes toward
+/// one end temperature T_∞.
 ///
 /// ```text
 /// T(t) = T_∞ + (T_0 - T_∞) e^(-t/τ)      [Sadeghi, eq. 2]
 /// θ dT'/dt = T - T':   T'_1 = T_∞ + (T'_0 - T_∞) e^(-Δt/θ) + (T_0 - T_∞) τ/(τ - θ) (e^(-Δt/τ) - e^(-Δt/θ))
 /// ```
 ///
-/// T_∞ follows from the two ends of the sample. It starts as warm as the rod.
+/// T_∞ follows from the two ends of the sample. The sensor starts as warm as the rod.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SensorLag {
     tau_s: f64,
@@ -67,7 +68,7 @@ impl SensorLag {
         }
     }
 
-    /// What it shows when the rod has come to `rod_degc`, °C, in `dt_s`, s; 0 at the start.
+    /// Reading, °C, when the rod has come to `rod_degc`, °C, in `dt_s`, s; `dt_s` is 0 at the start.
     pub(crate) fn follow(&mut self, rod_degc: f64, dt_s: f64) -> f64 {
         if !(dt_s > 0.0 && self.lag_s > 0.0) {
             (self.rod_degc, self.shown_degc) = (rod_degc, rod_degc);

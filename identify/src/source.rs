@@ -2,14 +2,18 @@
 
 use std::path::Path;
 
+use recording::read_text;
 use toml::Spanned;
 
 use crate::{Bounds, IdentifyError};
 
+/// Most bytes of a file that somebody writes, or that a model is kept in.
+const MOST_BYTES: u64 = 1 << 24;
+
 /// Name, as errors show it, and text of a file.
 pub(crate) fn read(path: &Path) -> Result<(String, String), IdentifyError> {
     let file = path.display().to_string();
-    match std::fs::read_to_string(path) {
+    match read_text(path, MOST_BYTES) {
         Ok(text) => Ok((file, text)),
         Err(source) => Err(IdentifyError::Unreadable { file, source }),
     }
@@ -46,7 +50,7 @@ impl Source<'_> {
         }
     }
 
-    /// What a file is if it is no rod file, where that is plain.
+    /// Hint at the kind of a file that is no rod file; empty where the kind is not plain.
     pub(crate) fn not_a_rod_file(&self) -> &'static str {
         let is_model = self.text.contains("\n[[parameter]]");
         if self.file.ends_with(".csv") {

@@ -1,8 +1,8 @@
-//! What differs from run to run of a rig.
+//! Deviations of a rig from run to run.
 
 use wiener::{Block, WienerParams};
 
-/// What differs in a recording from what is stated of the rig.
+/// Deviation of a recording from the stated properties of the rig.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StateOfRun {
     /// Temperature of its surroundings above what is stated, K.

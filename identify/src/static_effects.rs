@@ -1,4 +1,4 @@
-//! What static recordings say of effects that the plain loop leaves out.
+//! Tests of static recordings for effects that the plain loop leaves out.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -28,7 +28,7 @@ pub struct StaticEffects {
 pub struct StaticEffect {
     /// Its id.
     pub effect: &'static str,
-    /// What came out; the first are its sizes, which are 0 where there is no such effect.
+    /// Estimates. The first are the sizes of the effect, which are 0 if it is absent.
     pub estimates: Vec<Estimate>,
     /// How many of them are sizes.
     pub n_sizes: usize,
@@ -61,7 +61,7 @@ pub struct StaticScore {
     /// Schwarz's criterion, as [`Fit::bic`]: the lower the better, on the same recordings. Of a resistance under the
     /// autocorrelation that is left with the effect.
     pub bic: f64,
-    /// Whether the fit converged.
+    /// True if the fit converged.
     pub converged: bool,
 }
 
@@ -163,7 +163,7 @@ pub fn static_effects(
     })
 }
 
-/// What cycles do to a loop, by a fit that goes on from the one without it, fading or not.
+/// Tests functional fatigue, by a fit that starts from the one without it, fading or not.
 fn fatigue(
     plain: &LoopModel,
     without: &Fit,
@@ -235,7 +235,7 @@ fn estimates(fit: &Fit, names: &[&'static str]) -> Vec<Estimate> {
         .collect()
 }
 
-/// Whether there is more than one load: a stress that only moves with the stroke looks like another loop.
+/// Requires more than one load: a stress that only moves with the stroke looks like another loop.
 fn differing_stresses(training: &[Recording]) -> Result<(), NotTestable> {
     let mut means_mpa = [f64::INFINITY, f64::NEG_INFINITY];
     let (mut squares, mut n) = (0.0, 0.0);
@@ -286,7 +286,7 @@ fn coupling(without: &Fit, with: &Fit) -> StaticEffect {
 }
 
 impl Estimate {
-    /// Whether the interval leaves 0 out.
+    /// True if the interval excludes 0.
     #[must_use]
     pub fn excludes_zero(&self) -> bool {
         self.interval
@@ -295,7 +295,7 @@ impl Estimate {
 }
 
 impl StaticEffect {
-    /// Whether it is there: Schwarz's criterion prefers it, and a size of it is not 0.
+    /// True if the effect is found: Schwarz's criterion prefers it, and the interval of a size excludes 0.
     #[must_use]
     pub fn is_found(&self) -> bool {
         self.with.bic < self.without.bic && self.sizes().iter().any(Estimate::excludes_zero)

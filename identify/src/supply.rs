@@ -1,4 +1,4 @@
-//! What stands between the drive and the rod: a supply that saturates, and leads that take part of the voltage.
+//! Supply and leads between the drive and the rod: a supply that saturates, and leads that take part of the voltage.
 
 use recording::Quantity;
 use toml::Spanned;
@@ -22,7 +22,7 @@ pub struct Supply {
     pub lead_resistance_ohm: Option<f64>,
 }
 
-/// What the rig is, as far as the supply asks for it.
+/// Properties of the rig that the supply depends on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Supplied {
     pub(crate) drive_kind: Quantity,
@@ -45,7 +45,7 @@ impl Supplied {
 }
 
 impl Supply {
-    /// What acts of a drive, in its unit.
+    /// Drive after the limit of the supply, in its unit.
     #[must_use]
     pub fn limited(&self, drive: f64) -> f64 {
         match self.limit {

@@ -12,7 +12,7 @@ const DEGF_PER_K: f64 = 1.8;
 pub(crate) struct TemperatureUnit {
     /// Degrees in a kelvin.
     per_k: f64,
-    /// What 0 °C is shown as.
+    /// Value shown at 0 °C.
     zero_celsius: f64,
 }
 

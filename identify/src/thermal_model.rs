@@ -50,7 +50,7 @@ impl ThermalModel {
     /// Name of the sensor's time constant, that of the effect `thermocouple-lag`.
     pub const LAG: &'static str = "thermocouple_lag_s";
 
-    /// Whether an output in this unit is a temperature.
+    /// True if an output in this unit is a temperature.
     #[must_use]
     pub fn is_for(output_unit: &str) -> bool {
         TemperatureUnit::of(output_unit).is_some()
@@ -143,8 +143,9 @@ impl ThermalModel {
         &mut self.parameters
     }
 
-    /// The same with what belongs to a recording left open where one of these says that it is not as stated: a start away from the
-    /// surroundings, and the level of surroundings that a rod at rest shows to be others. What `[model]` fixes elsewhere stays.
+    /// Frees the parameters of single recordings if one of these recordings differs from the stated values: the start,
+    /// if it is away from the surroundings, and the level of the surroundings, if a rod at rest shows that they differ.
+    /// Parameters that `[model]` fixes at another value than 0 stay.
     #[must_use]
     pub fn with_starts_of<'a>(
         mut self,
@@ -177,11 +178,11 @@ impl ThermalModel {
         self
     }
 
-    /// The same with a sensor that lags, and coordinates to search it from, to be tried after a fit without; `None` where `[model]` says
-    /// something of the lag.
+    /// The model with a sensor that lags, and coordinates to search it from, to be tried after a fit without lag;
+    /// `None` if `[model]` says something of the lag.
     ///
-    /// The searches start with a small lag beside the time constant of the fit without, which is near the sum of both: that is how the
-    /// rod gets the longer one where either could be its own.
+    /// The searches start with a small lag and the time constant of the fit without lag, which is near the sum of both.
+    /// If either time constant could be the rod's, the rod thus gets the longer one.
     #[must_use]
     pub fn with_lag(&self, without: &Fit) -> Option<(Self, Vec<Vec<f64>>)> {
         /// Lags to start from, as shares of the time constant of the fit without.
@@ -214,10 +215,11 @@ impl ThermalModel {
         Some((model, from.to_vec()))
     }
 
-    /// Whether a fit of [`ThermalModel::with_lag`] is to be believed: it converged, Schwarz's criterion prefers it by far, and neither
-    /// time constant is on a bound.
+    /// True if a fit of [`ThermalModel::with_lag`] is to be accepted: it converged, Schwarz's criterion prefers it by
+    /// far, and neither time constant is on a bound.
     ///
-    /// Intervals have no say: those of two equal time constants, which together are well known, are without end.
+    /// Intervals are not used: two equal time constants have unbounded intervals, although both together are well
+    /// known.
     #[must_use]
     pub fn lag_shows(&self, without: &Fit, with: &Fit) -> bool {
         /// Rounding, where both are one.
@@ -230,13 +232,13 @@ impl ThermalModel {
             && with.bic < without.bic - VERY_STRONG
     }
 
-    /// Whether a sensor that lags is part of the model.
+    /// True if a sensor that lags is part of the model.
     #[must_use]
     pub fn has_lag(&self) -> bool {
         self.parameters[LAG].state != ParameterState::Fixed(0.0)
     }
 
-    /// Whether the steady rise, which follows from the rod's time constant, tells it from the sensor's.
+    /// True if the steady rise, which follows from the rod's time constant, distinguishes it from the sensor's.
     #[must_use]
     pub fn tells_which_lags(&self) -> bool {
         matches!(self.heat, Heat::Known { .. })
@@ -332,8 +334,8 @@ impl ForwardModel for ThermalModel {
     }
 }
 
-/// Whether the samples before the drive rises tell what belongs to a recording: start and surroundings together only a whole
-/// recording tells, since a rod that has hardly begun to cool does not say towards what.
+/// True if the samples before the drive rises determine the recording's own parameters. Start and surroundings together
+/// need a whole recording: a rod that has hardly begun to cool does not show towards which temperature.
 pub(crate) fn rest_tells_all(parameters: &[ParameterInfo]) -> bool {
     let own = |info: &&ParameterInfo| {
         info.enters == Enters::Nonlinear
@@ -417,13 +419,13 @@ fn seen(unit: TemperatureUnit, recordings: &[Recording]) -> Bounds {
 struct Begins {
     /// Mean of its first samples, °C.
     first_degc: f64,
-    /// What a mean of so few samples is off by at most, K.
+    /// Largest error of a mean of so few samples, K.
     doubt_k: f64,
-    /// Whether it is undriven long enough to see whether it moves, and does not.
+    /// True if it is undriven long enough to show a drift, and shows none.
     rests: bool,
-    /// Whether it moves before it is driven.
+    /// True if it moves before it is driven.
     moves: bool,
-    /// Whether it is colder later on.
+    /// True if it is colder later on.
     falls_below: bool,
 }
 

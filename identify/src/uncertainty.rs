@@ -19,7 +19,7 @@ pub(crate) struct Covariance {
     pub(crate) columns: Vec<usize>,
     /// In the columns' units; infinite where the data say nothing.
     pub(crate) matrix: Matrix,
-    /// What the output's residuals are like.
+    /// Noise model of the output's residuals.
     pub(crate) noise: ResidualNoise,
     /// Factor on a standard error for a 95 % interval.
     pub(crate) quantile: f64,

@@ -68,11 +68,12 @@ impl Validated {
 /// Only the recording's own parameters are set, by a rule that is the same for every model: its offset from the
 /// samples before the drive first rises, or over the whole recording if there are fewer than ten, or if they cannot tell it
 /// (surroundings and start of a heat balance together); its start is at rest, unless it may begin warm
-/// ([`may_begin_warm`](crate::may_begin_warm)), where it is found over the whole recording. What is fixed at another value stays.
+/// ([`may_begin_warm`](crate::may_begin_warm)), where it is found over the whole recording. Parameters fixed at another
+/// value stay.
 ///
 /// # Errors
 ///
-/// What the model refuses.
+/// Any error of the model.
 pub fn validate(
     model: &dyn ForwardModel,
     fit: &Fit,
@@ -87,12 +88,12 @@ pub fn validate(
     validate_at(model, &fit.point(0), recording)
 }
 
-/// The same at a point, `Refined::points` say, of which the shared values count; the recording must be in the
-/// units that they are for.
+/// Predicts a recording with the shared values of a point frozen, such as one of `Refined::points`; see
+/// [`validate`](crate::validate()). The recording must be in the units that the values are for.
 ///
 /// # Errors
 ///
-/// What the model refuses.
+/// Any error of the model.
 pub fn validate_at(
     model: &dyn ForwardModel,
     point: &[f64],

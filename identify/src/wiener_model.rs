@@ -73,7 +73,7 @@ pub struct WienerModel {
     reference: Option<String>,
 }
 
-/// What is known of the heat balance apart from its time constant.
+/// Known properties of the heat balance apart from its time constant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Heat {
     /// Heat capacity and resistance: the time constant decides all.
@@ -161,7 +161,7 @@ impl WienerModel {
         Self::with_more(rod, rule, training, &|_| Vec::new())
     }
 
-    /// The same with further parameters behind its own, which are for a model that holds this one.
+    /// The model of a rig with further parameters behind its own, for a model that holds this one.
     pub(crate) fn with_more(
         rod: &Rod,
         rule: Rule,
@@ -230,7 +230,7 @@ impl WienerModel {
         })
     }
 
-    /// The same, and the recording whose surroundings are those that the rod file states.
+    /// Sets the reference: the recording whose surroundings are those that the rod file states.
     pub(crate) fn with_reference(self, reference: Option<&str>) -> Self {
         Self {
             reference: reference.map(str::to_owned),
@@ -251,8 +251,8 @@ impl WienerModel {
         self.specific_heat.is_some_and(|heat| heat.widen(fit))
     }
 
-    /// Whether temperatures are in kelvins, or only ratios of their differences mean anything: an
-    /// assumed rise fixes the scale by convention only.
+    /// True if temperatures are in kelvins. Else only ratios of their differences mean anything: an assumed rise fixes
+    /// the scale by convention only.
     #[must_use]
     pub fn knows_temperature(&self) -> bool {
         !self.rise_is_assumed
@@ -270,7 +270,7 @@ impl WienerModel {
         self.cascade.rule
     }
 
-    /// What drives the rod in a recording, and what surrounds it.
+    /// Drive and surroundings of the rod in a recording.
     ///
     /// # Errors
     ///
@@ -311,9 +311,9 @@ impl WienerModel {
 }
 
 impl WienerModel {
-    /// The same model with what belongs to a recording and may not be known of all of them left open: the level of the
-    /// surroundings where they were not recorded, and how the run began where it may have begun warm. What `[model]` says of
-    /// them stays. `recordings` are all that it will be asked of, those of the training first.
+    /// Frees the parameters of single recordings that may not be known for all of them: the level of the surroundings
+    /// where they were not recorded, and the start of the run where it may have begun warm. Parameters that `[model]`
+    /// states stay. `recordings` are all that the model will be asked of, those of the training first.
     #[must_use]
     pub fn with_unknowns<'a>(&self, recordings: impl IntoIterator<Item = &'a Recording>) -> Self {
         let recordings: Vec<&Recording> = recordings.into_iter().collect();
@@ -326,9 +326,9 @@ impl WienerModel {
         model
     }
 
-    /// The same model with what differs from run to run of a rig that does not repeat left open: how much heat each loses, and how far
-    /// it moves. What `[model]` says of them stays. Only what is ordinary of them ([`ParameterInfo::ordinary`]) keeps these from taking up
-    /// whatever a model leaves out: fits must be told to count it ([`Prior`](crate::Prior)).
+    /// Frees the deviations from run to run of a rig that does not repeat: how much heat each run loses, and how far it
+    /// moves. Parameters that `[model]` states stay. Only their priors ([`ParameterInfo::ordinary`]) keep them from
+    /// absorbing any misfit of the model: fits must be told to count the priors ([`Prior`](crate::Prior)).
     #[must_use]
     pub fn with_state_of_runs(&self) -> Self {
         let mut model = self.clone();
@@ -337,14 +337,13 @@ impl WienerModel {
         model
     }
 
-    /// The same model in which no recording is the one that the others are compared with: each has a state of its own, about what is
-    /// stated of the rig.
+    /// Removes the reference recording: each recording has a state of its own, about the stated properties of the rig.
     #[must_use]
     pub fn without_reference_run(&self) -> Self {
         self.clone().with_reference(None)
     }
 
-    /// Whether how much heat recordings lose, or how far they move, is left open.
+    /// True if the heat loss of single recordings, or how far they move, is free.
     #[must_use]
     pub fn has_state_of_runs(&self) -> bool {
         let of_run = [HEAT_LOSS_OF_RUN, GAIN_OF_RUN];
@@ -353,8 +352,8 @@ impl WienerModel {
             .any(|&index| self.parameters[index].state == ParameterState::Free)
     }
 
-    /// The same model with the start of each recording left open, temperature and place between the limiting curves, where one
-    /// of them may have begun warm ([`may_begin_warm`]). What `[model]` says of them stays.
+    /// Frees the start of each recording, temperature and place between the limiting curves, if one of them may have
+    /// begun warm ([`may_begin_warm`]). Parameters that `[model]` states stay.
     #[must_use]
     pub fn with_open_starts<'a>(
         &self,
@@ -397,8 +396,9 @@ impl WienerModel {
             })
     }
 
-    /// What differs in a recording from what is stated of the rig. In the first training recording nothing does: what all have in
-    /// common is the rig's. Surroundings that are recorded, or stated of this recording, are as they are.
+    /// Deviation of a recording from the stated properties of the rig. It is 0 in the first training recording:
+    /// properties common to all are the rig's. Surroundings that are recorded, or stated of this recording, do not
+    /// deviate.
     #[must_use]
     pub fn state_of_run(&self, point: &[f64], recording: &Recording) -> StateOfRun {
         if self.reference.as_deref() == Some(recording.name()) {
@@ -542,7 +542,7 @@ fn of_run(name: &'static str, ordinary: f64) -> ParameterInfo {
     }
 }
 
-/// Whether a recording may not begin at rest: it is driven from its first sample, or its output moves before it is.
+/// True if a recording may not begin at rest: it is driven from its first sample, or its output moves before the drive.
 #[must_use]
 pub fn may_begin_warm(recording: &Recording) -> bool {
     /// Samples from which a mean is taken.

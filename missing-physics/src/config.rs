@@ -7,11 +7,11 @@ use crate::{EffectSet, Setting};
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseConfig {
-    /// What is known of the rig beyond its baseline, and hypotheses of one's own: they compete with the catalogue.
+    /// Facts known of the rig beyond its baseline, and hypotheses of one's own, which compete with the catalogue.
     pub setting: Setting,
     /// Effects of the catalogue that may be found.
     pub catalogue: EffectSet,
-    /// What the rig stands: for the run that is proposed.
+    /// Limits of the rig, which the proposed run keeps.
     pub limits: Limits,
     /// Search of the baseline.
     pub baseline: FitConfig,

@@ -44,7 +44,7 @@ const GAP: f64 = 5.0;
 ///
 /// # Errors
 ///
-/// What [`identify::fit`] and the models refuse; [`IdentifyError::Stopped`] if `progress` ended it.
+/// Errors of [`identify::fit`] and of the models; [`IdentifyError::Stopped`] if `progress` ended it.
 pub fn diagnose<'p>(
     base: &WienerModel,
     training: &[Recording],
@@ -81,11 +81,11 @@ fn plain_fit(
     })
 }
 
-/// The same from a baseline that is fitted; `recordings` are the training and the unseen ones.
+/// Diagnosis from a baseline that is fitted already; `recordings` are the training and the unseen ones.
 ///
 /// # Errors
 ///
-/// What [`identify::fit`] and the models refuse; [`IdentifyError::Stopped`] if `progress` ended it.
+/// Errors of [`identify::fit`] and of the models; [`IdentifyError::Stopped`] if `progress` ended it.
 pub fn diagnose_from<'p>(
     base: &WienerModel,
     plain: Fit,
@@ -118,7 +118,8 @@ fn from_baseline(
     opened.diagnosed([training, unseen], config, caller)
 }
 
-/// The same of runs that may differ in what runs of a rig ordinarily differ by; with the plain model in which that is open.
+/// Diagnosis of runs that may differ from one another as runs of a rig ordinarily do. It is returned with the plain model in
+/// which these differences are left open.
 pub(crate) fn diagnose_runs<'p>(
     base: &WienerModel,
     runs: &[Recording],
@@ -144,7 +145,7 @@ pub(crate) fn diagnose_runs<'p>(
 struct Opened<'a> {
     base: &'a WienerModel,
     plain: &'a Fit,
-    /// Whether starts agreed before anything was opened.
+    /// True if starts agreed before anything was opened.
     has_converged: bool,
     repeats: Option<RepeatFloor>,
 }

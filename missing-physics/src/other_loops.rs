@@ -1,4 +1,4 @@
-//! What a fit says of the rod where its loop is of another family.
+//! Parameters of the rod by fits with a loop of another family.
 
 use identify::{Bounds, Fit, FittedParameter, IdentifyError, Scope, WienerModel};
 use recording::Recording;
@@ -29,7 +29,7 @@ pub struct OtherLoop {
 ///
 /// # Errors
 ///
-/// What [`identify::fit`] refuses.
+/// Errors of [`identify::fit`].
 pub fn other_loops(
     base: &WienerModel,
     fit: &Fit,
@@ -61,7 +61,7 @@ pub fn carry_loop_shape(fit: &mut Fit, others: &[OtherLoop]) {
     }
 }
 
-/// Whether a parameter is of the rod or of the limiting loop, which all families have.
+/// True if a parameter is of the rod or of the limiting loop, which all families have.
 fn is_common(parameter: &FittedParameter) -> bool {
     parameter.info.scope == Scope::Shared
         && !matches!(parameter.info.name, "zeta" | "loop_spread_k")

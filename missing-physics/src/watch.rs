@@ -26,16 +26,15 @@ pub enum DiagnoseProgress {
     Locate,
 }
 
-/// What is told how far a diagnosis is, and says whether it goes on. It is called from the thread that comes by, by one at
-/// a time.
+/// Callback that is told how far a diagnosis is, and says whether it goes on. Any thread may call it, one at a time.
 pub(crate) type Progress<'p> = dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p;
 
 /// Time between two calls while effects are tried: as often as an eye can follow.
 const APART: Duration = Duration::from_millis(50);
 
-/// What is asked before each simulation of a search.
+/// Observer that is asked before each simulation of a search.
 pub(crate) trait Watch: fmt::Debug + Sync {
-    /// Whether to go on; some points are about to be simulated.
+    /// Says whether the search goes on; `points` points are about to be simulated.
     fn goes_on(&self, points: usize) -> ControlFlow<()>;
 }
 

@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 use fixtures::sadeghi;
 use pid_tune::{
     AntiWindup, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances, DriveLimits,
-    Goal, PidGains, PidParams, Plants, Reference, Response, Task, TunerConfig, second_opinion,
-    tune,
+    Goal, PidGains, PidParams, Plants, Reference, RelayTest, Requirements, Response, RestTest,
+    Screen, SmallChanges, Task, TunerConfig, second_opinion, tune,
 };
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::{HeatBalanceParams, ThermalConstants};
@@ -108,6 +108,7 @@ fn task(
         n_samples,
         ambient_degc: AMBIENT_DEGC,
         feed_forward: None,
+        aim: None,
         disturbances: Disturbances {
             quantization_step: printed("rig.lvdt_range")? / printed("rig.converter_bits")?.exp2(),
             ..Disturbances::default()
@@ -234,6 +235,115 @@ fn print_sine(controllers: &[Controller], responses: &[Response]) {
     }
 }
 
+/// Controllers that keep equal margins and move the drive equally little for a step of the sensor: tuned, and by rule.
+fn print_equals(rod: &PaperRod, level: f64) -> Result<(), Box<dyn Error>> {
+    let member = member(rod)?;
+    let step = Reference::Step {
+        from: 0.0,
+        to: level,
+        at_s: 0.0,
+    };
+    let ideal = task(Rule::LastReversal, step, STEP_SAMPLES)?;
+    let mut params = *ideal.closed_loop().params();
+    params.disturbances.dead_time_samples = 1;
+    let sensor_step = params.disturbances.quantization_step;
+    let pid = *ideal.pid();
+    let rods = Ensemble {
+        drive: Drive::Current,
+        rule: Rule::LastReversal,
+    };
+    let task = Task::new(rods, ClosedLoop::new(params)?, pid)?;
+    let changes = SmallChanges {
+        limits: pid.limits,
+        ambient_degc: AMBIENT_DEGC,
+        dt_s: pid.dt_s,
+        tau_s: rod.tau_s,
+        outputs: [0.0, 1.05 * level],
+        dead_time_samples: 1,
+    };
+    let required = Requirements {
+        gain_margin: 2.0,
+        phase_margin_rad: 45.0_f64.to_radians(),
+        sensor_step,
+        largest_kick: 0.05,
+    };
+    let screen = Screen::new(required, pid, changes.steepest(&rods, member)?)?;
+    let simc = screen
+        .simc()
+        .ok_or("no gains of SIMC meet what is required")?;
+    let relay = RelayTest {
+        limits: pid.limits,
+        ambient_degc: AMBIENT_DEGC,
+        dt_s: pid.dt_s,
+        tau_s: rod.tau_s,
+        setpoint: level,
+        dead_time_samples: 1,
+        hysteresis: 2.0 * sensor_step,
+    };
+    let cycle = relay
+        .run(&rods, member)?
+        .ok_or("no cycle in a relay test")?;
+    let relay = screen
+        .relay(&cycle)
+        .ok_or("no gains of a relay test meet what is required")?;
+    let [before] = task.evaluate(&[(member, simc)])?[..] else {
+        return Err("one case has one response".into());
+    };
+    let loops = [*task.closed_loop()];
+    let goal = Goal {
+        screen: Some(&screen),
+        rest: Some(RestTest {
+            loops: &loops,
+            height: level,
+            drive_swing: 0.2 * UPPER_A,
+        }),
+        ..Goal::of(CostWeights {
+            mse: 1.0 / before.mse,
+            ..CostWeights::balancing(&before)
+        })
+    };
+    let config = TunerConfig::for_task(&task, printed("rig.stroke")?)?;
+    let to_the_end = |_: &_| ControlFlow::Continue(());
+    let found = tune(
+        &task,
+        &Plants::judged(&[member]),
+        &goal,
+        &config,
+        to_the_end,
+    )?;
+    println!(
+        "| {} rod | kp, A/mm | ki, A/(mm s) | MSE, µm² | MSE over tuned | settling, s | gain margin | phase margin, ° | drive moved, % |",
+        rod.name
+    );
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|");
+    let named = [
+        ("tuned", found.gains),
+        ("SIMC", simc),
+        ("relay test", relay),
+    ];
+    for (name, gains) in named {
+        let [terms] = task.evaluate(&[(member, gains)])?[..] else {
+            continue;
+        };
+        let (Some(margins), Some(step)) = (screen.margins(&gains), terms.step) else {
+            continue;
+        };
+        println!(
+            "| {name} | {:.4} | {:.4} | {:.0} | {:.3} | {:.1} | {:.2} | {:.1} | {:.2} |",
+            gains.kp,
+            gains.ki,
+            1e6 * terms.mse,
+            terms.mse / found.terms.mse,
+            step.settling_time_s,
+            margins.gain_margin,
+            margins.phase_margin_rad.to_degrees(),
+            100.0 * screen.kick(&gains),
+        );
+    }
+    println!();
+    Ok(())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let level = printed("reference.step")?;
     let step = Reference::Step {
@@ -269,6 +379,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             print_sine(&controllers, &responses(&at_sine, member, &controllers)?);
             println!();
         }
+    }
+    println!("## Equal margins and noise: tuned, and by rule\n");
+    for rod in &PAPER_RODS {
+        print_equals(rod, level)?;
     }
     Ok(())
 }

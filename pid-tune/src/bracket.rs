@@ -50,7 +50,7 @@ pub(crate) fn root(
     Some(b)
 }
 
-/// Whether two values are of different sign; not so for 0 and `NaN`.
+/// True if two values are of opposite sign; false for 0 and `NaN`.
 fn differ(value: f64, other: f64) -> bool {
     (value < 0.0 && other > 0.0) || (value > 0.0 && other < 0.0)
 }

@@ -39,10 +39,11 @@ pub struct ChatterOrbit {
     pub frequency_hz: f64,
     /// Mean temperature at the samples, °C.
     pub mean_degc: f64,
-    /// Whether the controller commands exactly these drives. If not, a switch with no linear zone would: at each sample
-    /// the error has the sign of the drive, but at some is so small that the command is between the limits.
+    /// True if the controller commands exactly these drives. If false, a switch without a linear zone would command them:
+    /// at each sample the error has the sign of the drive, but at some samples it is so small that the command is
+    /// between the limits.
     pub exact: bool,
-    /// Whether a small disturbance of the temperature dies out. Where all drives are at the limits it always does.
+    /// True if a small disturbance of the temperature dies out. If all drives are at the limits, it always does.
     pub stable: bool,
 }
 
@@ -64,7 +65,7 @@ struct Pattern {
     partial: Partial,
 }
 
-/// What a pattern does to the rod, once periodic.
+/// Response of the rod to a pattern, once periodic.
 struct Forced {
     outputs: Vec<f64>,
     /// Output per temperature on the branch that led to each sample, 1/K times the output's unit.
@@ -174,7 +175,8 @@ impl Search<'_> {
         orbits
     }
 
-    /// What the sample between the limits has too little: 0 if the controller commands it.
+    /// Shortfall of the drive at the sample between the limits: 0 if the controller commands it. With integral
+    /// action: the error at the sample that commands it.
     fn partial_excess(&self, pattern: &Pattern, drive: f64) -> f64 {
         let forced = self.forced(pattern);
         let at = self.commanded_at(pattern, pattern.partial_index());

@@ -9,7 +9,7 @@ pub const MAX_DEAD_TIME_SAMPLES: usize = 64;
 /// 1.5·2^52: added to a double of less than 2^51 and taken away again, it leaves the nearest integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
-/// What disturbs a loop; the default is nothing.
+/// Disturbances of a loop; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disturbances<'a> {
     /// Added to what the controller sees, not to the output, in the output's unit: a value for each sample.
@@ -28,10 +28,10 @@ pub struct Disturbances<'a> {
     pub drive_dead_zone: f64,
 }
 
-/// What a loop runs over.
+/// Conditions of a closed-loop run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosedLoopParams<'a> {
-    /// What the output shall follow.
+    /// Reference that the output shall follow.
     pub reference: Reference<'a>,
     /// Number of samples; ≥ 1.
     pub n_samples: usize,
@@ -40,7 +40,10 @@ pub struct ClosedLoopParams<'a> {
     /// Drive added to the controller's, in the drive's unit, a value for each sample; see
     /// [`feed_forward_a`](crate::feed_forward_a).
     pub feed_forward: Option<&'a [f64]>,
-    /// What disturbs it.
+    /// Output that the controller aims at in the place of the reference, a value for each sample: with a feed-forward the
+    /// output that it leads to, so that the controller corrects what differs from it and nothing else.
+    pub aim: Option<&'a [f64]>,
+    /// Disturbances of the loop.
     pub disturbances: Disturbances<'a>,
 }
 
@@ -52,7 +55,7 @@ pub struct ClosedLoopParams<'a> {
 /// ```text
 /// y_k = plant + load_k
 /// m_k = q round((y_k + noise_k)/q)     with a converter of step q
-/// u_k = controller(r_k, m_k, f_k)
+/// u_k = controller(r_k, or the aim, m_k, f_k)
 /// plant driven by supply(u_(k-n)), n the dead time; before k = n by the controller's last drive before the loop
 /// ```
 ///
@@ -94,6 +97,7 @@ impl<'a> ClosedLoop<'a> {
             n_samples,
             ambient_degc,
             feed_forward,
+            aim,
             disturbances,
         } = params;
         reference.checked()?;
@@ -103,6 +107,7 @@ impl<'a> ClosedLoop<'a> {
         finite("ambient_degc", ambient_degc)?;
         for (name, series) in [
             ("feed_forward", feed_forward),
+            ("aim", aim),
             ("measurement_noise", disturbances.measurement_noise),
             ("output_load", disturbances.output_load),
         ] {
@@ -132,7 +137,7 @@ impl<'a> ClosedLoop<'a> {
         Ok(Self { params })
     }
 
-    /// What it runs over.
+    /// Conditions of its run.
     #[must_use]
     pub fn params(&self) -> &ClosedLoopParams<'a> {
         &self.params
@@ -166,7 +171,7 @@ impl<'a> ClosedLoop<'a> {
             quantize(&mut measured, disturbances.quantization_step);
             let setpoint = self.params.reference.at(k, dt_s);
             let sample = Sample {
-                setpoint,
+                setpoint: self.params.aim.map_or(setpoint, |series| series[k]),
                 measured,
                 feed_forward: self.params.feed_forward.map_or(0.0, |series| series[k]),
             };

@@ -22,8 +22,8 @@ pub struct Terms {
     /// Energy, in the drive's unit squared times s: A² s for a current; times the resistance it is half of the heat.
     /// The square of a duty or a power is no energy.
     pub energy: f64,
-    /// What only the response to a step has; `None` for other references and for a step that is not before
-    /// the last sample.
+    /// Terms that only a step response has; `None` for other references, and for a step at the last sample or
+    /// later.
     pub step: Option<StepTerms>,
 }
 

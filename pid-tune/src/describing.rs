@@ -13,10 +13,10 @@ pub struct BiasedSine {
     pub amplitude: f64,
 }
 
-/// What a static characteristic makes of a [`BiasedSine`].
+/// Response of a static characteristic to a [`BiasedSine`].
 ///
-/// Its response is even about θ = π/2, so that the first harmonic is in phase with the sine: the
-/// describing function is `first`/U1, a real number.
+/// It is even about θ = π/2, so that the first harmonic is in phase with the sine: the describing function is
+/// `first`/U1, a real number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SineResponse {
     /// Mean over a cycle.

@@ -1,7 +1,7 @@
 use wiener::WienerError;
 use wiener::thermal::ThermalError;
 
-/// What can be wrong with a controller, a reference, a closed loop, a cost or a search.
+/// Errors of a controller, a reference, a closed loop, a cost or a search.
 ///
 /// Names end in their unit where they have one of their own; the rest is in the units of the output and the
 /// drive.
@@ -143,7 +143,7 @@ pub enum TuneError {
     #[cfg(feature = "std")]
     #[error("second opinion: {said}")]
     SecondOpinion {
-        /// What it said.
+        /// Its message.
         said: std::string::String,
     },
     /// The rod refuses its parameters or its drive.

@@ -37,7 +37,7 @@ pub struct FractionResponse {
     pub harmonic_ratio: f64,
     /// Cycles until two successive ones agreed.
     pub n_cycles: usize,
-    /// Whether they did within [`MAX_SETTLING_CYCLES`].
+    /// True if two successive cycles agreed within [`MAX_SETTLING_CYCLES`].
     pub periodic: bool,
 }
 

@@ -19,16 +19,16 @@ pub struct FrontPoint {
     pub terms: Terms,
 }
 
-/// What accuracy costs: the controllers of which none is both more accurate and more sparing than another, in
-/// mean square error and energy. Sorted: the error rises from point to point, the energy falls.
+/// Pareto front of mean square error and energy: the controllers of which none is better than another in both.
+/// Sorted: the error rises from point to point, the energy falls.
 ///
-/// Seven swarms (`starts` is not used) with the two weights in ratios of 10⁻³ to 10³ of those given; the front is
-/// that of all responses they looked at, so that it also has the points of its hollows, where no weighted sum
-/// has its minimum. Of controllers with equal terms it has the one seen first.
+/// Seven swarms (`starts` is not used) search with the two weights in ratios of 10⁻³ to 10³ of those given. The front
+/// is that of all responses they looked at. It therefore has the points of its hollows too, where no weighted sum has
+/// its minimum. Of controllers with equal terms it has the one seen first.
 ///
-/// Of several plants the first counts; gains that miss what `goal` requires are not on it.
+/// Of several plants the first counts. Gains that miss the requirements of `goal` are not on the front.
 ///
-/// It ends at no energy at all if the bounds allow that. The same bits for any number of threads.
+/// If the bounds allow it, the front ends at zero energy. Its bits are the same for any number of threads.
 ///
 /// # Errors
 ///

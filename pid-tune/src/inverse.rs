@@ -5,9 +5,18 @@ const HORIZONS_PER_TAU: f64 = 10.0;
 /// Halvings of the range of temperatures.
 const HALVINGS: usize = 40;
 
+/// Drive and output of a model that is turned around, a value for each sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InverseRun {
+    /// Drive, for [`ClosedLoopParams::feed_forward`](crate::ClosedLoopParams::feed_forward).
+    pub drive: Vec<f64>,
+    /// Output that it leads to, for [`ClosedLoopParams::aim`](crate::ClosedLoopParams::aim).
+    pub output: Vec<f64>,
+}
+
 impl RodLoop {
-    /// Drive that takes the rod along a reference from rest, by the model alone, a value for each sample: for
-    /// [`ClosedLoopParams::feed_forward`](crate::ClosedLoopParams::feed_forward).
+    /// Drive that takes the rod along a reference from rest, by the model alone, and the output on that way, later by the dead
+    /// time.
     ///
     /// At every sample the loop is inverted, with the reversals that it remembers: which temperature has the output that
     /// is wanted? The drive is the one that reaches it in a tenth of a time constant `[Sadeghi, eq. 3]`, within the limits:
@@ -22,11 +31,11 @@ impl RodLoop {
     /// # Errors
     ///
     /// Those of [`Reference::checked`].
-    pub fn inverse_drive(
+    pub fn inverse_run(
         &self,
         reference: &Reference<'_>,
         n_samples: usize,
-    ) -> Result<Vec<f64>, TuneError> {
+    ) -> Result<InverseRun, TuneError> {
         reference.checked()?;
         let params = self.params();
         let hysteresis = self.plant().hysteresis();
@@ -40,7 +49,14 @@ impl RodLoop {
         let horizon_s = dt_s.max(self.tau_s() / HORIZONS_PER_TAU);
         let [kept_over_horizon, kept] =
             [horizon_s, dt_s].map(|time_s| libm::exp(-time_s / self.tau_s()));
-        let drives = (0..n_samples).map(|k| {
+        let mut run = InverseRun {
+            drive: Vec::with_capacity(n_samples),
+            output: vec![
+                self.output_at(hysteresis.peek(&memory, [coldest_degc]).fraction[0]);
+                params.dead_time_samples
+            ],
+        };
+        for k in 0..n_samples {
             let wanted = (reference.at(k, dt_s) - params.rod.offset) / params.rod.gain;
             let [mut below, mut above] = [coldest_degc, hottest_degc];
             for _ in 0..HALVINGS {
@@ -56,10 +72,15 @@ impl RodLoop {
                 (goal_degc - temperature_degc * kept_over_horizon) / (1.0 - kept_over_horizon);
             let drive = self.holding_drive(steady_degc);
             let balance_degc = self.balance_degc(drive);
+            let before_degc = temperature_degc;
             temperature_degc = balance_degc + (temperature_degc - balance_degc) * kept;
+            // Shown before the sample's drive acts.
+            let [fraction] = hysteresis.peek(&memory, [before_degc]).fraction;
+            run.output.push(self.output_at(fraction));
             let _fraction = hysteresis.commit(&mut memory, [temperature_degc]);
-            drive
-        });
-        Ok(drives.collect())
+            run.drive.push(drive);
+        }
+        run.output.truncate(n_samples);
+        Ok(run)
     }
 }

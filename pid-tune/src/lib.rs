@@ -84,6 +84,8 @@ pub use front::{FrontPoint, front};
 #[cfg(feature = "std")]
 pub use goal::{Across, Goal};
 #[cfg(feature = "std")]
+pub use inverse::InverseRun;
+#[cfg(feature = "std")]
 pub use limit_cycle::{PredictedCycle, RELIABLE_HARMONIC_RATIO};
 #[cfg(feature = "std")]
 pub use linear_loop::LinearLoop;

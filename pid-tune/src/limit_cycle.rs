@@ -45,9 +45,9 @@ pub struct PredictedCycle {
     /// Higher harmonics over the first in what the controller sees: root of the squares of those that the drive leaves
     /// in the temperature, behind the lag, and those that the hysteresis adds.
     pub harmonic_ratio: f64,
-    /// Whether that ratio is at most [`RELIABLE_HARMONIC_RATIO`].
+    /// True if that ratio is at most [`RELIABLE_HARMONIC_RATIO`].
     pub reliable: bool,
-    /// Whether a cycle a little larger shrinks and one a little smaller grows: Loeb's criterion, along the curve on
+    /// True if a cycle a little larger shrinks and one a little smaller grows: Loeb's criterion, along the curve on
     /// which the phase is balanced.
     pub stable: bool,
 }
@@ -312,8 +312,8 @@ impl<'a> HarmonicBalance<'a> {
         })
     }
 
-    /// What would move the bias of the controller if the cycle went on, in the drive's unit: 0 in balance, > 0 where
-    /// it would heat more.
+    /// Imbalance that would move the bias of the controller if the cycle went on, in the drive's unit: 0 in
+    /// balance, > 0 if it would heat more.
     fn drift(&self, balance: &Balance) -> f64 {
         let params = self.rod_loop.params();
         let kp = params.gains.kp;

@@ -7,20 +7,20 @@ use crate::{
 /// Share to which amplitude and frequency must agree for a forecast to be confirmed.
 pub const AGREEMENT: f64 = 0.15;
 
-/// What is foreseen for one history of the rod.
+/// Predicted limit cycle for one history of the rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forecast {
     /// Amplitude of the output's first harmonic, or of the sine of equal mean square, in the output's unit.
     pub amplitude: f64,
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// What it rests on.
+    /// Method that it rests on.
     pub source: Source,
-    /// Whether its method calls it reliable: [`PredictedCycle::reliable`] or [`ChatterOrbit::stable`].
+    /// True if its method calls it reliable: [`PredictedCycle::reliable`] or [`ChatterOrbit::stable`].
     pub reliable: bool,
 }
 
-/// What a forecast rests on.
+/// Method that a forecast rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// Harmonic balance.
@@ -29,7 +29,7 @@ pub enum Source {
     Chatter,
 }
 
-/// Whether a simulation bears out what was foreseen.
+/// Agreement of a simulation with its forecast.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Agreement {
     /// It rests where rest was foreseen, or cycles with amplitude and frequency to within [`AGREEMENT`].
@@ -45,9 +45,9 @@ pub enum Agreement {
 pub struct Outcome {
     /// Where it started.
     pub start: StartFrom,
-    /// What was foreseen; `None` is rest.
+    /// The forecast; `None` is rest.
     pub forecast: Option<Forecast>,
-    /// What it did; `None` is rest.
+    /// The oscillation in the simulation; `None` is rest.
     pub oscillation: Option<Oscillation>,
     /// How they compare.
     pub agreement: Agreement,
@@ -67,7 +67,7 @@ pub struct LoopAnalysis {
 }
 
 impl LoopAnalysis {
-    /// Whether a cycle is foreseen from any start.
+    /// True if a cycle is foreseen from any start.
     #[must_use]
     pub fn foresees_cycle(&self) -> bool {
         self.outcomes
@@ -75,7 +75,7 @@ impl LoopAnalysis {
             .any(|outcome| outcome.forecast.is_some())
     }
 
-    /// Whether a simulation cycles from any start.
+    /// True if a simulation cycles from any start.
     #[must_use]
     pub fn cycles_in_simulation(&self) -> bool {
         self.outcomes

@@ -22,7 +22,7 @@ const FREQUENCY_TOLERANCE: f64 = 1e-12;
 /// to be multiplied with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margins {
-    /// Whether the closed loop is stable: by the winding of 1 + L, whose poles are none of them unstable.
+    /// True if the closed loop is stable, by the Nyquist criterion: winding of 1 + L, which has no unstable poles.
     pub stable: bool,
     /// Factor on the gain that the loop bears; ∞ where L never is negative.
     pub gain_margin: f64,

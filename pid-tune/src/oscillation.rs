@@ -81,12 +81,12 @@ impl RodLoop {
             .max(SMALLEST_OF_RANGE * params.rod.gain.abs())
     }
 
-    /// What the loop does in the end: `None` where it comes to rest, or drifts.
+    /// Sustained oscillation of the simulated loop; `None` if it comes to rest, or drifts.
     ///
     /// The run lasts 60 τ, or twice kp/ki where that is longer (but no more than 200,000 samples), and then three
-    /// windows of 10 τ and 200 samples for each sample of delay, hold included. An oscillation is *sustained* if in each window its amplitude (half peak-to-peak) is at
-    /// least [`RodLoop::smallest_amplitude`] and 90 % of that in the window before, and if it passes its mean upward
-    /// three times.
+    /// windows of 10 τ and 200 samples for each sample of delay, hold included. An oscillation is *sustained* if in each
+    /// window its amplitude (half peak-to-peak) is at least [`RodLoop::smallest_amplitude`] and 90 % of that in the window
+    /// before, and if it passes its mean upward three times.
     ///
     /// # Errors
     ///
@@ -114,6 +114,7 @@ impl RodLoop {
             n_samples: settling + WINDOWS * window,
             ambient_degc: params.ambient_degc,
             feed_forward: None,
+            aim: None,
             disturbances: Disturbances {
                 quantization_step: params.quantization_step,
                 dead_time_samples: params.dead_time_samples,
@@ -166,7 +167,7 @@ impl RodLoop {
     }
 }
 
-/// What a window of outputs does.
+/// Oscillation in a window of outputs, and its upward passes through the mean.
 #[derive(Debug, Clone, Copy)]
 struct Window {
     oscillation: Oscillation,

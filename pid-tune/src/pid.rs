@@ -18,7 +18,7 @@ pub struct PidGains {
     pub kd: f64,
 }
 
-/// What the derivative term looks at.
+/// Input of the derivative term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DerivativeOf {
     /// The error: a step of the reference gives a kick.
@@ -27,7 +27,7 @@ pub enum DerivativeOf {
     Measurement,
 }
 
-/// What keeps the integral from growing while the drive is saturated.
+/// Anti-windup: keeps the integral from growing while the drive is saturated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AntiWindup {
     /// Nothing: the integral winds up. For comparison, and for the paper's loop, of which nothing else
@@ -69,9 +69,9 @@ pub struct PidParams {
     pub dt_s: f64,
     /// Limits of the drive.
     pub limits: DriveLimits,
-    /// What keeps the integral from winding up.
+    /// Anti-windup of the integral.
     pub anti_windup: AntiWindup,
-    /// What the derivative term looks at.
+    /// Input of the derivative term.
     pub derivative_of: DerivativeOf,
     /// Time constant T_f of the derivative's first-order filter, s; ≥ 0, and 0 leaves it unfiltered.
     pub derivative_filter_s: f64,
@@ -120,7 +120,7 @@ pub struct Pid<const L: usize = 1> {
     per_dt_s: f64,
 }
 
-/// What a [`Pid`] remembers.
+/// State of a [`Pid`] between samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PidState<const L: usize = 1> {
     integral: [f64; L],
@@ -148,7 +148,7 @@ impl<const L: usize> PidState<L> {
     }
 }
 
-/// What a controller sees at one sample.
+/// Inputs of a controller at one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample<const L: usize = 1> {
     /// Reference r, in the output's unit.
@@ -159,12 +159,12 @@ pub struct Sample<const L: usize = 1> {
     pub feed_forward: f64,
 }
 
-/// What a controller wants, in the drive's unit.
+/// Command of a controller, in the drive's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command<const L: usize = 1> {
     /// Drive u, within the limits; finite.
     pub drive: [f64; L],
-    /// The same before the limits, v.
+    /// Drive v before the limits.
     pub unsaturated: [f64; L],
 }
 

@@ -6,7 +6,7 @@ use crate::error::{finite, not_negative, positive, some_finite};
 /// An edge this close behind a sample, in samples, counts as on it: times are products, and products round.
 const EDGE_SAMPLES: f64 = 1e-6;
 
-/// What the output shall follow, in the output's unit, over time from sample 0 on.
+/// Reference signal that the output shall follow, in the output's unit, over time from sample 0 on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reference<'a> {
     /// One step.

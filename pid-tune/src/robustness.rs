@@ -8,7 +8,7 @@ use crate::{
 const EIGHTH: usize = 8;
 /// Swing that counts as an oscillation, as a share of the step: that of the band in which a response settles.
 const OSCILLATES: f64 = 0.02;
-/// What is left of an oscillation's swing an eighth later, at least.
+/// Least share of an oscillation's swing that is left an eighth later.
 const PERSISTS: f64 = 0.8;
 /// Way between the ends of both eighths above which they are a drift, as a share of their swings: it is 1
 /// for a drift, and at most ½ for whatever swings equally in both.
@@ -24,7 +24,7 @@ pub struct Ending {
     pub mean_error: f64,
     /// Largest minus smallest reference - output in the last eighth, in the output's unit.
     pub swing: f64,
-    /// The same in the eighth before.
+    /// Largest minus smallest reference - output in the eighth before, in the output's unit.
     pub swing_before: f64,
     /// Change of reference - output from the first sample of both eighths to the last, in the output's unit.
     pub drift: f64,
@@ -37,13 +37,14 @@ pub struct Ending {
 }
 
 impl Ending {
-    /// Whether the response to a step still oscillates at the end, in a way that does not die out: it swings
-    /// in the last eighth by more than 2 % of the step and by at least 0.8 of its swing in the eighth before,
-    /// and is no drift, which would have gone more than ¾ of both swings from end to end.
+    /// True if the response to a step still oscillates at the end, in a way that does not die out.
     ///
-    /// `step` is its height in the output's unit, of either sign; nothing is a share of 0, and `NaN` does not
-    /// oscillate. For steps well before the last quarter. The limits are our own choice, and an oscillation of
-    /// several eighths a period may be missed.
+    /// Its swing in the last eighth is more than 2 % of the step, and at least 0.8 of its swing in the eighth before.
+    /// A drift is no oscillation: from end to end, it goes more than ¾ of the sum of both swings.
+    ///
+    /// `step` is the height of the step in the output's unit, of either sign. For a step of 0, and for `NaN`, the result
+    /// is false. For steps well before the last quarter. The limits are our own choice. An oscillation of several eighths
+    /// a period may be missed.
     #[must_use]
     pub fn oscillates(&self, step: f64) -> bool {
         step.abs() > 0.0
@@ -150,7 +151,7 @@ impl<const L: usize> EndingLanes<L> {
     }
 }
 
-/// What 5, 50 and 95 % of the draws do not exceed.
+/// Percentiles of the draws: values that 5, 50 and 95 % of them do not exceed.
 ///
 /// ```text
 /// p_q = x_j + (h - j)(x_(j+1) - x_j),   h = q (n - 1),   j = floor(h)
@@ -191,7 +192,7 @@ impl Percentiles {
     }
 }
 
-/// What one controller does to many plants that may be the real one.
+/// Performance of one controller on many plants that may be the real one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Robustness {
     /// Number of plants.
@@ -200,11 +201,11 @@ pub struct Robustness {
     pub mse: Percentiles,
     /// [`Terms::energy`](crate::Terms::energy).
     pub energy: Percentiles,
-    /// What only a step has.
+    /// Terms that only a step has.
     pub step: Option<StepRobustness>,
 }
 
-/// What one controller does to many plants at a step.
+/// Performance of one controller on many plants at a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepRobustness {
     /// [`StepTerms::rise_time_s`], s.
@@ -277,7 +278,7 @@ pub struct Variation<'n, M> {
     pub plus: M,
 }
 
-/// What a [`Variation`] does to a response.
+/// Effect of a [`Variation`] on a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity<'n> {
     /// Name of the parameter.

@@ -17,7 +17,7 @@ pub struct RodLoopParams {
     pub rod: WienerParams,
     /// How the drive heats it.
     pub drive: Drive,
-    /// What its hysteresis remembers.
+    /// Memory rule of its hysteresis.
     pub rule: Rule,
     /// The controller; its lower limit is ≥ 0, because a drive below 0 heats like one above, or would have to cool.
     pub controller: PidParams,
@@ -46,7 +46,7 @@ pub struct RodLoop {
     pid: Pid,
     /// Steady rise of the temperature at a drive of 1, K.
     rise_k: f64,
-    /// Whether the power is that of a square.
+    /// True if the power is proportional to the square of the drive.
     squares: bool,
 }
 
@@ -91,7 +91,7 @@ impl RodLoop {
         })
     }
 
-    /// What it was made of.
+    /// Parameters of the loop.
     #[must_use]
     pub fn params(&self) -> &RodLoopParams {
         &self.params
@@ -204,7 +204,7 @@ impl RodLoop {
             .on_limiting_curve(Branch::Cooling, [hottest_degc])
     }
 
-    /// What the hysteresis remembers when the first cycle begins: the way to the set point at a limit, until the
+    /// Memory of the hysteresis when the first cycle begins: the way to the set point at a limit, until the
     /// controller would leave that limit, and the dead time after it.
     pub(crate) fn history(&self, approach: Approach) -> Memory<1> {
         let DriveLimits { lower, upper } = self.limits();

@@ -29,13 +29,13 @@ pub struct Opinion {
     pub cost: f64,
     /// Cost there over the lowest of the search; `NaN` if both are 0.
     pub ratio: f64,
-    /// What that means.
+    /// Verdict on the search.
     pub verdict: Verdict,
     /// Responses that it looked at.
     pub evaluations: u64,
 }
 
-/// What a simplex' end says of a search.
+/// Verdict on a search, by where a simplex ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// Both ended at the same cost, to 1 %.

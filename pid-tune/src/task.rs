@@ -15,7 +15,7 @@ const IDLE: PidGains = PidGains {
     kd: 0.0,
 };
 
-/// What can stop a [`Task`]: `E` is the error of its plants, [`Fleet::Error`].
+/// Errors that can stop a [`Task`]: `E` is the error of its plants, [`Fleet::Error`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TaskError<E> {
@@ -73,7 +73,7 @@ impl<'a, F> Task<'a, F> {
         &self.pid
     }
 
-    /// Whether the reference is a step, and so has a rise, a settling time and an overshoot.
+    /// True if the reference is a step, so that the response has a rise time, a settling time and an overshoot.
     pub(crate) fn is_step(&self) -> bool {
         self.n_after_step().is_some_and(|n_samples| n_samples >= 2)
     }

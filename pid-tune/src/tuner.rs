@@ -105,6 +105,7 @@ pub struct Tuned {
 ///     n_samples: 300,
 ///     ambient_degc: 22.0,
 ///     feed_forward: None,
+///     aim: None,
 ///     disturbances: Disturbances { quantization_step: 5.0 / 4096.0, ..Disturbances::default() },
 /// })?;
 /// let params = PidParams {

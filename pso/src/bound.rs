@@ -28,7 +28,7 @@ impl Bound {
         (self.lower + fraction * self.range()).clamp(self.lower, self.upper)
     }
 
-    /// Whether a value lies in the range; NaN does not.
+    /// True if a value lies in the range; false for NaN.
     pub(crate) fn contains(self, value: f64) -> bool {
         value >= self.lower && value <= self.upper
     }

@@ -1,6 +1,6 @@
 use crate::bound::Bound;
 
-/// What happens to one coordinate of a particle that would leave its bounds.
+/// Boundary condition: treatment of one coordinate of a particle that would leave its bounds.
 ///
 /// The other coordinates of the particle are left alone. The names and an experimental comparison
 /// are in [`Helwig2013`](crate#references).

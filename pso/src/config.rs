@@ -27,7 +27,7 @@ pub struct SwarmConfig {
     /// With weights that are not order-2 stable ([`Weights::is_order_2_stable`]) it must be set, or
     /// the speeds grow until every step ends at a bound.
     pub velocity_limit: Option<f64>,
-    /// What happens at the bounds.
+    /// Treatment of particles at the bounds.
     pub boundary: Boundary,
     /// Who informs whom.
     pub topology: Topology,

@@ -1,6 +1,6 @@
-/// What was wrong with a setting, a start, a batch of costs or a checkpoint.
+/// Errors in a setting, a start, a batch of costs or a checkpoint.
 ///
-/// Every text names the field as the caller wrote it, the value, and what would be accepted. Running
+/// Every text names the field as the caller wrote it, the value, and the accepted values. Running
 /// into a limit or finding no finite cost is a result ([`crate::Termination`], [`crate::Report`]),
 /// not an error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -150,7 +150,7 @@ pub enum SwarmError {
         particle: usize,
         /// Rejected value.
         value: f64,
-        /// What is accepted.
+        /// Accepted values.
         accepted: &'static str,
     },
 }

@@ -3,7 +3,7 @@ use rand::Rng;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// What an observer sees after each evaluation of the swarm.
+/// Progress of a run, as an observer sees it after each evaluation of the swarm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress<'a> {
     /// Moves so far; 0 after the starts.

@@ -47,7 +47,7 @@ pub struct Stall {
 }
 
 impl Stall {
-    /// Whether `history`, the best cost after each evaluation of the swarm, has stalled.
+    /// True if `history`, the best cost after each evaluation of the swarm, has stalled.
     #[must_use]
     pub fn holds(self, history: &[f64]) -> bool {
         let window = usize::try_from(self.iterations).unwrap_or(usize::MAX);

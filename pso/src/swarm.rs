@@ -97,8 +97,8 @@ impl<R: Rng> Swarm<R> {
     ///
     /// # Errors
     ///
-    /// What [`Swarm::new`] does not accept, and a checkpoint of another size, with a point outside the
-    /// bounds, or with a NaN.
+    /// All errors of [`Swarm::new`], and a checkpoint of another size, with a point outside the bounds, or
+    /// with a NaN.
     pub fn resume(
         config: SwarmConfig,
         bounds: &[Bound],

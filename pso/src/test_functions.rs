@@ -19,7 +19,7 @@ pub struct TestFunction {
     pub domain: Bound,
     /// A run that ends below this cost counts as a success.
     pub threshold: f64,
-    /// The same coordinate of the minimum in every dimension.
+    /// Coordinate of the minimum, equal in every dimension.
     pub minimizer: f64,
 }
 

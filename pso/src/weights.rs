@@ -4,7 +4,7 @@ use crate::error::{not_negative, positive};
 /// Weight w of the last velocity in the next one, move by move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Inertia {
-    /// The same in every move; finite, >= 0.
+    /// Constant in every move; finite, >= 0.
     Constant(f64),
     /// Falls (or rises) along a line [`Shi1998`](crate#references).
     ///
@@ -23,7 +23,7 @@ pub enum Inertia {
     Damped {
         /// Weight of the first move; finite, >= 0.
         first: f64,
-        /// What a move leaves of it; in (0, 1].
+        /// Factor on the weight after each move; in (0, 1].
         factor: f64,
     },
 }
@@ -42,7 +42,7 @@ impl Inertia {
         }
     }
 
-    /// What one move multiplies the running product by.
+    /// Factor of one move in the running product.
     pub(crate) fn factor(self) -> f64 {
         match self {
             Self::Damped { factor, .. } => factor,
@@ -158,8 +158,8 @@ impl Weights {
         }
     }
 
-    /// Whether the *variance* of the positions of a swarm that finds nothing new settles, for every
-    /// inertia the run passes through. Without it the velocity needs a limit.
+    /// True if the *variance* of the positions settles in a swarm that finds nothing new, for every
+    /// inertia of the run. If false, the velocity needs a limit.
     ///
     /// ```text
     /// 2 m (1 − w) − m² (1 − w)/(1 + w) − s² > 0,   m = (c1 + c2)/2,   s² = (c1² + c2²)/12

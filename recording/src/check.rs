@@ -21,7 +21,7 @@ impl Place<'_> {
     }
 }
 
-/// Whether time `rises`, from `previous` to `value` as an error shows them.
+/// Checks that time `rises`, from `previous` to `value` as an error shows them.
 pub(crate) fn check_rising(
     rises: bool,
     place: &Place<'_>,
@@ -40,7 +40,7 @@ pub(crate) fn check_rising(
     })
 }
 
-/// Whether a duty is in 0..`full_scale`.
+/// Checks that a duty is in 0..`full_scale`.
 pub(crate) fn check_duty(
     duty: f64,
     full_scale: f64,

@@ -127,7 +127,7 @@ fn crowds<'a>(sorted: impl Iterator<Item = &'a f64>) -> Option<(usize, usize)> {
     Some((samples, beside.iter().copied().max()?))
 }
 
-/// Whether two finite numbers are the same.
+/// True if two finite numbers are equal.
 fn same(a: f64, b: f64) -> bool {
     a <= b && b <= a
 }

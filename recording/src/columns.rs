@@ -7,7 +7,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 
 /// Which column of a file is what: the `[columns]` table of `rod.toml`.
 ///
-/// What is `None` is found by its default name, matched without case, with any unit that suits:
+/// A column that is `None` is found by its default name, matched without case, with any unit that suits:
 ///
 /// | key | default |
 /// | --- | --- |
@@ -40,11 +40,11 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor, value::MapAccessDeseria
 pub struct Columns {
     /// Time; must rise.
     pub time: Option<ColumnSpec>,
-    /// What drives the actuator.
+    /// Drive of the actuator.
     pub drive: Option<ColumnSpec>,
-    /// What drives a second actuator that pulls the other way, in a unit of the drive's quantity.
+    /// Drive of a second actuator that pulls the other way, in a unit of the drive's quantity.
     pub antagonist: Option<ColumnSpec>,
-    /// What the actuator does: displacement, angle, force; keeps its unit.
+    /// Output of the actuator: displacement, angle, force; keeps its unit.
     pub output: Option<ColumnSpec>,
     /// Measured temperature of the actuator.
     pub temperature: Option<ColumnSpec>,
@@ -61,15 +61,15 @@ pub struct Columns {
     pub skip: usize,
     /// The decimal mark, `.` or `,`; `None` takes it from the numbers.
     pub decimal: Option<char>,
-    /// Whether a file must be as the format says, with nothing adapted; see [`read_csv`](crate::read_csv).
+    /// True if a file must be as the format says, with nothing adapted; see [`read_csv`](crate::read_csv).
     pub strict: bool,
-    /// Whether fits take all samples as they were recorded, instead of [`mended`](crate::mended) ones; so they do with
-    /// [`Self::strict`].
+    /// True if fits take all samples as they were recorded, instead of [`mended`](crate::mended) ones. [`Self::strict`] has
+    /// this effect, too.
     pub as_recorded: bool,
 }
 
 impl Columns {
-    /// Whether a recording may be [`mended`](crate::mended) before it is fitted.
+    /// True if a recording may be [`mended`](crate::mended) before it is fitted.
     #[must_use]
     pub const fn may_mend(&self) -> bool {
         !(self.as_recorded || self.strict)
@@ -150,7 +150,7 @@ impl ColumnSpec {
         }
     }
 
-    /// The same column, in `unit`.
+    /// This column, in `unit`.
     #[must_use]
     pub fn in_unit(self, unit: impl Into<String>) -> Self {
         Self {

@@ -144,7 +144,7 @@ pub fn repeats(recording: &Recording) -> Option<Repeats> {
 /// Where the drive rises through a level.
 struct Rises {
     starts: Vec<usize>,
-    /// Whether the drive is back below the level after the last rise.
+    /// True if the drive is back below the level after the last rise.
     returned: bool,
 }
 
@@ -223,7 +223,7 @@ impl<'a> Comparison<'a> {
         Repeats { cycles, period_s }
     }
 
-    /// Whether the drive does in a period from `second` what it did from `first`.
+    /// True if the drive in a period from `second` repeats that from `first`.
     fn alike(&self, first: usize, second: usize, period_s: f64) -> bool {
         let (time_s, drive) = (self.recording.time_s(), self.recording.drive());
         let lag_s = time_s[second] - time_s[first];

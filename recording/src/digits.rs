@@ -59,7 +59,7 @@ impl Digits {
     }
 }
 
-/// Whether `number` is the binary number nearest to one with so many decimals.
+/// True if `number` is the binary number nearest to a decimal number with so many decimals.
 fn has_decimals(number: f64, decimals: i32) -> bool {
     // Exact up to 15 digits: the product is within half a unit of the whole number it stands for,
     // and the quotient of that number and a power of ten is rounded once, as parsing rounds it.

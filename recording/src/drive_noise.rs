@@ -48,7 +48,8 @@ pub struct DriveNoise {
     pub share_of_range: f64,
     /// Unit of the drive.
     pub unit: String,
-    /// Whether it is as large at rest, where nothing drives the rod: then it is the sensor's, and the rod did not see it.
+    /// True if the noise is as large at rest, where nothing drives the rod: it is then sensor noise, which the rod did not
+    /// see.
     pub is_of_the_sensor: bool,
 }
 
@@ -65,7 +66,7 @@ impl fmt::Display for DriveNoise {
 }
 
 impl DriveNoise {
-    /// What takes its place.
+    /// Description of the values that replace the noisy drive.
     pub(crate) fn replacement(&self) -> &'static str {
         "held levels are replaced by their means, ramps by lines"
     }
@@ -123,7 +124,7 @@ pub(crate) fn smooth(recording: &Recording) -> Option<(DriveNoise, Option<Vec<f6
     Some((noise, smooth))
 }
 
-/// Whether neighboring bends are as those of independent numbers; steps are not looked at.
+/// True if neighboring bends correlate as those of independent numbers do; bends at steps are left out.
 fn is_independent(bends: &[f64], usual: f64) -> bool {
     let small = |bend: &f64| bend.abs() < 4.0 * usual;
     let correlation = |lag: usize| {

@@ -1,4 +1,4 @@
-//! What can be wrong with a recording.
+//! Faults of a recording.
 
 use std::fmt;
 
@@ -34,7 +34,7 @@ pub enum RecordingError {
     Unreadable {
         /// The file.
         file: String,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 
@@ -84,9 +84,9 @@ pub enum RecordingError {
     NotText {
         /// The file.
         file: String,
-        /// What it is.
+        /// Kind of file that it is.
         what: &'static str,
-        /// What to save instead.
+        /// Form to save instead.
         expected: &'static str,
     },
 
@@ -265,7 +265,7 @@ pub enum RecordingError {
         file: String,
         /// The unit.
         unit: String,
-        /// What the drive is.
+        /// Quantity of the drive.
         quantity: &'static str,
         /// Its unit.
         expected: &'static str,
@@ -452,7 +452,7 @@ pub enum RecordingError {
     AmbientTwice {
         /// The file.
         file: String,
-        /// What is stated, °C.
+        /// Stated temperature, °C.
         ambient_degc: f64,
     },
 
@@ -547,7 +547,7 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    /// Whether it may be of how the file is written, not of what it says.
+    /// True if the fault may lie in how the file is written rather than in what it says.
     pub(crate) fn is_of_format(&self) -> bool {
         !matches!(
             self,
@@ -576,7 +576,7 @@ fn by_kind(file: &str, kinds: &[(RecordingError, usize)]) -> String {
     text
 }
 
-/// What to say of a clock that falls far.
+/// Hint for a clock that falls far.
 fn starts_anew(value: f64, previous: f64) -> &'static str {
     if value < 0.5 * previous {
         "; a clock that starts anew begins another recording: save its rows as a file of their own"
@@ -585,7 +585,7 @@ fn starts_anew(value: f64, previous: f64) -> &'static str {
     }
 }
 
-/// What to say of a row with too many fields.
+/// Hint for a row with too many fields.
 fn too_many(n_fields: usize, n_columns: usize) -> &'static str {
     if n_fields > n_columns {
         "; if commas stand both between fields and in numbers, save with semicolons or tabs between fields"
@@ -594,7 +594,7 @@ fn too_many(n_fields: usize, n_columns: usize) -> &'static str {
     }
 }
 
-/// What to say of a header among the rows.
+/// Hint for a header among the rows.
 fn header_again(value: &str, column: &str) -> &'static str {
     if value == column {
         "; a second header begins another recording: save its rows as a file of their own"
@@ -603,7 +603,7 @@ fn header_again(value: &str, column: &str) -> &'static str {
     }
 }
 
-/// What to say of a number with a decimal comma.
+/// Hint for a number with a decimal comma.
 fn decimal_comma(value: &str) -> &'static str {
     let is_number =
         value.matches(',').count() == 1 && value.replace(',', ".").parse::<f64>().is_ok();

@@ -38,7 +38,7 @@ impl Faults {
         }
     }
 
-    /// Whether there are so many that it is enough.
+    /// True if there are so many faults that reading stops.
     pub(crate) fn are_enough(&self) -> bool {
         self.n >= MOST
     }

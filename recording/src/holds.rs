@@ -113,7 +113,7 @@ impl<'a> Held<'a> {
         (self.low, self.high) = (self.drive[at], self.drive[at]);
     }
 
-    /// Whether it is held with one sample more.
+    /// True if the drive is still held with one sample more.
     fn stands(&self, at: usize) -> bool {
         let drive = self.drive[at];
         self.high.max(drive) - self.low.min(drive) <= self.tolerance

@@ -1,4 +1,4 @@
-//! What is in a recording.
+//! Inspection of a recording.
 
 use crate::adapt::Adaptation;
 use crate::clipping::{Clipping, clipping};
@@ -33,7 +33,7 @@ const FEWEST_LAST: usize = 4;
 /// Change of the output within it that counts as moving, as a share of its range.
 pub(crate) const MOVING: f64 = 0.02;
 
-/// What is in one column of a recording.
+/// Range, resolution and clipping of one column of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// `drive`, `antagonist`, `output`, `temperature`, `ambient`, `stress` or `resistance`.
@@ -70,12 +70,12 @@ impl Channel {
     }
 }
 
-/// What is in a recording, as far as it can be said without a model.
+/// Properties of a recording, as far as they can be told without a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
-    /// What the recording is called.
+    /// Name of the recording.
     pub name: String,
-    /// What was done to the file so that it could be read.
+    /// Adaptations of the file that made it readable.
     pub adaptations: Vec<Adaptation>,
     /// Its samples.
     pub n_samples: usize,
@@ -111,7 +111,7 @@ pub struct Inspection {
     pub cycles: Vec<Cycle>,
     /// Cycles that the drive repeats.
     pub repeats: Option<Repeats>,
-    /// Whether the drive rises to one level at one rate only: [`has_one_rate`].
+    /// True if the drive rises to one level at one rate only: [`has_one_rate`].
     pub has_one_rate: bool,
     /// Samples that do not belong to their series.
     pub wild: Vec<Wild>,
@@ -119,27 +119,27 @@ pub struct Inspection {
     pub slips: Vec<Slip>,
     /// Noise in the column of the drive.
     pub drive_noise: Option<DriveNoise>,
-    /// Whether all else is said of the recording without them, as fits take it.
+    /// True if all other fields describe the recording without wild samples, slips and noise of the drive, as fits take it.
     pub is_mended: bool,
     /// Noise of the output; `None` for static data and for fewer than three neighboring samples.
     pub noise_floor: Option<NoiseFloor>,
 }
 
 impl Inspection {
-    /// What in the recording stands in the way of identification, what that means and what to do.
+    /// Obstacles to identification in the recording, each with its meaning and a remedy.
     #[must_use]
     pub fn warnings(&self) -> Vec<Warning> {
         Warning::of(self)
     }
 }
 
-/// What is in a recording.
+/// Inspects a recording.
 ///
-/// Knows no model, and judges nothing: [`Inspection::warnings`] does. But for [`Inspection::wild`] and [`Inspection::drive_noise`] all is said of the [`mended`]
-/// recording. Holds of more than
-/// [`LONG_HOLD_S`] count for the noise after [`SETTLE_S`]; [`noise_floor`](crate::noise_floor) takes
-/// other times where the time constant is known. Never more than one channel is copied at a time:
-/// at most 50 bytes a sample beside the recording, usually 16.
+/// Uses no model, and judges nothing: [`Inspection::warnings`] does. All fields but [`Inspection::wild`],
+/// [`Inspection::slips`] and [`Inspection::drive_noise`] describe the [`mended`] recording. Holds of more than
+/// [`LONG_HOLD_S`] count for the noise after [`SETTLE_S`]; [`noise_floor`](crate::noise_floor) takes other times where the
+/// time constant is known. Never more than one channel is copied at a time: at most 50 bytes a sample beside the recording,
+/// usually 16.
 ///
 /// # Examples
 ///
@@ -171,7 +171,7 @@ pub fn inspect(recording: &Recording) -> Inspection {
     }
 }
 
-/// The same of a recording whose fits take all samples as they are.
+/// Inspects a recording whose fits take all samples as they are.
 #[must_use]
 pub fn inspect_as_recorded(recording: &Recording) -> Inspection {
     let time_s = recording.time_s();

@@ -15,11 +15,11 @@ const MAX_SHOWN: usize = 40;
 pub(crate) struct Column {
     /// Its place in a row, counted from 0.
     pub(crate) index: usize,
-    /// What errors call it.
+    /// Name in errors.
     pub(crate) label: String,
     /// How it converts; [`Unit::Own`] for what stays as it is.
     pub(crate) unit: Unit,
-    /// What errors call its unit.
+    /// Name of its unit in errors.
     pub(crate) unit_text: String,
     /// Counts of a duty that is always on.
     pub(crate) full_scale: f64,
@@ -66,7 +66,7 @@ pub(crate) struct Header<'a> {
     pub(crate) n_columns: usize,
 }
 
-/// What a column can be.
+/// Role of a column.
 pub(crate) struct Role {
     /// Key in the `[columns]` table.
     pub(crate) key: &'static str,
@@ -77,7 +77,7 @@ pub(crate) struct Role {
     /// Units that suit, and the same in words.
     units: &'static [Unit],
     pub(crate) units_text: &'static str,
-    /// Whether any other unit will do, kept as data.
+    /// True if any other unit is accepted, too, and kept as data.
     own_unit: bool,
 }
 
@@ -146,7 +146,7 @@ impl Role {
         (&[Unit::Ampere, Unit::Milliampere], "a or ma"),
     );
 
-    /// Whether a column without a unit says nothing.
+    /// True if a column of this role must state a unit.
     pub(crate) fn needs_unit(&self) -> bool {
         !self.own_unit && !self.units.contains(&Unit::One)
     }
@@ -196,7 +196,7 @@ impl Role {
     }
 }
 
-/// What a file is read for.
+/// Columns for which a file is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wanted {
     DriveAndOutput,

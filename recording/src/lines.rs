@@ -81,7 +81,7 @@ impl<'a, R: Read> Lines<'a, R> {
     }
 }
 
-/// What stands between fields.
+/// Separator of fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Delimiter {
     /// Exactly one of this character.

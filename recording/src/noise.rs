@@ -46,8 +46,8 @@ pub struct DifferenceNoise {
     /// Standard deviation by the mean square, in the unit of the output; too high by what the signal
     /// itself bends within two steps.
     pub standard_deviation: f64,
-    /// The same by the median absolute deviation, which fast motion in less than half of the
-    /// recording hardly moves; too low where the converter's step exceeds the noise.
+    /// Standard deviation by the median absolute deviation, which fast motion in less than half of the recording hardly
+    /// moves; too low where the converter's step exceeds the noise.
     pub robust_standard_deviation: f64,
     /// Threes of samples that went into it.
     pub samples: usize,
@@ -75,8 +75,8 @@ pub struct RepeatNoise {
     /// Standard deviation by the mean square of the differences of neighboring cycles, in the unit
     /// of the output.
     pub standard_deviation: f64,
-    /// The same by the median absolute deviation, which a few disturbances and a shift between the
-    /// cycles do not move.
+    /// Standard deviation by the median absolute deviation, which a few disturbances and a shift between the cycles do not
+    /// move.
     pub robust_standard_deviation: f64,
     /// Differences that went into it.
     pub samples: usize,
@@ -128,7 +128,7 @@ impl NoiseFloor {
             .map(|highest| highest.max(self.rounding.unwrap_or(0.0)))
     }
 
-    /// Whether there is a lower bound only.
+    /// True if there is a lower bound only.
     #[must_use]
     pub fn is_lower_bound_only(&self) -> bool {
         self.measured().is_none()
@@ -317,7 +317,7 @@ fn hold_noise(
     })
 }
 
-/// What varies about the line of least squares through a stretch.
+/// Deviations from the line of least squares through a stretch.
 #[derive(Debug, Clone, Copy, Default)]
 struct About {
     /// Sum of squares.

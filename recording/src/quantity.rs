@@ -1,8 +1,8 @@
-//! What a drive column measures.
+//! Physical quantities of a drive column.
 
 use serde::Deserialize;
 
-/// What the drive of a recording is; the physics behind it belongs to the model.
+/// Quantity of the drive of a recording; the physics behind it belongs to the model.
 ///
 /// Deserializes from `"current"`, `"duty"`, `"voltage"`, `"power"`, `"temperature"`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Deserialize)]

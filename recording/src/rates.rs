@@ -1,4 +1,4 @@
-//! Whether recordings pass through the loop at more than one rate.
+//! Number of rates at which recordings pass through the loop: one, or more.
 
 use crate::Recording;
 
@@ -21,11 +21,11 @@ struct Swing {
     is_rise: bool,
 }
 
-/// Whether the drives of recordings rise to one level at one rate only, and fall so.
+/// True if the drives of recordings rise to one level at one rate only, and fall likewise.
 ///
-/// How far the output then lags behind the temperature and how wide the loop is do the same to it: time constant, center and half
-/// width trade against one another, held apart by the shape of the branches alone. False for a drive that never moves by a fifth
-/// of its largest value, and for static data.
+/// At one rate, the lag of the output behind the temperature and the width of the loop have the same effect on the output.
+/// Time constant, center and half width then trade against one another; only the shape of the branches tells them apart.
+/// False for a drive that never moves by a fifth of its largest value, and for static data.
 #[must_use]
 pub fn has_one_rate(recordings: &[Recording]) -> bool {
     let largest = recordings

@@ -10,6 +10,7 @@ use crate::check::{Place, check_duty, check_rising};
 use crate::columns::Columns;
 use crate::error::{Position, RecordingError};
 use crate::faults::Faults;
+use crate::files::open_regular;
 use crate::layout::{Column, Header, Layout, ResistanceColumns, Wanted, shown};
 use crate::lines::{Delimiter, Lines};
 use crate::quantity::Quantity;
@@ -17,7 +18,7 @@ use crate::recording::{Recording, RecordingParts};
 use crate::resistance::Resistance;
 use crate::unit::Unit;
 
-/// What to read from a file, and how much.
+/// Columns to read from a file, their meaning, and limits.
 ///
 /// # Examples
 ///
@@ -31,11 +32,11 @@ use crate::unit::Unit;
 pub struct ReadOptions {
     /// Which column is what.
     pub columns: Columns,
-    /// What the drive column measures.
+    /// Quantity that the drive column measures.
     pub drive_quantity: Quantity,
-    /// Whether the time column may be missing although the drive is not a temperature. For static
-    /// data only, such as a loop measured point by point in steady state: the recording then has no
-    /// time ([`Sampling::Untimed`](crate::Sampling::Untimed)).
+    /// True if the time column may be missing although the drive is not a temperature. For static data only, such as a loop
+    /// measured point by point in steady state: the recording then has no time
+    /// ([`Sampling::Untimed`](crate::Sampling::Untimed)).
     pub allow_untimed: bool,
     /// Magnitude beyond which the supply gives no more of the drive, in the unit of its quantity, > 0: what is above counts as
     /// it, see [`Recording::limited`]. `None` where the drive acts as it is.
@@ -136,7 +137,7 @@ fn read(path: &Path, options: &ReadOptions, wanted: Wanted) -> Result<Recording,
     }
 }
 
-/// Whether the last byte of a file ends a line, as far as it can be seen.
+/// True if the last byte of a file ends a line, or cannot be read.
 fn ends_with_a_line(path: &Path) -> bool {
     let last = || {
         let mut file = File::open(path)?;
@@ -150,7 +151,7 @@ fn ends_with_a_line(path: &Path) -> bool {
 
 fn open(path: &Path) -> Result<(File, String), RecordingError> {
     let name = path.display().to_string();
-    match File::open(path) {
+    match open_regular(path) {
         Ok(file) => Ok((file, name)),
         Err(source) => Err(RecordingError::Unreadable { file: name, source }),
     }

@@ -45,14 +45,14 @@ pub struct Recording {
     pub(crate) adaptations: Vec<Adaptation>,
 }
 
-/// What a [`Recording`] is made of; all slices of one length.
+/// Parts of a [`Recording`]; all slices of one length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RecordingParts {
-    /// What errors and reports call it.
+    /// Name in errors and reports.
     pub name: String,
     /// Time, s; rising. `None` for static data, which have no time.
     pub time_s: Option<Vec<f64>>,
-    /// What `drive` is.
+    /// Quantity of `drive`.
     pub drive_quantity: Quantity,
     /// Drive in the unit of its quantity: A, 0..1, V, W or °C.
     pub drive: Vec<f64>,
@@ -76,14 +76,14 @@ pub struct RecordingParts {
 }
 
 impl Recording {
-    /// What was done to the file so that it could be read, and to what was read; nothing if it is as the format says, or of a part
-    /// of a recording.
+    /// Adaptations that made the file readable, and changes to the recording after reading. Empty if the file is as the
+    /// format says, and for a [`Self::slice`] of a recording.
     #[must_use]
     pub fn adaptations(&self) -> &[Adaptation] {
         &self.adaptations
     }
 
-    /// The same, made of a file that was adapted before all else.
+    /// This recording, with the adaptations of its file before its own.
     pub(crate) fn adapted_by(self, mut adaptations: Vec<Adaptation>) -> Self {
         adaptations.extend(self.adaptations);
         Self {
@@ -92,13 +92,13 @@ impl Recording {
         }
     }
 
-    /// The same, with one thing more that was done.
+    /// This recording, with one more adaptation.
     pub(crate) fn also_adapted_by(mut self, done: Adaptation) -> Self {
         self.adaptations.push(done);
         self
     }
 
-    /// The same, in surroundings of one temperature, °C.
+    /// This recording, in surroundings of one temperature, °C.
     pub(crate) fn with_ambient(&self, ambient_degc: f64) -> Result<Self, RecordingError> {
         let parts = RecordingParts {
             ambient_degc: Some(vec![ambient_degc; self.len()]),
@@ -107,11 +107,11 @@ impl Recording {
         Ok(Self::new(parts)?.adapted_by(self.adaptations.clone()))
     }
 
-    /// The same with another output, in the same unit: what a model leaves of it, say.
+    /// This recording with another output in the same unit, such as the residual of a model.
     ///
     /// # Errors
     ///
-    /// What [`Recording::new`] refuses: another number of samples, numbers that are not finite.
+    /// Errors of [`Recording::new`]: another number of samples, numbers that are not finite.
     pub fn with_output(&self, output: Vec<f64>) -> Result<Self, RecordingError> {
         let parts = RecordingParts {
             output,
@@ -253,7 +253,7 @@ impl Recording {
         })
     }
 
-    /// What errors and reports call it: the path of a file, as it was given.
+    /// Name in errors and reports: the path of a file, as it was given.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.parts.name
@@ -291,7 +291,7 @@ impl Recording {
         }
     }
 
-    /// The same as it stands in [`RecordingParts`]: empty if it is that of the quantity.
+    /// Unit of the drive as it stands in [`RecordingParts`]: empty if it is that of the quantity.
     pub(crate) fn own_drive_unit(&self) -> String {
         self.parts.drive_unit.clone()
     }
@@ -327,7 +327,7 @@ impl Recording {
             .collect()
     }
 
-    /// What the drive is.
+    /// Quantity of the drive.
     #[must_use]
     pub fn drive_quantity(&self) -> Quantity {
         self.parts.drive_quantity
@@ -381,7 +381,7 @@ impl Recording {
         self.parts.drive.is_empty()
     }
 
-    /// Whether time advances in equal steps.
+    /// Sampling of the recording: equal steps of time, unequal ones, or no time.
     #[must_use]
     pub fn sampling(&self) -> Sampling {
         self.sampling
@@ -427,10 +427,10 @@ impl Recording {
         })
     }
 
-    /// The same with drives that act `by_s` seconds earlier than they were recorded; after the last sample they are held. As it is
-    /// for static data.
+    /// This recording with drives that act `by_s` seconds earlier than recorded, held after the last sample. Unchanged for
+    /// static data.
     ///
-    /// A sample's drive is the mean of what is held over its span then, so that no step is rounded to a sample.
+    /// The drive of a sample is the mean of the shifted drive over its span, so that no step is rounded to a sample.
     #[must_use]
     pub fn driven_earlier(&self, by_s: f64) -> Self {
         let time_s = self.time_s();
@@ -478,7 +478,7 @@ impl Recording {
             .also_adapted_by(used))
     }
 
-    /// Whether there is anything to identify: both drive and output change.
+    /// Checks that there is anything to identify: both drive and output change.
     ///
     /// Not part of reading, so that a recording of nothing can still be inspected.
     ///

@@ -49,7 +49,7 @@ impl Resistance {
             .map(|ohm| ohm.is_finite().then_some(ohm))
     }
 
-    /// The same with other values in each column.
+    /// This resistance with other values in each column.
     pub(crate) fn map(&self, mut of: impl FnMut(&Vec<f64>) -> Vec<f64>) -> Self {
         match self {
             Self::Ohm(ohm) => Self::Ohm(of(ohm)),

@@ -160,7 +160,7 @@ fn longest_between(time_s: &[f64], slips: &[usize]) -> [f64; 2] {
         .unwrap_or_default()
 }
 
-/// Whether a step is far above the others around it.
+/// True if a step is far above the others around it.
 fn is_alone(steps: &[f64], k: usize) -> bool {
     let around = (k - AROUND..=k + AROUND).filter(|&other| other != k);
     let largest = around.fold(0.0_f64, |largest, other| largest.max(steps[other].abs()));
@@ -173,7 +173,7 @@ fn is_held(drive: &[f64], still: f64) -> bool {
     highest - lowest <= still
 }
 
-/// Whether the level behind a step is that before, and the step.
+/// True if the level behind a step is the level before it plus the step.
 fn stays(output: &[f64], k: usize, step: f64) -> bool {
     let median = |values: &[f64]| {
         let mut sorted = values.to_vec();

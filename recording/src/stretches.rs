@@ -15,7 +15,7 @@ pub(crate) struct Stretch {
 }
 
 impl Stretch {
-    /// Whether the series is held.
+    /// True if the series is held.
     pub(crate) fn is_level(&self) -> bool {
         self.slope.abs() <= 0.0
     }

@@ -1,24 +1,25 @@
-//! What the columns of a file could be, before anything is known of the rig.
+//! Possible meanings of the columns of a file, before anything is known of the rig.
 
-use std::fs;
+use std::io::Read;
 use std::path::Path;
 
 use crate::adapt::{Adaptation, guess, tabled};
 use crate::error::RecordingError;
+use crate::files::open_regular;
 use crate::quantity::Quantity;
 use crate::unit::{Unit, split_name};
 
 /// Different values that are counted, at most.
 const MOST_LEVELS: usize = 1000;
 
-/// What a column may be.
+/// Possible meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
     /// Time.
     Time,
     /// A drive.
     Drive(Quantity),
-    /// What the actuator does.
+    /// Output of the actuator.
     Output,
     /// Temperature of the actuator.
     Temperature,
@@ -49,17 +50,17 @@ pub struct SurveyedColumn {
     pub highest: f64,
     /// Largest difference of neighbors, in the unit of the column; 0 with fewer than two.
     pub largest_step: f64,
-    /// Whether each number is above the one before.
+    /// True if each number is above the one before.
     pub rises: bool,
-    /// Whether each number is whole.
+    /// True if all numbers are whole.
     pub is_whole: bool,
-    /// Whether it counts rows: 0, 1, 2, or from 1.
+    /// True if the column counts rows: from 0, or from 1.
     pub counts: bool,
-    /// Whether it holds dates or times of day.
+    /// True if the column holds dates or times of day.
     pub holds_stamps: bool,
-    /// What its name, unit and values speak for.
+    /// Meaning that its name, unit and values suggest.
     pub meaning: Option<Meaning>,
-    /// Whether its name or unit says so, or only its values.
+    /// True if its name or unit states the meaning; false if only its values suggest it.
     pub is_said: bool,
 }
 
@@ -72,7 +73,7 @@ pub struct Survey {
     pub n_rows: usize,
     /// Its columns, as they stand.
     pub columns: Vec<SurveyedColumn>,
-    /// What is to be done so that it can be read.
+    /// Adaptations that make the file readable.
     pub adaptations: Vec<Adaptation>,
 }
 
@@ -93,7 +94,7 @@ impl Survey {
         })
     }
 
-    /// Whether the output is a temperature.
+    /// True if the output is a temperature.
     #[must_use]
     pub fn shows_temperature(&self) -> bool {
         self.column(Meaning::Output)
@@ -108,7 +109,12 @@ impl Survey {
 /// [`RecordingError::Unreadable`], [`RecordingError::NotText`], and [`RecordingError::NoTable`] for a file without rows of numbers.
 pub fn survey(path: impl AsRef<Path>) -> Result<Survey, RecordingError> {
     let file = path.as_ref().display().to_string();
-    let bytes = fs::read(path.as_ref()).map_err(|source| RecordingError::Unreadable {
+    let read = || {
+        let mut bytes = Vec::new();
+        open_regular(path.as_ref())?.read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    let bytes = read().map_err(|source| RecordingError::Unreadable {
         file: file.clone(),
         source,
     })?;
@@ -158,7 +164,7 @@ pub fn survey(path: impl AsRef<Path>) -> Result<Survey, RecordingError> {
     })
 }
 
-/// Whether some numbers are those of their rows.
+/// True if each number is the number of its row, counted from 0 or from 1.
 fn counts_rows(values: &[f64]) -> bool {
     let start = values.first().copied().unwrap_or(-1.0);
     let rows = values.iter().enumerate();
@@ -244,8 +250,8 @@ impl Reading<'_> {
         });
     }
 
-    /// What is left goes by its values: time rises, an output has more values than anything else. A column in another unit is none
-    /// of them.
+    /// Gives the remaining columns meanings by their values: time rises, an output has more values than anything else. A
+    /// column in another unit gets none of these meanings.
     fn by_values(&mut self) {
         let is_free = |column: &SurveyedColumn| column.unit.is_none() && column.n_levels > 1;
         self.set(Meaning::Time, false, |column| {
@@ -344,13 +350,13 @@ impl SurveyedColumn {
         unit.is_some_and(|unit| units.contains(&unit))
     }
 
-    /// Whether unit or name say that it is a temperature.
+    /// True if unit or name state a temperature.
     fn is_temperature(&self) -> bool {
         self.is_in(units_of(Quantity::Temperature)) || self.is_called(&guess::TEMPERATURE)
     }
 
-    /// Whether its values could be the temperatures of a slow cycle, °C: from a cold chamber to a furnace that alloys stand, over more
-    /// than rooms do, on the way and not in jumps.
+    /// True if its values could be the temperatures of a slow cycle, °C: within the range from a cold chamber to a furnace
+    /// that alloys stand, over a wider span than in a room, and without jumps.
     fn looks_like_a_temperature(&self) -> bool {
         const LOWEST_DEGC: f64 = -200.0;
         const HIGHEST_DEGC: f64 = 600.0;

@@ -38,7 +38,7 @@ pub(crate) enum Unit {
 /// 0 °C on the kelvin scale, by definition.
 const ZERO_CELSIUS_K: f64 = 273.15;
 
-/// The same on that of Fahrenheit, and its degrees in a kelvin.
+/// 0 °C on the Fahrenheit scale, and degrees Fahrenheit in a kelvin, by definition.
 const ZERO_CELSIUS_DEGF: f64 = 32.0;
 const DEGF_PER_K: f64 = 1.8;
 
@@ -151,7 +151,8 @@ pub(crate) fn split_name(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Whether a word after an underscore is a unit: others are words of their own in many names, as `plug_in`.
+/// True if a word after an underscore is a unit. Some units are words of their own in many names, as in `plug_in`: these
+/// count as no unit.
 pub(crate) fn is_suffix(word: &str) -> bool {
     let is_word = [
         "1", "in", "f", "h", "hour", "min", "minute", "second", "counts",

@@ -1,4 +1,4 @@
-//! What is used of a recording, by the wish of its user.
+//! Parts and corrections of a recording that its user asks for.
 
 use std::ops::Range;
 

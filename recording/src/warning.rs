@@ -1,4 +1,4 @@
-//! What in a recording stands in the way of identification.
+//! Obstacles to identification in a recording.
 
 use std::fmt;
 
@@ -21,8 +21,7 @@ const COARSE_STEP: f64 = 0.5;
 /// Steps that differ by less than this share of the median step are not worth a warning.
 const MILD_JITTER: f64 = 0.01;
 
-/// What in a recording stands in the way of identification; displays as what was found, what it
-/// means and what to do.
+/// Obstacle to identification in a recording; displays as what was found, what it means and what to do.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
@@ -76,7 +75,7 @@ pub enum Warning {
     Wild {
         /// Which.
         wild: Wild,
-        /// Whether fits replace them.
+        /// True if fits replace them.
         is_replaced: bool,
     },
     /// The output slips.
@@ -85,7 +84,7 @@ pub enum Warning {
     NoisyDrive {
         /// By how much, and whether the rod felt it.
         noise: DriveNoise,
-        /// Whether fits smooth it.
+        /// True if fits smooth the drive.
         is_smoothed: bool,
     },
     /// The output or the temperature is flat at an extreme, other than at rest before the drive rises.
@@ -269,7 +268,7 @@ impl fmt::Display for WithUnit<'_> {
     }
 }
 
-/// The same, into a text under way.
+/// Writes a number and its unit, without a unit of one, into a text under way.
 pub(crate) fn quantity(f: &mut fmt::Formatter<'_>, value: f64, unit: &str) -> fmt::Result {
     write!(f, "{}", WithUnit(value, unit))
 }

@@ -11,7 +11,8 @@ use crate::warning::quantity;
 /// times.
 const FAR: f64 = 30.0;
 
-/// The same over what is usual around it: an output may be quiet for most of the time, and busy here.
+/// Distance from the line between the neighbors, over what is usual around a sample, from which it is wild: an output may be
+/// quiet for most of the time, and busy here.
 const FAR_HERE: f64 = 10.0;
 
 /// Steps of its converter that an output goes, at least.
@@ -57,7 +58,7 @@ pub struct Wild {
     pub time_s: Option<f64>,
 }
 
-/// What and where, without a verb; what becomes of the samples is for the caller to say.
+/// Kind and place of the samples, without a verb; the caller adds what becomes of them.
 impl fmt::Display for Wild {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { role, value, .. } = self;
@@ -104,7 +105,7 @@ impl Wild {
         }
     }
 
-    /// What takes their place.
+    /// Description of the values that replace the samples, with its verb.
     pub(crate) fn replacement(&self) -> &'static str {
         let is = if self.samples.len() == 1 { "is" } else { "are" };
         match (is, self.runs().iter().all(|run| run.len() == 1)) {
@@ -181,7 +182,7 @@ impl Ordered {
         at(0.99) - at(0.01)
     }
 
-    /// Whether the series stands at a value again and again: a drive that switches may do so for a sample.
+    /// True if the series stands at a value again and again: a drive that switches may do so for a single sample.
     fn has_level(&self, value: f64) -> bool {
         let near = LEAST * self.range();
         let below = self.0.partition_point(|other| *other < value - near);
@@ -190,7 +191,7 @@ impl Ordered {
     }
 }
 
-/// Whether the drive is switched by a step that is large, just before a run or within it.
+/// True if the drive makes a step larger than `large` just before a run or within it.
 fn is_after_a_step(drive: &[f64], large: f64, run: &Range<usize>) -> bool {
     let before = &drive[run.start.saturating_sub(2)..run.end];
     before.windows(2).any(|two| (two[1] - two[0]).abs() > large)
@@ -230,7 +231,7 @@ fn wild_in(values: &[f64], least: f64, longest: usize) -> Vec<Range<usize>> {
     found
 }
 
-/// Whether a run stands at one value, far from what is before and behind it.
+/// True if a run stands at one value, far from the samples before and behind it.
 fn is_wild(values: &[f64], run: Range<usize>, usual: f64) -> bool {
     if run.end >= values.len() {
         return false;
@@ -248,7 +249,7 @@ fn is_wild(values: &[f64], run: Range<usize>, usual: f64) -> bool {
         && distance > FAR_HERE * usual_around(values, &run)
 }
 
-/// What neighbors differ by around a run, which itself and its neighbors have no part in.
+/// Usual difference of neighboring samples around a run; the run itself and the steps into it and out of it are left out.
 fn usual_around(values: &[f64], run: &Range<usize>) -> f64 {
     let before = &values[run.start.saturating_sub(AROUND)..run.start];
     let after = &values[run.end..(run.end + AROUND).min(values.len())];

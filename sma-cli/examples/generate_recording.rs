@@ -25,7 +25,7 @@ const CONVERTER_STEP_MM: f64 = 5.0 / 4096.0;
 
 type Made<T> = Result<T, Box<dyn Error>>;
 
-/// What the rod really is.
+/// True parameters of the rod.
 pub(crate) fn truth() -> Made<WienerParams> {
     let rod = RodParams {
         diameter_m: 1.2e-3,

@@ -7,7 +7,7 @@ use truth_plant::{
     Converter, Draw, LatentHeat, Noise, NoiseKind, Shape, Supply, Traces, TruthError, TruthPlant,
 };
 
-/// What is concealed in it.
+/// Effects that are concealed in it.
 pub(crate) const CONCEALED: &str =
     "A wire that takes up 15 kJ/kg while it transforms, behind a supply that answers 0.8 s late.";
 
@@ -43,7 +43,7 @@ pub(crate) fn rig() -> TruthPlant {
     }
 }
 
-/// What is known of it.
+/// Its rod file: the properties that are known.
 pub(crate) fn rod_file(plant: &TruthPlant, drive_max: f64) -> String {
     let rod = &plant.rod;
     format!(

@@ -13,6 +13,7 @@ use wiener::WienerError;
 use workbench::{RigError, WorkbenchError};
 
 use crate::resume::ResumeError;
+use crate::terminal::harmless;
 
 /// How a command that did its work ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +31,7 @@ pub(crate) enum Outcome {
 const DONE: u8 = 0;
 const FAILED: u8 = 1;
 const BAD_INPUT: u8 = 3;
-/// What came out is not to be used.
+/// The result is not to be used.
 const NOT_TO_BE_USED: u8 = 4;
 /// Interrupted by Ctrl-C, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -41,7 +42,11 @@ pub(crate) fn report(result: &anyhow::Result<Outcome>) -> ExitCode {
         && !is_closed_pipe(error)
     {
         // Nobody is left to tell if stderr is closed too.
-        let _ = writeln!(io::stderr(), "sma: {}", with_sources(error.as_ref()));
+        let _ = writeln!(
+            io::stderr(),
+            "sma: {}",
+            harmless(&with_sources(error.as_ref()))
+        );
     }
     ExitCode::from(code(result))
 }

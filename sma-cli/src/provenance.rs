@@ -17,7 +17,9 @@ pub(crate) fn provenance(seed: u64, inputs: &[&Path]) -> Result<Provenance, Work
 
 /// The call of this program, but for what it was resumed from: the result is the same.
 pub(crate) fn call() -> String {
-    spelled(std::env::args().skip(1))
+    // A name that is not UTF-8 has no spelling; what stands for it says so.
+    let arguments = std::env::args_os().skip(1);
+    spelled(arguments.map(|argument| argument.to_string_lossy().into_owned()))
 }
 
 fn spelled(mut arguments: impl Iterator<Item = String>) -> String {

@@ -1,4 +1,4 @@
-//! What an interrupted search has found, kept so that the next run goes on from it.
+//! Starts of an interrupted search, kept so that the next run goes on from them.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -7,15 +7,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Context;
 use identify::{EndedStart, InputFile, Provenance};
+use recording::read_text;
 use serde::{Deserialize, Serialize};
 
 use crate::outcome::INTERRUPTED;
+use crate::terminal::harmless;
 
-/// At Ctrl-C says how to go on, and ends the program.
+/// Most bytes of a file of `--resume`: far more than any search writes.
+const MOST_BYTES: u64 = 1 << 28;
+
+/// At Ctrl-C, and where the machine or the terminal ends the program (SIGTERM, SIGHUP), says how to go on, and ends.
 pub(crate) fn on_interrupt(said: impl Fn() -> String + Send + 'static) -> anyhow::Result<()> {
     let leave = move || {
         // Nobody is left to tell if stderr is closed too.
-        let _ = writeln!(io::stderr(), "\nsma: interrupted; {}", said());
+        let _ = writeln!(io::stderr(), "\nsma: interrupted; {}", harmless(&said()));
         std::process::exit(i32::from(INTERRUPTED));
     };
     ctrlc::set_handler(leave).context("Ctrl-C cannot be caught")
@@ -135,7 +140,7 @@ impl From<&Provenance> for Of {
 impl Kept {
     fn open(path: &Path, of: Of) -> anyhow::Result<Self> {
         let cannot = || format!("{}: cannot be read", path.display());
-        let text = match fs::read_to_string(path) {
+        let text = match read_text(path, MOST_BYTES) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
             Err(error) => return Err(error).with_context(cannot),
@@ -207,7 +212,7 @@ impl Kept {
         format!("{}: cannot be written", self.path.display())
     }
 
-    /// What is said of an interrupted run; what was not on the disk goes there.
+    /// Message of an interrupted run. Starts that were not on the disk go there.
     fn leave(&mut self) -> String {
         if self.ended.is_empty() {
             return "nothing was kept yet".to_owned();

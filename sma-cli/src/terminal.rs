@@ -1,5 +1,6 @@
-//! What is said while a command runs, and where its text goes.
+//! Progress and notes while a command runs, and output of its text.
 
+use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 
@@ -18,11 +19,21 @@ pub(crate) fn bar(quiet: bool, length: u64, template: &str) -> ProgressBar {
     bar
 }
 
+/// A text without what commands a terminal: names of files may hold escape sequences.
+pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
+    let commands = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if text.contains(commands) {
+        Cow::Owned(text.replace(commands, "\u{fffd}"))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
 /// Notes go to stderr, a line each, unless nobody wants them.
 pub(crate) fn say(quiet: bool, notes: &[String]) -> io::Result<()> {
     if !quiet {
         for note in notes {
-            writeln!(io::stderr(), "note: {note}")?;
+            writeln!(io::stderr(), "note: {}", harmless(note))?;
         }
     }
     Ok(())
@@ -30,6 +41,20 @@ pub(crate) fn say(quiet: bool, notes: &[String]) -> io::Result<()> {
 
 /// A closed pipe comes back as an `io::Error` and ends the program quietly.
 pub(crate) fn write_stdout(text: &str) -> io::Result<()> {
-    io::stdout().write_all(text.as_bytes())?;
+    io::stdout().write_all(harmless(text).as_bytes())?;
     io::stdout().flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::harmless;
+
+    #[test]
+    fn escape_sequences_do_not_reach_a_terminal() {
+        assert_eq!(harmless("a\tb\n°C ─ ⣿"), "a\tb\n°C ─ ⣿");
+        assert_eq!(
+            harmless("\u{1b}]0;owned\u{7}.csv\r"),
+            "\u{fffd}]0;owned\u{fffd}.csv\u{fffd}"
+        );
+    }
 }

@@ -68,7 +68,7 @@ fn chromium() -> Option<PathBuf> {
     places.into_iter().find(|place| place.is_file())
 }
 
-/// What a reader finds on a page of some width.
+/// Content of a page of some width, as a reader finds it.
 fn read(chromium: &Path, page: &str, folder: &Path, width: u32) -> Value {
     let used = page
         .replacen("<head>", &format!("<head>{LISTEN}"), 1)

@@ -12,7 +12,7 @@ use crate::plant::Plants;
 use crate::solve::{Ending, Evaluated, Problem};
 use crate::state::{PlantsState, Zone};
 
-/// What is the same for all zones in a part of a sample.
+/// Data common to all zones in a part of a sample.
 #[derive(Debug)]
 struct Leg<'a, const L: usize> {
     stage: &'a Stage<L>,
@@ -22,13 +22,13 @@ struct Leg<'a, const L: usize> {
     ambient_degc: f64,
     /// Coefficients of the whole sample.
     sample: &'a Sample<L>,
-    /// What own hypotheses add.
+    /// Terms of own hypotheses.
     own: Option<&'a OwnMemory<L>>,
     /// Heat along the rod.
     along: Option<&'a Along<'a, L>>,
 }
 
-/// What moves heat along the rod in a part of a sample.
+/// Conduction of heat along the rod in a part of a sample.
 #[derive(Debug)]
 #[repr(align(64))]
 struct Along<'a, const L: usize> {

@@ -42,7 +42,7 @@ pub(crate) struct Ends<const L: usize> {
     pub(crate) beyond: BeyondMean<L>,
 }
 
-/// What conduction does beyond that at the mean conductivity, at the start of the last part of a sample that had a length.
+/// Rate of conduction beyond that at the mean conductivity, at the start of the last part of a sample that had a length.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct BeyondMean<const L: usize> {
@@ -162,7 +162,7 @@ impl<const L: usize> Transfers<L> {
     }
 }
 
-/// What a length of time does to temperatures above the surroundings, beyond what the zones would do each by itself.
+/// Change of the temperatures above the surroundings over a length of time, beyond the change of each zone by itself.
 ///
 /// ```text
 /// du/dt = -(1/τ + A) u + p/C
@@ -280,7 +280,7 @@ impl<const L: usize> Transfer<L> {
         }
     }
 
-    /// What conduction adds to a node's temperature, K, the nodes at first that far above the surroundings.
+    /// Contribution of conduction to a node's temperature, K. `above_k`: the nodes above the surroundings at the start.
     #[inline(always)]
     pub(crate) fn moved_k(&self, node: usize, above_k: &[[f64; L]; NODES]) -> [f64; L] {
         let mut moved_k = [0.0; L];

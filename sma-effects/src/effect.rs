@@ -1,4 +1,4 @@
-//! What every effect is to the plant: the places where it may act.
+//! Interface of every effect to the plant: the places where it may act.
 
 use wiener::hysteresis::Hysteresis;
 use wiener::{Drive, WienerParams};
@@ -10,7 +10,7 @@ use crate::{EffectValues, Setting};
 pub(crate) struct Base<'a, const L: usize> {
     pub(crate) setting: &'a Setting,
     pub(crate) params: &'a [WienerParams; L],
-    /// The same hysteresis with the rule of memory that the baseline does not have.
+    /// Hysteresis of the baseline, with the other rule of memory.
     pub(crate) other_memory: Hysteresis<L>,
 }
 
@@ -47,11 +47,11 @@ pub(crate) struct Moment {
     pub(crate) dt_s: f64,
     /// Share of the run that is over in its middle; 0 where the run's length is unknown.
     pub(crate) run_share_middle: f64,
-    /// The same at its end.
+    /// Share of the run that is over at its end; 0 where the run's length is unknown.
     pub(crate) run_share_end: f64,
 }
 
-/// What acts on the zones of the rod in a part of a sample.
+/// Inputs that act on the zones of the rod in a part of a sample.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct Acting<const L: usize> {
@@ -77,18 +77,17 @@ pub(crate) struct Before<const L: usize> {
     pub(crate) driving_degc: [f64; L],
     /// dt/τ ≤ 1 of the zone's own heat balance.
     pub(crate) rate: [f64; L],
-    /// What counts of a change of this zone's temperature for a flow into it that is taken as constant:
-    /// [`counted`].
+    /// Weight of a change of this zone's temperature in a flow into it that is taken as constant: [`counted`].
     pub(crate) counted: [f64; L],
 }
 
-/// What counts of a change over a sample for a flow that is taken as constant.
+/// Weight of a change over a sample in a flow that is taken as constant.
 ///
 /// ```text
 /// ½ + a/12 + a/12
 /// ```
 ///
-/// A change that fades with the rate a = dt/τ of a zone is for the greater part over early; and later
+/// A change that fades with the rate a = dt/τ of a zone happens for the greater part early in the sample. Later
 /// heat is less cooled away by the end of the sample.
 #[inline(always)]
 pub(crate) fn counted(rate: f64) -> f64 {
@@ -135,7 +134,7 @@ pub(crate) struct Trial<const L: usize> {
     /// (p_0' - p_1') (θ_1 - θ_0)/12     (the trapezoid's correction by the slopes at its ends)
     /// ```
     pub(crate) bend: [f64; L],
-    /// The same for the whole rod.
+    /// `bend` of the whole rod.
     pub(crate) mean_bend: [f64; L],
 }
 
@@ -181,7 +180,7 @@ pub(crate) struct Standing<const L: usize> {
     pub(crate) transformed: [f64; L],
 }
 
-/// What the displacement is made from, beside the fraction.
+/// Inputs of the displacement, beside the fraction.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(crate) struct Seen<const L: usize> {
@@ -248,27 +247,27 @@ impl<const L: usize> Flow<L> {
 /// Every hook adds a term that is exactly 0, or multiplies by exactly 1, where the sizes are 0. All
 /// of them are plain loops over lanes.
 pub(crate) trait Effect<const L: usize>: Sized {
-    /// What it remembers once for the rod.
+    /// Memory of the effect, one for the rod.
     type Rod: Clone + core::fmt::Debug + PartialEq;
-    /// What it remembers in each zone.
+    /// Memory of the effect, one for each zone.
     type Zone: Clone + core::fmt::Debug + PartialEq;
-    /// Whether it changes the heating power.
+    /// True if it changes the heating power.
     const CHANGES_POWER: bool = false;
-    /// Whether it adds heat: the heat balance of a sample must then be solved for its end.
+    /// True if it adds heat: the heat balance of a sample must then be solved for its end.
     const FLOWS: bool = false;
-    /// Whether it changes the fraction at a temperature.
+    /// True if it changes the fraction at a temperature.
     const CHANGES_FRACTION: bool = false;
-    /// Whether it shifts the loop: the same.
+    /// True if it shifts the loop: the heat balance of a sample must then be solved for its end.
     const SHIFTS: bool = false;
-    /// Whether it must know the displacement in the middle of a sample.
+    /// True if it must know the displacement in the middle of a sample.
     const WANTS_MIDDLE: bool = false;
-    /// Whether it changes the temperature of the surroundings.
+    /// True if it changes the temperature of the surroundings.
     const CHANGES_AMBIENT: bool = false;
-    /// Whether it remembers something in the zones, or acts on the stroke of one.
+    /// True if it remembers something in the zones, or acts on the stroke of one.
     const STANDS_IN_ZONE: bool = false;
-    /// Whether it changes the displacement.
+    /// True if it changes the displacement.
     const SHOWS: bool = false;
-    /// Whether it changes the recorded temperature.
+    /// True if it changes the recorded temperature.
     const RECORDS: bool = false;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self;
@@ -317,7 +316,7 @@ pub(crate) trait Effect<const L: usize>: Sized {
     ) {
     }
 
-    /// The same at the start, where all is still; `share` as in [`ZoneStart`].
+    /// Changes the displacement at the start, where all is still; `share` as in [`ZoneStart`].
     fn settle(
         &self,
         rod: &mut Self::Rod,
@@ -341,7 +340,7 @@ pub(crate) trait Effect<const L: usize>: Sized {
     ) {
     }
 
-    /// The same at the start, where all is still.
+    /// Changes the recorded temperature at the start, where all is still.
     fn settle_temperature(&self, _rod: &mut Self::Rod, _temperature_degc: &mut [f64; L]) {}
 }
 

@@ -1,4 +1,4 @@
-//! What effects need beside the polynomials of the hysteresis.
+//! Functions that effects need beside the polynomials of the hysteresis.
 
 pub(crate) use wiener::hysteresis::{expm1, ln};
 

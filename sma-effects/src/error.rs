@@ -1,7 +1,7 @@
 use wiener::WienerError;
 use wiener::hysteresis::HysteresisError;
 
-/// What can be wrong with an extended plant.
+/// Errors in the values, the setting or the hypotheses of an extended plant.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhysicsError {
@@ -124,7 +124,7 @@ pub enum PhysicsError {
     Unreadable {
         /// File.
         file: String,
-        /// What the system says.
+        /// Message of the operating system.
         why: String,
     },
     /// A file of hypotheses is none: syntax, unknown key, wrong type.
@@ -136,7 +136,7 @@ pub enum PhysicsError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What the parser found and would have accepted.
+        /// Message of the parser: its finding, and the text that it would have accepted.
         message: String,
     },
     /// A value in a file of hypotheses is not accepted.
@@ -148,9 +148,9 @@ pub enum PhysicsError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What was found: a key and its value, where it has one.
+        /// Rejected entry: a key, and its value if it has one.
         key: String,
-        /// What is wrong with it, or would be accepted.
+        /// Error in it, or the accepted values.
         accepted: String,
     },
     /// No effect has this id.

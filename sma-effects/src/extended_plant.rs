@@ -124,9 +124,9 @@ impl ExtendedState {
         self.lanes.time_s
     }
 
-    /// What the Newton search of the last sub-step left: the temperature of the heat balance less that at
-    /// which the hysteresis was evaluated, K; of the zones that which is larger in magnitude. Exactly 0
-    /// where nothing had to be searched.
+    /// Residual of the Newton search of the last sub-step, K: the temperature of the heat balance less the
+    /// temperature at which the hysteresis was evaluated. Of several zones, the residual of the largest
+    /// magnitude. Exactly 0 if nothing had to be searched.
     #[must_use]
     pub fn residual_k(&self) -> f64 {
         self.lanes.residual_k[0]

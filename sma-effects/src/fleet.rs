@@ -24,7 +24,7 @@ pub struct Member {
 /// Each member's outputs are the same bits as from [`run`](wiener::run) on that plant alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Extended {
-    /// What all members have in common.
+    /// Setting common to all members.
     pub setting: Setting,
 }
 

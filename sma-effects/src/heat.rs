@@ -17,7 +17,7 @@ pub(crate) struct ZoneHeat<const L: usize> {
     pub(crate) per_capacity_k_m_per_j: [f64; L],
 }
 
-/// What a part of a sample does to a zone without heat beyond the baseline's.
+/// Response of a zone to a part of a sample, without heat beyond the baseline's.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(crate) struct Reference<const L: usize> {
@@ -37,7 +37,7 @@ impl<const L: usize> ZoneHeat<L> {
         })
     }
 
-    /// What the baseline loses at a temperature, W/m; nothing below that of the surroundings.
+    /// Heat loss of the baseline at a temperature, W/m; 0 below the temperature of the surroundings.
     #[inline(always)]
     pub(crate) fn lost(&self, temperature_degc: &[f64; L], ambient_degc: f64) -> [f64; L] {
         core::array::from_fn(|l| {

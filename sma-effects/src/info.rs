@@ -1,8 +1,8 @@
-//! What is said of an effect, apart from its equation.
+//! Facts about an effect, apart from its equation.
 
 use crate::{EffectId, EffectParameter, Role};
 
-/// What is known of an effect before any recording is looked at.
+/// Facts about an effect that are known before any recording is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectInfo {
     /// Name in files, flags and reports.
@@ -11,15 +11,15 @@ pub struct EffectInfo {
     pub name: &'static str,
     /// Where it acts.
     pub block: EffectBlock,
-    /// Whether it can take so many shapes that a good fit does not license its name.
+    /// True if it can take so many shapes that a good fit does not license its name.
     pub flexible: bool,
     /// How the output follows its sizes.
     pub smoothness: Smoothness,
-    /// What must be known before it can be computed, or told from others.
+    /// Data that must be known before it can be computed, or distinguished from others.
     pub needs: &'static [Need],
     /// Its parameters, sizes before partners.
     pub parameters: &'static [EffectParameter],
-    /// What it adds to the model, in a line; the effect's own documentation says it exactly.
+    /// Its term in the model, in a line; the effect's own documentation gives it exactly.
     pub equation: &'static str,
     /// Sentence for a report. `{value}` stands for the size with its unit (of several, for the one
     /// that its name rests on, which has a `least`, or the largest in magnitude), `{partner}` for the partner with its unit.
@@ -31,17 +31,19 @@ pub struct EffectInfo {
     /// Those that do the same to the displacement in every rig as long as the drive is slow: losses that grow faster than
     /// the temperature, delays, slow shifts of the loop. Symmetrical and transitive: groups.
     pub acts_like: &'static [EffectId],
-    /// What must happen in the recordings: without any one of these the effect does nothing, or what the plain model's
-    /// parameters do, whatever its size. What is merely faint elsewhere is not listed: that, the smallest detectable size
-    /// tells.
+    /// Occurrences that the recordings must contain. If any one of them is missing, the effect does nothing, or acts as
+    /// parameters of the plain model do, whatever its size. An occurrence without which the effect is merely faint is not
+    /// listed, because the smallest detectable size shows that.
     pub needs_in_recording: &'static [Occurrence],
-    /// Whether a simulation takes ten times as long, since the rod has several zones.
+    /// True if a simulation takes ten times as long, because the rod has several zones.
     pub costly: bool,
-    /// Whether another [`LoopFamily`](wiener::hysteresis::LoopFamily) than the paper's goes by its name.
+    /// True if a [`LoopFamily`](wiener::hysteresis::LoopFamily) other than the paper's is reported under its name.
     pub names_loop_families: bool,
-    /// Whether a recorded temperature of the surroundings holds it already, so that a thermometer beside the rod settles it.
+    /// True if a recorded temperature of the surroundings already contains it, so that a thermometer beside the rod settles
+    /// it.
     pub settled_by_ambient_record: bool,
-    /// What its mean over the recording does, of what the plain model can do: the part that is not to be told from the rig.
+    /// Change of the plain model that acts as its mean over the recording: the part that cannot be distinguished from the
+    /// rig.
     pub mean_acts_as: Option<ActsAs>,
 }
 
@@ -67,19 +69,19 @@ impl EffectInfo {
         mean_acts_as: None,
     };
 
-    /// Whether physics knows it in every rod, whatever its size.
+    /// True if physics knows it in every rod, whatever its size.
     #[must_use]
     pub const fn in_every_rod(&self) -> bool {
         matches!(self.presence, Presence::EveryRod)
     }
 
-    /// Whether it does the same in every recording: it belongs to the rig, and has a form of its own.
+    /// True if it acts alike in every recording: it belongs to the rig, and has a form of its own.
     #[must_use]
     pub const fn is_rigid(&self) -> bool {
         !self.flexible && matches!(self.belongs_to, Belongs::Rig)
     }
 
-    /// Whether it is of the thermometer and not of the rod: with its sizes 0 a plant shows the rod's own temperature.
+    /// True if it is an effect of the thermometer, not of the rod: with its sizes 0 a plant shows the rod's own temperature.
     #[must_use]
     pub const fn is_of_sensor(&self) -> bool {
         matches!(self.block, EffectBlock::Sensor)
@@ -121,7 +123,7 @@ impl EffectInfo {
 pub enum EffectBlock {
     /// Between the drive and the heat in the rod.
     Drive,
-    /// What heats and cools the rod.
+    /// Heating and cooling of the rod.
     HeatBalance,
     /// From temperature to fraction.
     Transformation,
@@ -155,7 +157,7 @@ pub enum Smoothness {
     CornersAtReversals,
 }
 
-/// What an effect needs beyond drive and displacement.
+/// Data that an effect needs beyond drive and displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Need {
     /// Temperatures on the Celsius scale: parameters whose scale is assumed give a meaningless size.
@@ -225,7 +227,7 @@ impl Presence {
     }
 }
 
-/// What happens to a rod in a recording.
+/// Event that happens to a rod in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Occurrence {
     /// It follows three levels of the drive or more: they last, or are gone through slowly, in one recording or in several.
@@ -257,7 +259,7 @@ impl Occurrence {
     }
 }
 
-/// What an effect of size 1 does, as a change of a parameter of the plain model.
+/// Change of a parameter of the plain model that acts as an effect of size 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActsAs {
     /// Name of that parameter.

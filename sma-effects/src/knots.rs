@@ -3,7 +3,7 @@
 /// Knots after the start, equally spaced; the last one stands at the end of the run.
 pub(crate) const KNOTS: usize = 4;
 
-/// What has changed since the start of the run, in each lane: the polynomial through the knots and 0 at the start.
+/// Change since the start of the run, in each lane: the polynomial through the knots and 0 at the start.
 ///
 /// ```text
 /// v(s) = Σ_k v_k Π_(j ≠ k) (4 s - j)/(k - j),   s = (start + t)/run length in [0, 1],   j = 0 … 4,   v_0 = 0

@@ -2,7 +2,7 @@
 
 use crate::elementary::mean_exponential;
 
-/// What follows a signal with a time constant, in each lane.
+/// First-order lag: follows a signal with a time constant, in each lane.
 ///
 /// ```text
 /// θ dv/dt + v = u,   u(s) = u_0 + (u_1 - u_0) s + 4 b s(1 - s),   s = t/dt

@@ -1,4 +1,4 @@
-//! What is said of one parameter of an effect.
+//! Facts about one parameter of an effect.
 
 use crate::SizePrior;
 
@@ -9,21 +9,21 @@ pub struct EffectParameter {
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,
-    /// What counts as an ordinary value; of a two-sided size, its magnitude.
+    /// Ordinary value; of a two-sided size, its magnitude.
     pub typical: f64,
     /// Physical bounds, both accepted.
     pub bounds: [f64; 2],
-    /// Whether the upper bound is an end of what can be, or changes nothing further that a recording would show: a value may
-    /// stand on it. Otherwise it is how far a search goes, and a value on it says that the effect is another.
+    /// True if the upper bound is a physical limit, or if a recording would show no further change beyond it: a value may
+    /// lie on it. Otherwise the bound is the limit of a search, and a value on it indicates that the effect is another.
     pub upper_is_physical: bool,
     /// Magnitude of a size below which the name does not fit, whatever it is that the recordings show; 0 where all do.
     pub least: f64,
-    /// Whether it is zero in the baseline.
+    /// Role in the baseline: a size is zero there, a partner without influence.
     pub role: Role,
     /// Range in the literature, if known.
     pub literature: Option<Literature>,
-    /// Whether a recorded temperature alone tells it: without, no value does better than another, and it is best held
-    /// as in the baseline.
+    /// True if only a recorded temperature determines it. Without one, no value fits better than another, and it is best
+    /// held as in the baseline.
     pub needs_thermometer: bool,
     /// Unit where the setting has no [`Setting::length_output`](crate::Setting::length_output), if that is another: see
     /// [`Setting::unit_of`](crate::Setting::unit_of).
@@ -31,11 +31,11 @@ pub struct EffectParameter {
     /// Power of the specific heat with which its value scales at the same displacement: all temperature differences
     /// divided by c = C_p/C_p0 give the same.
     pub power_of_specific_heat: i32,
-    /// Whether its value is counted in watts, and so scales with the power of the drive at the same displacement.
+    /// True if its value is counted in watts, and so scales with the power of the drive at the same displacement.
     pub scales_with_power: bool,
 }
 
-/// What a parameter is in the baseline.
+/// Role of a parameter in the baseline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Role {
     /// Zero in the baseline. With all sizes of an effect 0 the plant has the bits of the baseline.
@@ -47,7 +47,7 @@ pub enum Role {
     },
 }
 
-/// Whether a parameter may be negative.
+/// Permitted signs of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Sign {
     /// Zero or more: tests against zero are one-sided.
@@ -63,7 +63,7 @@ pub struct Literature {
     pub range: [f64; 2],
     /// Where it comes from.
     pub source: &'static str,
-    /// Whether somebody looked it up for this project. Do not quote what is unchecked.
+    /// True if somebody looked it up for this project. Do not quote an unchecked range.
     pub checked: bool,
 }
 
@@ -162,7 +162,7 @@ impl EffectParameter {
         Self { name, ..self }
     }
 
-    /// Whether it may be negative.
+    /// Permitted signs of its value.
     #[must_use]
     pub const fn sign(&self) -> Sign {
         if self.bounds[0] < 0.0 {
@@ -181,14 +181,14 @@ impl EffectParameter {
         }
     }
 
-    /// Whether a value is a number within the bounds.
+    /// True if a value is a number within the bounds.
     #[must_use]
     pub fn accepts(&self, value: f64) -> bool {
         (self.bounds[0]..=self.bounds[1]).contains(&value)
     }
 
-    /// What value is to be expected of it, in its [`unit`](EffectParameter::unit); of another one
-    /// [`Setting::prior_of`](crate::Setting::prior_of) knows.
+    /// Prior of its value, in its [`unit`](EffectParameter::unit). For another unit see
+    /// [`Setting::prior_of`](crate::Setting::prior_of).
     #[must_use]
     pub fn prior(&self) -> SizePrior {
         SizePrior::of(self, true)

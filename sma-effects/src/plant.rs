@@ -34,7 +34,7 @@ pub(crate) struct Plants<const L: usize> {
     per_run_s: f64,
 }
 
-/// What the active effects ask of a step: decided once.
+/// Requirements of the active effects on a step, decided once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Path {
     pub(crate) flows: bool,
@@ -160,7 +160,7 @@ impl<const L: usize> Plants<L> {
         self.effects.active
     }
 
-    /// What the plants show in a state.
+    /// Outputs of the plants in a state.
     #[inline(always)]
     pub(crate) fn output(&self, state: &PlantsState<L>) -> Output<L> {
         Output {
@@ -343,7 +343,7 @@ impl<const L: usize> Plants<L> {
     }
 }
 
-/// Whether the setting provides what an effect needs.
+/// Checks that the setting provides the data that an effect needs.
 fn provided(setting: &Setting, effect: EffectId) -> Result<(), PhysicsError> {
     for &need in effect.info().needs {
         let what = match need {

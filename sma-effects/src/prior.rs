@@ -1,4 +1,4 @@
-//! What size of an effect is to be expected before any recording is looked at.
+//! Prior of the size of an effect, before any recording is looked at.
 
 use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, LN_2};
 
@@ -11,7 +11,7 @@ const BY_TYPICAL: f64 = 1.098_612_288_668_109_8;
 /// Least standard deviation of a range that was looked up: no size is known better than the specific heat that goes into
 /// it, of which the literature of NiTi has 450 to 840 J/(kg K), a central 90 % of ln(840/450)/(2 · 1.645).
 const LEAST: f64 = 0.19;
-/// The same of a range that nobody looked up, and of one in another unit than the value's: a factor of two.
+/// Least standard deviation of a range that nobody looked up, or that is in another unit than the value: a factor of two.
 const LEAST_UNCHECKED: f64 = LN_2;
 
 /// Prior density of a parameter, of the value itself rather than its logarithm.

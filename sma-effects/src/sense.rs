@@ -22,7 +22,7 @@ impl<const L: usize> Plants<L> {
         mapped
     }
 
-    /// The same as a call.
+    /// `sense` as a function call, not inlined.
     #[inline(never)]
     pub(crate) fn sense_apart(&self, zone: &Zone<L>, driving_degc: &[f64; L]) -> Mapped<L> {
         widest_vectors(
@@ -54,7 +54,7 @@ impl<const L: usize> Plants<L> {
         mapped.fraction
     }
 
-    /// The same as a call.
+    /// `go` as a function call, not inlined.
     #[inline(never)]
     pub(crate) fn go_apart(&self, zone: &mut Zone<L>, driving_degc: &[f64; L]) -> [f64; L] {
         widest_vectors(

@@ -52,21 +52,21 @@ impl EffectSet {
         if wanted { self.with(effect) } else { self }
     }
 
-    /// Whether an effect is in it.
+    /// True if an effect is in the set.
     #[inline(always)]
     #[must_use]
     pub const fn contains(self, effect: EffectId) -> bool {
         self.bits & Self::of(effect).bits != 0
     }
 
-    /// Whether any effect is in both sets.
+    /// True if any effect is in both sets.
     #[inline(always)]
     #[must_use]
     pub const fn meets(self, other: Self) -> bool {
         self.bits & other.bits != 0
     }
 
-    /// Whether no effect is in it.
+    /// True if the set is empty.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.bits == 0

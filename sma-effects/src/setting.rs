@@ -9,11 +9,11 @@ const MOST_SUB_STEPS: usize = 64;
 /// Most Newton iterations: far more than a converging search needs.
 const MOST_ITERATIONS: usize = 50;
 
-/// What all plants of one kind have in common. What is unknown is left out, and effects that need it
+/// Setting common to all plants of one kind. An unknown quantity is left out, and effects that need it
 /// are refused.
 ///
-/// Sub-steps and most iterations are fixed, and belong to the baseline as to every candidate: then a
-/// difference between two outputs is physics, not integration.
+/// The number of sub-steps and the largest number of iterations are fixed, and are equal for the baseline
+/// and every candidate. A difference between two outputs is therefore physics, not integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// Meaning of the drive.
@@ -83,8 +83,8 @@ impl Setting {
         without_length.unwrap_or(parameter.unit)
     }
 
-    /// What value of a parameter is to be expected, in that unit. Without a length its literature is less worth: the
-    /// strain of 4 % stands for 2 to 8 %.
+    /// Prior of the value of a parameter, in the unit of [`Setting::unit_of`]. Without a length its literature range counts
+    /// less: the strain of 4 % stands for 2 to 8 %.
     #[must_use]
     pub fn prior_of(&self, parameter: &EffectParameter) -> SizePrior {
         SizePrior::of(parameter, self.unit_of(parameter) == parameter.unit)

@@ -44,7 +44,7 @@ impl<const L: usize> Plants<L> {
         self.own.add(Place::Displacement, own, &rod, displacement);
     }
 
-    /// What own hypotheses see of a zone, or of the whole rod.
+    /// State of a zone, or of the whole rod, as own hypotheses see it.
     pub(crate) fn seen_by_own(
         &self,
         state: &PlantsState<L>,

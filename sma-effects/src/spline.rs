@@ -1,6 +1,6 @@
 //! A change that wanders: a smooth curve, bent anew at each of the knots that are spread over the run.
 
-/// What has changed since the start of the run, in each lane: a smooth curve through 0 at the start and `K` knots after it, equally
+/// Change since the start of the run, in each lane: a smooth curve through 0 at the start and `K` knots after it, equally
 /// spaced, the last one at the end of the run.
 ///
 /// ```text
@@ -8,8 +8,8 @@
 /// c(x) = 1 - 5/2 x² + 3/2 |x|³ for |x| ≤ 1,   2 - 4 |x| + 5/2 x² - ½ |x|³ for |x| ≤ 2
 /// ```
 ///
-/// with v_(-1) = 2 v_0 - v_1 before the start and v_(K+1) = 2 v_K - v_(K-1) behind the end. A knot speaks for its neighborhood alone,
-/// as a room does that somebody airs; a sensor warms up once ([`Knots`](crate::knots::Knots)).
+/// with v_(-1) = 2 v_0 - v_1 before the start and v_(K+1) = 2 v_K - v_(K-1) behind the end. A knot changes its
+/// neighborhood alone, as the airing of a room does; a sensor warms up once ([`Knots`](crate::knots::Knots)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Spline<const L: usize, const K: usize> {
     pub(crate) value: [[f64; L]; K],
@@ -29,7 +29,7 @@ impl<const L: usize, const K: usize> Spline<L, K> {
     }
 }
 
-/// What the knot `own` of 1 to `last` counts at a place among them.
+/// Weight of the knot `own` of 1 to `last` at a place among them.
 #[inline(always)]
 fn weight(last: usize, own: usize, place: f64) -> f64 {
     let at = |knot: f64| cubic(place - knot);

@@ -84,7 +84,7 @@ impl<const L: usize> Plants<L> {
         zone
     }
 
-    /// What shifts the loop of a rod of `temperature_degc`, K, if `driving_degc` drives the hysteresis.
+    /// Shift of the loop of a rod of `temperature_degc`, K, if `driving_degc` drives the hysteresis.
     fn start_shift_k(
         &self,
         temperature_degc: [f64; L],

@@ -22,8 +22,8 @@ impl EffectValues {
         self.slot(effect, index).copied()
     }
 
-    /// Whether every parameter of the active effects is within its bounds, and every size of the
-    /// others 0.
+    /// Checks that every parameter of the active effects is within its bounds, and that every size of the
+    /// others is 0.
     ///
     /// # Errors
     ///

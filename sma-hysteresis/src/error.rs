@@ -1,6 +1,6 @@
 use crate::limiting_loop::Branch;
 
-/// What can be wrong with the parameters or the start of a hysteresis operator.
+/// Errors in the parameters or the start of a hysteresis operator.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HysteresisError {

@@ -80,8 +80,8 @@ const LOOSE: f64 = 1e-3;
 const NOTHING: f64 = 1e-13;
 /// Largest τ: beyond, a tenth of the relays lies outside of ten deviations.
 pub(crate) const HEAVIEST_TAILS: f64 = 4.0;
-/// What a branch may be stretched by, and its rounding with it. Back to a start between the limiting curves it must lead
-/// farther than relays do.
+/// Upper limit of the factor that stretches a branch, and its rounding error with it. To return to a start between the
+/// limiting curves, a branch must lead farther than relays do.
 const STRETCH: f64 = 1e8;
 
 /// The curves of lanes side by side, other than the paper's.
@@ -91,7 +91,7 @@ pub(crate) enum Curves<const L: usize> {
     Kinetics(Kinetics<L>),
 }
 
-/// What is the same along a branch: the numbers from which the share at a temperature is computed.
+/// Constants of a branch, from which the share at a temperature is computed.
 ///
 /// ```text
 /// share = share at the start + rise (w(T) - w at the start),   w = w(T; fixed)
@@ -132,7 +132,7 @@ impl<const L: usize> Curves<L> {
         }
     }
 
-    /// The same with tails τ, which of these families relays have.
+    /// Curves with tails τ. Only relays have tails; kinetics stay as they are.
     pub(crate) fn with_tails(self, tails: [f64; L]) -> Self {
         match self {
             Self::Relays(relays) => Self::Relays(Relays { tails, ..relays }),
@@ -206,7 +206,7 @@ impl<const L: usize> Curves<L> {
 
 /// How the materials of a family transform along a branch.
 trait Transforms<const L: usize> {
-    /// What is the same along a branch of direction `sign` from T̂.
+    /// Constants of a branch of direction `sign` that starts at T̂.
     fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along;
 
     /// The way from the start of a branch to T̂.

@@ -5,7 +5,7 @@ use crate::path::{Paths, Reversal};
 use crate::proximity::{Proximity, SineProximity};
 use crate::{HysteresisError, LoopFamily};
 
-/// What [`Hysteresis::peek`] sees.
+/// Fraction and slope, as [`Hysteresis::peek`] returns them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct Sensed<const L: usize> {
@@ -38,19 +38,20 @@ pub struct Hysteresis<const L: usize, P = SineProximity<L>> {
 }
 
 impl<const L: usize> Hysteresis<L> {
-    /// The same loop with the curves of another family. A memory belongs to the family that made it.
+    /// Replaces the curves by those of another family; the limiting loop is kept. A memory belongs to the family that made
+    /// it.
     #[must_use]
     pub fn of_family(mut self, family: LoopFamily) -> Self {
         self.curves = Curves::new(family, &self.limits, self.proximity.zeta());
         self
     }
 
-    /// The same loop of relays with tails τ of their distribution, 0 (normal) to 4, see [`LoopFamily::Relays`]. Loops of other
-    /// families have none and stay as they are.
+    /// Sets the tails τ of the relays' distribution, 0 (normal) to 4, see [`LoopFamily::Relays`]. Loops of other families
+    /// have no tails and stay as they are.
     ///
     /// # Errors
     ///
-    /// [`HysteresisError::Tails`] for what lies outside.
+    /// [`HysteresisError::Tails`] for a τ outside of this range.
     pub fn with_tails(mut self, tails: [f64; L]) -> Result<Self, HysteresisError> {
         let is_possible = |value: &f64| (0.0..=HEAVIEST_TAILS).contains(value);
         if let Some(value) = tails.into_iter().find(|value| !is_possible(value)) {

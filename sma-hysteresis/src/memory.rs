@@ -27,12 +27,12 @@ pub enum Rule {
     Nested,
 }
 
-/// What the operator remembers, in each of `L` lanes: the branch it is on, the extreme reached, and
-/// under [`Rule::Nested`] the reversals that enclose it.
+/// State of the operator in each of `L` lanes: the current branch, the extreme reached, and under
+/// [`Rule::Nested`] the reversals that enclose it.
 ///
-/// Made by [`Hysteresis`](crate::Hysteresis), which alone can read and move it. It holds the
-/// coefficients of the current branch besides: a memory belongs to the model that made it, and another
-/// one would follow the old branch until its end.
+/// Made by [`Hysteresis`](crate::Hysteresis), which alone can read and move it. The memory also holds the
+/// coefficients of the current branch. It therefore belongs to the model that made it; another model
+/// would follow the old branch until its end.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
 pub struct Memory<const L: usize> {
@@ -76,7 +76,7 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
         }
     }
 
-    /// What a turn would remember on branches at T̂.
+    /// Levels (`Turn::level_k`) of reversals at T̂ on branches.
     #[inline(always)]
     fn levels(&self, paths: &Paths<L>, temperature_k: &[f64; L]) -> [f64; L] {
         if let Some(curves) = self.curves {
@@ -89,7 +89,7 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
         level_k
     }
 
-    /// What a turn would remember on the limiting curves at T̂, that of heating first.
+    /// Levels (`Turn::level_k`) of reversals at T̂ on the limiting curves, heating first.
     pub(crate) fn limits_at(&self, lane: usize, temperature_k: f64) -> [f64; 2] {
         match self.curves {
             None => [1.0, -1.0].map(|sign| self.limits.limiting_level_k(lane, sign, temperature_k)),
@@ -97,7 +97,7 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
         }
     }
 
-    /// What a turn remembers at a fraction, the inverse of [`Rules::fraction`]; `None` where none has it.
+    /// Level (`Turn::level_k`) at a fraction, the inverse of [`Rules::fraction`]; `None` if no level has this fraction.
     pub(crate) fn level_of(&self, lane: usize, fraction: f64) -> Option<f64> {
         if self.curves.is_none() {
             return self.limits.level_of(lane, Branch::Heating, fraction).ok();
@@ -106,7 +106,7 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
         Some(0.5 + (fraction - middle) / per_share)
     }
 
-    /// Fraction at what a turn remembers.
+    /// Fraction at a level (`Turn::level_k`).
     pub(crate) fn fraction(&self, lane: usize, level_k: f64) -> f64 {
         match self.curves {
             None => self.limits.fraction_at(lane, level_k),
@@ -226,7 +226,7 @@ impl<const L: usize> Memory<L> {
         })
     }
 
-    /// Whether T̂ leaves the current branch of any lane: a reversal, or a return point passed.
+    /// True if T̂ leaves the current branch of any lane: a reversal, or a return point passed.
     ///
     /// Reversals are rare and lanes reverse nearly together, so one test for all lanes is cheaper
     /// than a selection in each.
@@ -308,8 +308,8 @@ impl<const L: usize> Memory<L> {
         }
     }
 
-    /// What a step to T̂ changes. All lanes are computed side by side, and those that stay on their branch keep it: they
-    /// leave nearly together.
+    /// Change of the memory by a step to T̂. Lanes leave their branches nearly together, so all lanes are computed side by
+    /// side; a lane that stays on its branch keeps it.
     #[inline(always)]
     fn change<P: Proximity>(&self, rules: &Rules<'_, L, P>, temperature_k: &[f64; L]) -> Change<L> {
         let mut turned_k = [0.0; L];
@@ -445,7 +445,7 @@ impl<const L: usize> Memory<L> {
     }
 }
 
-/// Whether nothing has transformed between two reversals: the same share, to the bit.
+/// True if nothing has transformed between two reversals: their shares are equal, to the bit.
 fn is_level(one: Turn, other: Turn) -> bool {
     one.level_k.to_bits() == other.level_k.to_bits()
 }

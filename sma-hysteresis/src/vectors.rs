@@ -8,7 +8,7 @@ pub(crate) fn widest_vectors<R>(work: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(work)
 }
 
-/// The same where no machine can be asked.
+/// Runs plain loops as compiled, because without `std` the machine's vectors cannot be asked for.
 #[cfg(not(feature = "std"))]
 #[inline(always)]
 pub(crate) fn widest_vectors<R>(work: impl FnOnce() -> R) -> R {

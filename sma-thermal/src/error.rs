@@ -1,4 +1,4 @@
-/// What can be wrong with a heat balance, or with what is asked of it.
+/// Errors in a heat balance, or in a request to it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ThermalError {

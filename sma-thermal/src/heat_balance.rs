@@ -59,8 +59,8 @@ pub struct HeatBalance<const L: usize = 1> {
     resistance_ohm_per_m: [f64; L],
 }
 
-/// What happens to a temperature difference over one sample: made by [`HeatBalance::over`], once for
-/// a fixed sample time.
+/// Decay of a temperature difference over one sample. Made by [`HeatBalance::over`], once for a fixed
+/// sample time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct Sample<const L: usize = 1> {
@@ -79,8 +79,8 @@ impl<const L: usize> Sample<L> {
         self.dt_s
     }
 
-    /// Whether it is what [`HeatBalance::over`] makes of this heat balance and time: so that it can
-    /// be kept while neither changes.
+    /// True if [`HeatBalance::over`] makes this sample of this heat balance and time. A caller can keep the
+    /// sample while neither changes.
     #[inline(always)]
     #[must_use]
     pub fn is_of(&self, heat: &HeatBalance<L>, dt_s: f64) -> bool {
@@ -93,7 +93,7 @@ impl<const L: usize> Sample<L> {
     }
 }
 
-/// What acts on the rods during one sample.
+/// Inputs that act on the rods during one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heating<const L: usize = 1> {
     /// Heating power i² R, W/m.

@@ -32,7 +32,7 @@ pub enum Correlation {
     Morgan,
 }
 
-/// What of air counts, at one temperature.
+/// Properties of air at one temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Air {
     conductivity_w_per_m_k: f64,

@@ -96,7 +96,7 @@ pub struct Cosine {
     parameters: CosineLoop,
 }
 
-/// What cosine kinetics remember.
+/// Memory of cosine kinetics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CosineMemory {
     temperature_degc: f64,

@@ -9,7 +9,7 @@ use crate::{
 pub enum FamilyKind {
     /// Limiting-loop proximity with the paper's memory.
     L2p,
-    /// The same with all reversals.
+    /// Limiting-loop proximity with all reversals.
     L2pNested,
     /// Preisach.
     Preisach,

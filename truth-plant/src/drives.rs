@@ -9,7 +9,7 @@ const PERIODS: usize = 3;
 const PERIOD: f64 = 0.24;
 const HOT: f64 = 0.10;
 
-/// What a period of the drive looks like.
+/// Shape of a period of the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// Triangles of different heights.

@@ -1,6 +1,6 @@
 use crate::error::{TruthError, within};
 
-/// What the drive is.
+/// Quantity of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DriveKind {
     /// Current through each rod, A; -1,000 to 1,000.
@@ -16,8 +16,8 @@ pub enum DriveKind {
     Power,
 }
 
-/// What stands between the drive and the rod. The drive is calibrated on the cold rod: an impedance shows as far as
-/// the rod's resistance changes.
+/// Path from the drive to the rod. The drive is calibrated on the cold rod: an impedance shows only as far as the rod's
+/// resistance changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Supply {
     /// Time constant with which the drive is followed, s; 0 or from 5e-4 to 100. Typical: 0.3.

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// What is wrong with a plant or its drive.
+/// Fault of a plant or of its drive.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum TruthError {

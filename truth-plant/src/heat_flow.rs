@@ -12,7 +12,7 @@ pub(crate) struct Cells<'a> {
     pub(crate) fraction: &'a [f64],
 }
 
-/// What acts from outside at a time.
+/// Drive and surroundings at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Moment {
     /// The drive behind the supply.

@@ -6,7 +6,7 @@ use crate::{CosineLoop, L2pLoop, PreisachLoop, RelayLoop, TanakaLoop};
 /// The path between two committed temperatures is straight. Whatever the family: the fraction is in 0..1, and
 /// continuous and nowhere falling in `temperature_degc`, from any memory.
 pub trait Hysteresis {
-    /// What is remembered of the path.
+    /// Memory of the path.
     type Memory: Clone + std::fmt::Debug;
     /// Cooled to `temperature_degc` from far above.
     fn rest(&self, temperature_degc: f64) -> Self::Memory;

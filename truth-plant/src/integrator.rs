@@ -49,7 +49,7 @@ const ERROR_WEIGHTS: [f64; 7] = [
 /// no longer counts.
 const SMALLEST_SHARE: f64 = 1e-5;
 
-/// What is integrated.
+/// System of differential equations to be integrated.
 pub(crate) trait System {
     /// Rates of change of `state`, per second.
     fn rates(&mut self, time_s: f64, state: &[f64], rates: &mut [f64]);

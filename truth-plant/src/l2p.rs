@@ -30,7 +30,7 @@ pub struct L2pLoop {
     pub zeta: f64,
     /// Spread of the cooling branch over that of the heating branch; 0.2 to 5.
     pub cooling_over_heating_spread: f64,
-    /// Whether all reversals count, by Madelung's rules, or the last one only, as in the paper.
+    /// True if all reversals count, by Madelung's rules; false if only the last one does, as in the paper.
     pub nested: bool,
 }
 
@@ -85,7 +85,7 @@ pub struct L2p {
     cooling_spread_k: f64,
 }
 
-/// What limiting-loop proximity remembers.
+/// Memory of limiting-loop proximity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct L2pMemory {
     reversals: Reversals,

@@ -11,7 +11,7 @@ pub(crate) struct Layout {
     pub(crate) fittings: Option<usize>,
     /// Temperature of the bead.
     pub(crate) bead: Option<usize>,
-    /// What has slipped.
+    /// Slipped distance.
     pub(crate) slip: Option<usize>,
     pub(crate) n_states: usize,
 }

@@ -60,7 +60,7 @@ pub struct MountSlip {
     pub mobility_m_per_n_s: f64,
 }
 
-/// What the moving end pulls at.
+/// Load that the moving end pulls at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Load {
     pub(crate) spring: Option<BiasSpring>,

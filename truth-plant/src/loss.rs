@@ -52,7 +52,7 @@ pub(crate) struct ScaledConvection {
     at_reference_w_per_m2_k: f64,
 }
 
-/// What a surface of the rod loses.
+/// Heat losses of a surface of the rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Loss {
     pub(crate) diameter_m: f64,

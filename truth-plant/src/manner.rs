@@ -11,9 +11,9 @@ const LOWEST_DRIVEN: f64 = 0.3;
 pub enum Manner {
     /// Random steps, ramps and sines, one after the other, from rest; nothing comes twice.
     NoRepeats,
-    /// The same, driven from the first sample to the last.
+    /// Random steps, ramps and sines, driven from the first sample to the last; nothing comes twice.
     NoRests,
-    /// The same, the beginning cut away: the rod starts warm and partly transformed.
+    /// Random steps, ramps and sines, the beginning cut away: the rod starts warm and partly transformed.
     WarmStart,
     /// A single rise and fall between two rests.
     OneExcursion,
@@ -25,7 +25,7 @@ pub enum Manner {
     Chatter,
 }
 
-/// What is known of a recording before its drive is drawn.
+/// Sampling and dead zone of a recording, known before its drive is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logging {
     /// Samples that are recorded; at least 100.

@@ -4,7 +4,7 @@ use crate::random::Random;
 /// Octaves of correlation times in the 1/f noise: 1 to 2^13 samples.
 const OCTAVES: usize = 14;
 
-/// What the noise is like.
+/// Kind of noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NoiseKind {
     /// Normal and independent.
@@ -30,7 +30,7 @@ pub enum NoiseKind {
 /// Noise added to a channel. Coarse steps are those of the [`Converter`](crate::Converter).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// What it is like.
+    /// Kind of the noise.
     pub kind: NoiseKind,
     /// Standard deviation in the channel's unit, 0 to 100; of the white part for outliers.
     pub deviation: f64,

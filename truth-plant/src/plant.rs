@@ -19,7 +19,7 @@ use crate::{
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TruthPlant {
-    /// What the drive is.
+    /// Quantity of the drive.
     pub drive: DriveKind,
     /// The wire.
     pub rod: Rod,
@@ -167,8 +167,8 @@ impl TruthPlant {
         self.controlled(drive.len(), dt_s, seed, &mut |k, _| drive[k])
     }
 
-    /// The same under a controller: it is asked at every sample for the drive, with the number of the sample, from 0, and
-    /// the displacement that the sensor shows there, mm, noise and steps included.
+    /// Simulates a run under a controller. At every sample the controller is asked for the drive, with the number of the
+    /// sample, from 0, and the displacement that the sensor shows there, mm, noise and steps included.
     ///
     /// # Errors
     ///
@@ -209,7 +209,7 @@ impl TruthPlant {
         }
     }
 
-    /// Whether the plant can be simulated.
+    /// Checks that the plant can be simulated.
     ///
     /// # Errors
     ///

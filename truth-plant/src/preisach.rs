@@ -120,7 +120,7 @@ pub struct Preisach {
     mass: Vec<f64>,
 }
 
-/// What Preisach's operator remembers: the reversals that have not been wiped out.
+/// Memory of Preisach's operator: the reversals that have not been wiped out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreisachMemory(Reversals);
 

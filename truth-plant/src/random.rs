@@ -4,7 +4,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// What the numbers are for: each purpose has its own stream, so none depends on how many another took.
+/// Purpose of random numbers: each purpose has its own stream, so none depends on how many numbers another took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stream {
     Ambient = 1,

@@ -14,7 +14,7 @@ pub(crate) struct Turn {
 /// start, the path falls from far above.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Reversals {
-    /// Whether all reversals count, or the last one only.
+    /// True if all reversals count; false if only the last one does.
     nested: bool,
     rising: bool,
     starts: Vec<Turn>,

@@ -11,10 +11,10 @@ use crate::{Hysteresis, TruthError, TruthPlant};
 
 /// Accuracy to which a temperature or a shift is solved for, K: far below any tolerance of a step.
 const ROOT_TOLERANCE_K: f64 = 1e-11;
-/// What has slipped is integrated in these shares of the stroke, to be held to the tolerance in kelvins.
+/// Units of the state per stroke of slip: scaled so, the slip is held to the tolerance in kelvins.
 const SLIP_UNITS_PER_STROKE: f64 = 100.0;
 
-/// What holds within a sample, by the time in it.
+/// Conditions within a sample: a pair holds the values at its start and its end, linear in between.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sample {
     pub(crate) start_s: f64,
@@ -44,7 +44,7 @@ pub(crate) struct Rig<'a, H: Hysteresis> {
     cell_length_m: Vec<f64>,
     /// ΔH/C_p.
     latent_k: f64,
-    /// Whether the fraction acts on the rates.
+    /// True if the fraction acts on the rates.
     fraction_matters: bool,
     memory: Vec<H::Memory>,
     r_memory: Vec<L2pMemory>,
@@ -66,7 +66,7 @@ pub(crate) struct Rig<'a, H: Hysteresis> {
     fatigue_share: f64,
     friction_n: f64,
     electronics: Option<Electronics>,
-    /// What the transducer shows, m.
+    /// Reading of the transducer, m.
     seen_m: f64,
 }
 
@@ -317,7 +317,7 @@ impl<'a, H: Hysteresis> Rig<'a, H> {
         plant.stroke_m * (1.0 - loss) * share - extension_m / strands
     }
 
-    /// What the transducer makes of the place of its guide.
+    /// Reading of the transducer at a displacement of its guide, m.
     fn transduced_m(&self, displacement_m: f64) -> f64 {
         let read_m = match self.plant.sensor_cubic {
             Some(cubic) => cubic.read_m(displacement_m, self.plant.stroke_m),

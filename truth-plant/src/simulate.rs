@@ -36,7 +36,8 @@ pub(crate) struct Course {
     pub(crate) seed: u64,
 }
 
-/// What the supply is told within the last sample, and from when on: a dead time ends old samples in the midst of it.
+/// Commands to the supply within the last sample, each with the time in the sample, s, from which it holds: with a dead
+/// time, an old command ends in the midst of a sample.
 fn pieces(drive: &[f64], dt_s: f64, dead_time_s: f64) -> [(f64, f64); 2] {
     let whole = (dead_time_s / dt_s).floor();
     let rest_s = dead_time_s - whole * dt_s;
@@ -48,7 +49,7 @@ fn pieces(drive: &[f64], dt_s: f64, dead_time_s: f64) -> [(f64, f64); 2] {
     [(0.0, late(whole + 1)), (rest_s, late(whole))]
 }
 
-/// What the run is made in, beside the plant.
+/// Conditions of a run beside the plant.
 #[derive(Debug)]
 struct World {
     course: Course,
@@ -94,7 +95,7 @@ pub(crate) fn run<H: Hysteresis>(
     go(plant, volumes, &world, controller)
 }
 
-/// The same of the lumped rod.
+/// A run of the lumped rod, whose drive is asked for at every sample, with what the sensor shows there, mm.
 pub(crate) fn run_lumped(
     plant: &TruthPlant,
     loops: LumpedLoop,

@@ -28,7 +28,7 @@ pub struct AmbientSensor {
     pub offset_k: f64,
     /// White noise, K; 0 to 5.
     pub noise_k: f64,
-    /// Whether it sees the drift; if not, it shows the start (the thermometer on the wall).
+    /// True if it sees the drift; if false, it shows the start (the thermometer on the wall).
     pub sees_drift: bool,
 }
 

@@ -7,8 +7,8 @@ use crate::error::{TruthError, within};
 /// E = T + (ΔH/C_p) ξ,     m C_p dE/dt = heating - losses
 /// ```
 ///
-/// What is integrated is the enthalpy E, and T follows from it on the branch: energy is conserved by construction,
-/// whatever the hysteresis, and no slope of a branch is needed.
+/// The enthalpy E is integrated, and T follows from it on the branch. So energy is conserved by construction, whatever the
+/// hysteresis, and no slope of a branch is needed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LatentHeat {
     /// Enthalpy of transformation ΔH, J/kg; 0 to 60,000. Typical: 12,000.
@@ -40,7 +40,7 @@ pub struct RPhase {
 /// s = 1 - exp(-n/n_0),   n = ½ ∫|dξ|;   ΔT = s ΔT_∞,   stroke → stroke (1 - s l_∞)
 /// ```
 ///
-/// What comes about in a sample takes effect over the next one.
+/// Fatigue that comes about in a sample takes effect over the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fatigue {
     /// Shift of the loop in the end ΔT_∞, K; -30 to 30. Typical: -6.

@@ -7,7 +7,7 @@ use crate::{Hysteresis, TruthError, TruthPlant};
 
 /// Steps of a sample at least, where the path between samples is filtered or delayed.
 const STEPS_FOR_ELECTRONICS: f64 = 32.0;
-/// The same where friction must see the path turn.
+/// Steps of a sample at least, where friction must see the path turn.
 const STEPS_FOR_FRICTION: f64 = 8.0;
 
 /// The plant under way, with its state.

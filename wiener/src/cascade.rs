@@ -66,7 +66,7 @@ impl<const L: usize> State<L> {
         self.fraction
     }
 
-    /// What the hysteresis remembers.
+    /// Memory of the hysteresis.
     #[must_use]
     pub fn memory(&self) -> &Memory<L> {
         &self.memory

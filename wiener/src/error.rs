@@ -1,7 +1,7 @@
 use sma_hysteresis::HysteresisError;
 use sma_thermal::ThermalError;
 
-/// What can be wrong with a Wiener model or with what it is driven by.
+/// Errors in a Wiener model or in the profile that drives it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WienerError {

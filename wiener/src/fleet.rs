@@ -18,16 +18,16 @@ const BLOCK: usize = 32;
 /// [`Plant::output`](crate::Plant::output) and [`Plant::step`](crate::Plant::step) and what they call
 /// `#[inline(always)]`, or they stay compiled for the narrowest vectors.
 pub trait Fleet {
-    /// What tells one plant from another, and where it starts.
+    /// Parameters of one plant, and its start.
     type Member: Copy;
-    /// What can be wrong with a member.
+    /// Error in a member.
     type Error;
 
     /// Makes a small chunk of plants, in the state that they start from.
     ///
     /// # Errors
     ///
-    /// What is wrong with a member.
+    /// The error in a member.
     fn narrow(
         &self,
         members: &[Self::Member; NARROW],
@@ -37,7 +37,7 @@ pub trait Fleet {
     ///
     /// # Errors
     ///
-    /// What is wrong with a member.
+    /// The error in a member.
     fn wide(
         &self,
         members: &[Self::Member; WIDE],

@@ -27,7 +27,7 @@ pub enum Drives<'a, const L: usize = 1> {
 /// Used as a trait object, so that equations are compiled once, in the crate that owns them, and not again for
 /// each caller.
 pub trait Lanes<const L: usize = 1> {
-    /// What the plants show now.
+    /// Present outputs of the plants.
     fn output(&self) -> Output<L>;
 
     /// Moves the plants on through all samples of a stretch. Row k of `shown` receives what they show *before* sample

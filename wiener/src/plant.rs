@@ -1,4 +1,4 @@
-/// What acts on `L` plants during one sample.
+/// Inputs that act on `L` plants during one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Input<const L: usize = 1> {
     /// Drive, in the unit of the plant's [`Drive`](crate::Drive).
@@ -7,7 +7,7 @@ pub struct Input<const L: usize = 1> {
     pub ambient_degc: f64,
 }
 
-/// What `L` plants show.
+/// Outputs of `L` plants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Output<const L: usize = 1> {
     /// Displacement, in the unit of the plant's gain (mm, deg, N).
@@ -26,7 +26,7 @@ pub trait Plant<const L: usize = 1> {
     type State: Clone;
     /// Cold and still: cooled to ambient along the limiting curve.
     fn rest(&self, ambient_degc: f64) -> Self::State;
-    /// What the plant shows in a state.
+    /// Outputs of the plant in a state.
     fn output(&self, state: &Self::State) -> Output<L>;
     /// Moves the state on by one sample of `dt_s` ≥ 0 seconds.
     ///

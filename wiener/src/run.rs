@@ -1,6 +1,6 @@
 use crate::{Input, Output, Plant, WienerError};
 
-/// What a plant is driven by, checked: drive over time, and the temperature of the surroundings.
+/// Checked input of a plant: drive over time, and the temperature of the surroundings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile<'a> {
     drive: &'a [f64],
@@ -57,7 +57,7 @@ impl<'a> Profile<'a> {
         Self::checked(drive, Clock::At(time_s), ambient_degc)
     }
 
-    /// The same with a recorded temperature of the surroundings, °C, of the drive's length.
+    /// Replaces the temperature of the surroundings by a recorded one, °C, of the drive's length.
     ///
     /// # Errors
     ///

@@ -9,7 +9,7 @@ use wiener::WienerError;
 
 use crate::RigError;
 
-/// What can stop the making of a document, or of a rig to be controlled.
+/// Errors in making a document, or a rig to be controlled.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorkbenchError {
@@ -54,6 +54,18 @@ pub enum WorkbenchError {
     #[error("{}: is an input of this command; give another file for the result", path.display())]
     IsInput {
         /// The file.
+        path: PathBuf,
+    },
+    /// Two results would go to one file.
+    #[error("{}: another result of this command goes there; give each a file of its own", path.display())]
+    Taken {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Figures would stand among inputs, and one may have the name of an input.
+    #[error("{}: holds inputs of this command; give figures a folder of their own", path.display())]
+    HoldsInputs {
+        /// The folder.
         path: PathBuf,
     },
     /// A result would take the place of a file that the user may have written.
@@ -105,7 +117,7 @@ pub enum WorkbenchError {
     NoFolder {
         /// The file or folder.
         path: PathBuf,
-        /// What was to become of it: "written" or "made".
+        /// The action that failed: "written" or "made".
         action: &'static str,
         /// The folder that it would be in.
         folder: PathBuf,
@@ -129,7 +141,7 @@ pub enum WorkbenchError {
     Draw {
         /// Its name.
         figure: &'static str,
-        /// What the drawing library says.
+        /// Message of the drawing library.
         reason: String,
     },
 }
@@ -154,7 +166,7 @@ boxed! {
 }
 
 impl WorkbenchError {
-    /// Whether what was given is wrong, not where the result goes.
+    /// True if the input is wrong; false if the place of the result is.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
         matches!(

@@ -10,7 +10,7 @@ use serde_json::Value;
 pub struct FirstRod {
     /// The file.
     pub text: String,
-    /// What was guessed or is missing, one question each, as they stand in the file.
+    /// Guesses and gaps, one question each, as they stand in the file.
     pub questions: Vec<String>,
 }
 

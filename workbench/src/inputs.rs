@@ -1,11 +1,11 @@
-//! What the inputs of a result were.
+//! Names and hashes of the input files of a result.
 
 use std::fmt::Write;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use identify::InputFile;
+use recording::open_regular;
 use sha2::{Digest, Sha256};
 
 use crate::WorkbenchError;
@@ -31,7 +31,7 @@ pub fn hashed(paths: &[&Path]) -> Result<Vec<InputFile>, WorkbenchError> {
 
 /// Of a file of any size.
 fn sha256(path: &Path) -> io::Result<String> {
-    let mut file = File::open(path)?;
+    let mut file = open_regular(path)?;
     let mut hasher = Sha256::new();
     let mut bytes = vec![0; 1 << 16];
     loop {

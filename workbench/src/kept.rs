@@ -1,11 +1,11 @@
-//! What a diagnosis leaves to later commands.
+//! Model that a diagnosis saves for later commands.
 
 use identify::{Identification, Provenance, RigModel, Rod, SavedModel};
 use missing_physics::{Diagnosis, Setting, Verdict, saved_effects};
 use recording::Recording;
 use wiener::hysteresis::Rule;
 
-/// What was diagnosed, and how.
+/// A diagnosis with its inputs and settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Diagnosed<'a> {
     /// The rod file.
@@ -14,13 +14,13 @@ pub struct Diagnosed<'a> {
     pub plain: &'a RigModel,
     /// Which reversals the plain model remembers.
     pub rule: Rule,
-    /// What all plants of the diagnosis had in common.
+    /// Setting that all plants of the diagnosis share.
     pub setting: &'a Setting,
     /// Recordings that decided.
     pub training: &'a [Recording],
     /// Recordings that it was checked on.
     pub unseen: &'a [Recording],
-    /// What was found.
+    /// Result of the diagnosis.
     pub diagnosis: &'a Diagnosis,
 }
 
@@ -29,7 +29,7 @@ pub struct Diagnosed<'a> {
 pub struct Kept {
     /// `None` if it has hypotheses of one's own.
     pub model: Option<SavedModel>,
-    /// What to say of it.
+    /// Note on it, or on why there is none.
     pub note: String,
 }
 

@@ -13,7 +13,7 @@ use crate::report::number::spoken;
 /// all temperature differences divided by c = C_p/C_p0 give the same displacement
 /// ```
 ///
-/// What is left out of it stays: a latent heat, a time, a share.
+/// Sizes that do not scale with c keep their intervals: a latent heat, a time, a share.
 pub fn carry_specific_heat(
     rod: &Rod,
     model: &WienerModel,
@@ -38,8 +38,9 @@ pub fn carry_specific_heat(
     Some(range)
 }
 
-/// The same for the resistivity that stands in for a resistance which the rod file does not give: what is counted in
-/// watts goes with the power of the drive. Returns its range, Ω m, if there was anything to widen.
+/// Widens the intervals of a diagnosis to hold for the whole range of the resistivity that stands in for a missing
+/// resistance. Sizes that are counted in watts scale with the power of the drive. Returns the range, Ω m, if there was
+/// anything to widen.
 pub fn carry_resistivity(rod: &Rod, diagnosis: &mut Diagnosis) -> Option<Bounds> {
     if !rod.assumes_resistivity() {
         return None;
@@ -66,7 +67,7 @@ pub fn carry_resistivity(rod: &Rod, diagnosis: &mut Diagnosis) -> Option<Bounds>
     goes_with_it.then_some(range)
 }
 
-/// What is known of the rod to a range only.
+/// A property of the rod that is known to a range only.
 #[derive(Debug, Clone)]
 struct Uncertain {
     /// As sentences say it.
@@ -162,7 +163,7 @@ fn ends(ends: [f64; 2], unit: &str) -> String {
     }
 }
 
-/// Whether the size of an effect is that of a heat flow beside the power of the drive.
+/// True if the size of an effect is that of a heat flow beside the power of the drive.
 fn is_counted_in_watts(effect: Candidate) -> bool {
     matches!(
         effect.effect(),

@@ -22,7 +22,7 @@ pub enum Place {
         /// The file.
         place: PathBuf,
     },
-    /// What is no regular file (a device, a pipe): written to as it is.
+    /// A device or a pipe: written to as it is.
     Special(PathBuf),
 }
 
@@ -38,7 +38,7 @@ impl Place {
             source,
         };
         // Through symbolic links, to what is really written.
-        let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let place = whole(path);
         if inputs
             .iter()
             .any(|input| input.canonicalize().is_ok_and(|input| input == place))
@@ -68,6 +68,19 @@ impl Place {
         Ok(Self::File { folder, place })
     }
 
+    /// The file, by its whole path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        let (Self::File { place: path, .. } | Self::Special(path)) = self;
+        path
+    }
+
+    /// True for a file, which a second result would replace; a device or a pipe takes one after another.
+    #[must_use]
+    pub fn keeps_one_result(&self) -> bool {
+        matches!(self, Self::File { .. })
+    }
+
     /// Writes the result.
     ///
     /// # Errors
@@ -85,6 +98,23 @@ impl Place {
     }
 }
 
+/// A path from the root, through symbolic links, of a file that need not be there.
+fn whole(path: &Path) -> PathBuf {
+    if let Ok(path) = path.canonicalize() {
+        return path;
+    }
+    let Some(name) = path.file_name() else {
+        return path.to_owned();
+    };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    folder
+        .canonicalize()
+        .map_or_else(|_| path.to_owned(), |folder| folder.join(name))
+}
+
 fn append(place: &Path) -> io::Result<std::fs::File> {
     OpenOptions::new().append(true).open(place)
 }
@@ -92,6 +122,8 @@ fn append(place: &Path) -> io::Result<std::fs::File> {
 fn replace(folder: &Path, place: &Path, text: &str) -> io::Result<()> {
     let mut temporary = temporary_in(folder)?;
     temporary.write_all(text.as_bytes())?;
+    // On the disk before it has its name: after a power cut the old file is there, or the new one.
+    temporary.as_file().sync_all()?;
     temporary.persist(place).map_err(|error| error.error)?;
     Ok(())
 }

@@ -52,11 +52,12 @@ pub fn as_fitted(
     Ok(used)
 }
 
-/// What a rod file uses of a recording, as it was recorded.
+/// Part of a recording that a rod file uses, as it was recorded.
 ///
 /// # Errors
 ///
-/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::ExcludedInside`], [`RecordingError::AmbientTwice`].
+/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::ExcludedInside`],
+/// [`RecordingError::AmbientTwice`].
 pub fn in_its_window(
     rod: &Rod,
     path: &Path,
@@ -94,13 +95,13 @@ pub fn read_perhaps_without_output(
     }
 }
 
-/// Whether a recording holds the data of a training recording.
+/// True if a recording holds the data of a training recording.
 #[must_use]
 pub fn is_trained_on(recording: &Recording, training: &[Recording]) -> bool {
     twin(recording, training).is_some()
 }
 
-/// What is odd about the recordings themselves, but for [`gap_notes`].
+/// Notes on anomalies of the recordings themselves; those on gaps are [`gap_notes`].
 #[must_use]
 pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> {
     let mut notes = Vec::new();
@@ -193,7 +194,7 @@ fn twin<'a>(recording: &Recording, others: &'a [Recording]) -> Option<&'a Record
     others.iter().find(|other| same_data(recording, other))
 }
 
-/// Whether two recordings are one, whatever their names.
+/// True if two recordings hold the same data, whatever their names.
 fn same_data(one: &Recording, other: &Recording) -> bool {
     let bits = |recording: &Recording| -> Vec<u64> {
         let values = recording.drive().iter().chain(recording.output());

@@ -22,7 +22,7 @@ const HOT_AFTER: [usize; 2] = [40, 20];
 /// A rig whose output rises with heat: one whose output falls is turned over, and its set points with it.
 #[derive(Debug, Clone)]
 pub struct Rig {
-    /// What its plants have in common.
+    /// Model that its plants share.
     pub fleet: Turned,
     /// The rod at rest; its signs are not turned.
     pub member: Member,
@@ -40,7 +40,7 @@ pub struct Rig {
     pub drive_max: f64,
     /// Largest drive of the training recordings.
     pub largest_drive: f64,
-    /// Whether the model was identified to a minimum.
+    /// True if the model was identified to a minimum.
     pub converged: bool,
     /// Unit of the output.
     pub output_unit: String,
@@ -90,13 +90,13 @@ pub enum RigError {
     /// The largest drive is no positive number.
     #[error("--drive-max {value}: must be finite and > 0")]
     DriveMaxValue {
-        /// What was given.
+        /// Rejected value.
         value: f64,
     },
     /// A duty above 1.
     #[error("drive_max = {value}: a duty is at most 1; the recordings went to {largest}")]
     Duty {
-        /// What was given.
+        /// Rejected value.
         value: f64,
         /// Largest drive of the recordings.
         largest: f64,
@@ -128,7 +128,7 @@ pub enum RigError {
     /// Something else is not known.
     #[error("{what} is missing: {why}")]
     Missing {
-        /// What.
+        /// The missing quantity.
         what: &'static str,
         /// Why it is needed.
         why: &'static str,
@@ -140,7 +140,7 @@ pub enum RigError {
         name: &'static str,
         /// The number.
         value: f64,
-        /// What would be accepted.
+        /// Accepted range.
         accepted: &'static str,
     },
 }
@@ -223,7 +223,7 @@ impl Rig {
         })
     }
 
-    /// Whether the output falls with heat, so that signs are turned.
+    /// True if the output falls with heat, so that signs are turned.
     #[must_use]
     pub fn is_turned(&self) -> bool {
         self.fleet.sign < 0.0

@@ -1,4 +1,4 @@
-//! What no rig can be, whatever the fit: units that are mixed up, a rod file that is wrong, a loop that nothing has.
+//! Implausible results, whatever the fit: units that are mixed up, a rod file that is wrong, a loop that no rod has.
 //!
 //! A row of the table is a rule with its limits and one sentence. Limits are those of physics and of what is on sale, far
 //! from what is merely odd: a row that fires says that the numbers are not to be used.
@@ -14,17 +14,17 @@ use crate::report::number::{behind, spoken};
 pub struct Implausible {
     /// Name of the rule, for programs.
     pub rule: &'static str,
-    /// What is wrong and what to look at, a sentence or two.
+    /// The fault and where to look for its cause, in a sentence or two.
     pub said: String,
 }
 
-/// What rules look at, of a rod file, a fit and its recordings.
+/// Inputs of the rules: from a rod file, a fit and its recordings.
 #[derive(Debug, Clone)]
 pub struct Facts<'a> {
     rod: &'a Rod,
-    /// Whether the drive is the input of a static loop.
+    /// True if the drive is the input of a static loop.
     is_static: bool,
-    /// Whether temperatures are in kelvins.
+    /// True if temperatures are in kelvins.
     knows_temperature: bool,
     drive_unit: String,
     output_unit: String,
@@ -37,7 +37,7 @@ pub struct Facts<'a> {
     /// Finest sampling and longest recording, s.
     step_s: f64,
     longest_s: f64,
-    /// Whether the output comes before its drive, and root mean square of the fit that does not know of it.
+    /// Lead of the output over its drive, and root mean square of the fit that ignores it; `None` without a lead.
     early: Option<(EarlyOutput, f64)>,
 }
 
@@ -100,7 +100,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// The same, with an output of the recordings that comes before its drive.
+    /// These facts, with an output of the recordings that comes before its drive.
     #[must_use]
     pub fn with_early_output(self, early: Option<EarlyOutput>, fit: &Fit) -> Self {
         Self {
@@ -156,14 +156,14 @@ pub fn to_json(implausible: &[Implausible]) -> Vec<Value> {
 /// A rule, and what it says where it is broken.
 type Row = (&'static str, fn(&Facts<'_>) -> Option<String>);
 
-/// What the rod file says by itself.
+/// Rules on the rod file by itself.
 const OF_ROD: &[Row] = &[
     ("density", density),
     ("specific-heat", specific_heat),
     ("resistivity", resistivity),
 ];
 
-/// What the model makes of it.
+/// Rules on the model.
 const OF_MODEL: &[Row] = &[
     ("output-before-drive", output_before_drive),
     ("rod-temperature", rod_temperature),
@@ -433,7 +433,7 @@ impl Facts<'_> {
         (self.knows_temperature && !self.is_static).then_some(self.reached)
     }
 
-    /// What makes a rod seem too hot that rises by so much.
+    /// Hint at the cause if a rod seems too hot, by its rise of temperature.
     fn cause_of_heat(&self, rise_k: f64, ambient_degc: f64) -> String {
         let rod = self.rod;
         let own_ohm = rod.resistance_ohm_per_m.zip(rod.length_m);
@@ -517,7 +517,7 @@ mod tests {
         broken.map(|one| (one.rule, one.said)).collect()
     }
 
-    /// What a rod file that differs in a line says of a sound model.
+    /// Broken rules of a sound model whose rod file differs in a line.
     fn of_rod(line: &str, instead: &str) -> Vec<(&'static str, String)> {
         assert!(ROD.contains(line));
         said(&sound(&rod(&ROD.replace(line, instead))))

@@ -8,7 +8,7 @@ use crate::rig::Rig;
 /// A response to a reference, in the sensor's own sign.
 #[derive(Debug, Clone)]
 pub struct Track {
-    /// What is followed.
+    /// Name of the reference.
     pub name: String,
     /// Under which controller.
     pub controller: &'static str,
@@ -64,10 +64,10 @@ impl Track {
     }
 }
 
-/// What is followed, by which controller.
+/// A reference and the controller that follows it.
 #[derive(Debug, Clone, Copy)]
 pub struct Followed<'a> {
-    /// What is followed.
+    /// Name of the reference.
     pub name: &'a str,
     /// The name of the controller.
     pub controller: &'static str,

@@ -73,7 +73,7 @@ struct BlackBox {
 struct Term {
     /// Degree in each variable.
     degrees: [usize; N],
-    /// Whether its sign is another on cooling.
+    /// True if its sign changes on cooling.
     is_signed: bool,
 }
 
@@ -122,7 +122,7 @@ impl BlackBox {
         }
     }
 
-    /// What it adds to the plain model's output, mm, up to an offset.
+    /// Contribution of the black box to the plain model's output, mm, up to an offset.
     fn shown(&self, seen: &Seen<'_>) -> Vec<f64> {
         let mut shown = vec![0.0; seen.residual.len()];
         let columns = self.columns(&variables(seen, self.tau_s)).into_iter();
@@ -165,7 +165,7 @@ impl BlackBox {
     }
 }
 
-/// What a black box is told.
+/// Inputs of a black box.
 #[derive(Debug)]
 struct Variables {
     values: [Vec<f64>; N],
@@ -173,8 +173,8 @@ struct Variables {
     direction: Vec<f64>,
 }
 
-/// What has acted by the time that an output is read: the drive of the sample before, the temperature and output of the
-/// plain model and the temperature's rate, and the drive through first-order lags.
+/// Inputs that have acted by the time that an output is read: the drive of the sample before, the temperature and output
+/// of the plain model and the temperature's rate, and the drive through first-order lags.
 fn variables(seen: &Seen<'_>, tau_s: f64) -> Variables {
     let time_s = seen.recording.time_s();
     let n = time_s.len();
@@ -213,7 +213,7 @@ fn variables(seen: &Seen<'_>, tau_s: f64) -> Variables {
     }
 }
 
-/// Whether the temperature rises, 1, or falls, -1, ripple apart; falls at first.
+/// Direction of the temperature, ripple apart: 1 if it rises, -1 if it falls. It counts as falling at first.
 fn direction(temperature_degc: &[f64]) -> Vec<f64> {
     let lowest = temperature_degc
         .iter()

@@ -58,7 +58,7 @@ pub(super) fn forward(files: &Opened, plain: &Fit) -> Result<Forward, IdentifyEr
     })
 }
 
-/// What all models are fitted to.
+/// Files and plain fit that all models are fitted to.
 #[derive(Debug)]
 struct Bench<'a> {
     files: &'a Opened,

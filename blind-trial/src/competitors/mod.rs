@@ -1,4 +1,4 @@
-//! What others would say of the files of a case: methods in use, run on the same recordings and the same plain fit.
+//! Competitors on the files of a case: methods in use, run on the same recordings and the same plain fit.
 
 mod black_box;
 mod forward;
@@ -16,7 +16,7 @@ use crate::{CaseId, TrialError};
 pub use forward::Forward;
 pub use whiteness::Whiteness;
 
-/// What others come to.
+/// Results of the competitors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Competitors {

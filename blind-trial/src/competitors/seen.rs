@@ -1,4 +1,4 @@
-//! What the plain model shows of a recording, and what it leaves.
+//! Output of the plain model for a recording, and its residual.
 
 use identify::{IdentifyError, Prediction, predict};
 use missing_physics::Stage;

@@ -14,11 +14,11 @@ const CHI_SQUARED_99: f64 = 44.3141;
 /// Standard errors of a 99 % band.
 const NORMAL_99: f64 = 2.5758;
 
-/// What the correlations of the plain model's residual say: that something is wrong, never what.
+/// Tests of the correlations of the plain model's residual. They show that something is wrong, never what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whiteness {
-    /// Whether neighbors in the training residual are correlated, p < 0.01.
+    /// True if neighbors in the training residual are correlated, p < 0.01.
     ///
     /// ```text
     /// Q = n (n + 2) Σ r_k²/(n - k),   k = 1 … 25,   against χ² of 25 degrees        [Ljung and Box 1978]
@@ -26,7 +26,7 @@ pub struct Whiteness {
     ///
     /// r_k is the residual's autocorrelation (doi:10.1093/biomet/65.2.297).
     pub is_not_white: bool,
-    /// Whether the residual's correlation with the drive leaves its 99 % band at any lag of 0 … 25 samples, the drive first,
+    /// True if the residual's correlation with the drive leaves its 99 % band at any lag of 0 … 25 samples, the drive first,
     /// after both have passed the filter that whitens the residual.
     ///
     /// ```text
@@ -112,7 +112,7 @@ fn covariances(pairs: &[Pair], of: impl Fn(&Pair) -> [&[f64]; 2]) -> Vec<f64> {
     (0..=LAGS).map(at).collect()
 }
 
-/// What an autoregressive model does not predict of a series.
+/// Innovations of a series: the part that an autoregressive model does not predict.
 fn innovations(series: &[f64], coefficients: &[f64]) -> Vec<f64> {
     let innovation = |k: usize| {
         let past = series[..k].iter().rev().zip(coefficients);

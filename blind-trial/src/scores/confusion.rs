@@ -4,7 +4,7 @@ use missing_physics::EffectId;
 
 use crate::{CaseLine, Family};
 
-/// What stands for no name, beside the verdict.
+/// Verdicts that stand for no name.
 const WITHOUT_A_NAME: [&str; 3] = ["unexplained", "adequate", "not_converged"];
 
 /// Which name each visible single effect was given.

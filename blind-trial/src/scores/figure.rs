@@ -5,15 +5,15 @@ use crate::Proportion;
 /// A quantity with what it should come to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Score {
-    /// What is counted, for people.
+    /// Description of the quantity, for people.
     pub quantity: String,
-    /// What it comes to.
+    /// Its value.
     pub figure: Figure,
-    /// What it should come to; `None` if it is only reported.
+    /// Its target; `None` if it is only reported.
     pub target: Option<Target>,
 }
 
-/// What a quantity comes to.
+/// Value of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Figure {
     /// So many of so many.
@@ -29,7 +29,7 @@ pub enum Figure {
     },
 }
 
-/// What a quantity should come to.
+/// Target of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
     /// At least.
@@ -41,7 +41,7 @@ pub enum Target {
 }
 
 impl Score {
-    /// Whether it is what it should be; `None` without a target or without a case.
+    /// True if it meets its target; `None` without a target or without a case.
     #[must_use]
     pub fn holds(&self) -> Option<bool> {
         let value = self.figure.value()?;

@@ -1,4 +1,4 @@
-//! What the cases of a trial come to.
+//! Scores of the cases of a trial.
 
 mod calibration;
 mod confusion;
@@ -28,13 +28,13 @@ pub struct Scores {
     pub table: Vec<Score>,
     /// How often an effect is named, over how visible it was.
     pub power: Power,
-    /// What became of each single effect.
+    /// Outcome of each single effect.
     pub reach: Reach,
     /// Which name each concealed effect was given.
     pub confusion: Confusion,
     /// How often names of a stated probability are right.
     pub calibration: Calibration,
-    /// What others say of the same files; no method where nobody asked.
+    /// Scores of other methods on the same files; no method if none was run.
     pub others: Others,
 }
 

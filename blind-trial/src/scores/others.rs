@@ -25,7 +25,7 @@ pub struct Method {
     pub explained: Option<Figure>,
 }
 
-/// What a method says of a case.
+/// Result of a method in a case.
 struct Said<'a> {
     finds: bool,
     /// Its first name; `None` if it gives none to anything.

@@ -1,25 +1,25 @@
 use super::VISIBLE_T;
 use crate::{CaseLine, Family};
 
-/// What became of each single effect, size by size: what an experiment can reveal.
+/// Outcome of each single effect, size by size: it shows which effects an experiment can reveal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reach {
     /// One an addition, in the order of the cases.
     pub rows: Vec<Reached>,
 }
 
-/// What became of one addition.
+/// Outcome of one addition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reached {
-    /// What was concealed.
+    /// Concealed addition.
     pub addition: String,
     /// Its name in the catalogue.
     pub effect: String,
-    /// Sizes over the usual one with what became of each, the smallest first.
+    /// Sizes over the usual one with the outcome of each, the smallest first.
     pub sizes: Vec<(f64, Became)>,
 }
 
-/// What became of a concealed effect.
+/// Outcome of a concealed effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Became {
     /// Nobody could have seen it.

@@ -70,7 +70,7 @@ pub fn table(lines: &[CaseLine], calibration: &Calibration, times_alone_s: &[f64
     scores
 }
 
-/// What is said beside the names.
+/// Scores of statements beside the names.
 pub(super) fn beyond_names(lines: &[&CaseLine]) -> Vec<Score> {
     let misfits: Vec<&CaseLine> = lines
         .iter()

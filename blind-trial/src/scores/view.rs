@@ -1,4 +1,4 @@
-//! What can be said of one case.
+//! Properties of one case.
 
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ const CONFIDENT: f64 = 0.8;
 pub(super) const MISFIT: f64 = 5.0;
 
 impl CaseLine {
-    /// Whether all that is concealed was to be seen.
+    /// True if all concealed effects were visible.
     pub(super) fn is_visible(&self) -> bool {
         let oracles = &self.opened.oracles;
         !oracles.is_empty() && oracles.iter().all(|oracle| oracle.t >= VISIBLE_T)
@@ -53,21 +53,21 @@ impl CaseLine {
         names.find(|name| self.is_right(name).is_some())
     }
 
-    /// Whether the strongest name is the truth or one of its aliases.
+    /// True if the strongest name is the truth or one of its aliases.
     pub(super) fn is_near(&self) -> bool {
         let mut aliases = self.opened.aliases.iter().flatten();
         self.top()
             .is_some_and(|top| top == self.truth() || aliases.any(|alias| alias == top))
     }
 
-    /// Whether a block is blamed, and it is that of the effect.
+    /// True if a block is blamed, and it is that of the effect.
     pub(super) fn locates(&self) -> bool {
         let block = self.verdict.block.as_ref();
         let truth = block_of(self.truth());
         block.is_some_and(|(block, _)| Some(block.as_str()) == truth.map(EffectBlock::id))
     }
 
-    /// Whether a name is right; `None` if it is neither right nor wrong, in the transformation of a loop that is not of the
+    /// True if a name is right; `None` if it is neither right nor wrong, in the transformation of a loop that is not of the
     /// plain model's family.
     pub(super) fn is_right(&self, effect: &str) -> Option<bool> {
         let is_right = self.truths().any(|truth| truth == effect);
@@ -75,7 +75,7 @@ impl CaseLine {
         (is_right || !(is_of_the_loop && self.case.has_other_loop())).then_some(is_right)
     }
 
-    /// Whether a name that is not the truth is stated.
+    /// True if a wrong name is stated.
     pub(super) fn is_wrong(&self) -> bool {
         let findings = &self.verdict.findings;
         findings
@@ -83,7 +83,7 @@ impl CaseLine {
             .any(|finding| self.is_right(&finding.effect) == Some(false))
     }
 
-    /// Whether a name that is not the truth is stated with confidence.
+    /// True if a wrong name is stated with confidence.
     pub(super) fn is_wrong_and_sure(&self) -> bool {
         let wrong = |finding: &Named| {
             finding.probability > CONFIDENT && self.is_right(&finding.effect) == Some(false)
@@ -91,7 +91,7 @@ impl CaseLine {
         self.verdict.findings.iter().any(wrong)
     }
 
-    /// Whether the plain model misses the training recordings by many times the noise.
+    /// True if the plain model misses the training recordings by many times the noise.
     pub(super) fn misfits(&self) -> bool {
         self.verdict.plain.train >= MISFIT * self.opened.noise_mm
     }

@@ -64,7 +64,7 @@ pub enum JobError {
     Unreadable {
         /// File.
         file: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The truth is not what this program expects.
@@ -72,7 +72,7 @@ pub enum JobError {
     Truth {
         /// File.
         file: PathBuf,
-        /// What the parser found.
+        /// Error of the parser.
         source: serde_json::Error,
     },
     /// The truth has other parameters, or a list of another length.
@@ -201,11 +201,11 @@ impl Job {
         self.ambient_degc
     }
 
-    /// What drives the rod.
+    /// Drive profile of the rod.
     ///
     /// # Errors
     ///
-    /// What [`Profile::uniform`] refuses.
+    /// Errors of [`Profile::uniform`].
     pub fn profile(&self) -> Result<Profile<'_>, WienerError> {
         Profile::uniform(self.recording.drive(), self.dt_s, self.ambient_degc)
     }
@@ -239,7 +239,7 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// What the model refuses.
+    /// Errors of the model.
     pub fn costs(&self, points: &[impl AsRef<[f64]>]) -> Result<Vec<f64>, WienerError> {
         let members: Vec<Member> = points
             .iter()

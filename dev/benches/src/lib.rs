@@ -1,4 +1,4 @@
-//! What the benches and the programs of this package share: the job that they time.
+//! Job that the benches and the programs of this package share and time.
 
 mod job;
 
@@ -6,7 +6,7 @@ pub use job::{Job, JobError, N_COORDINATES, ROD_TOML};
 
 use std::fmt::Display;
 
-/// What was built from constants of this package, which are within every range.
+/// Value built from constants of this package, which are within every range.
 #[must_use]
 pub fn sound<T, E: Display>(built: Result<T, E>) -> T {
     match built {

@@ -46,7 +46,7 @@ fn pull(params: WienerParams, drive: &[f64]) -> Vec<f64> {
     pulled
 }
 
-/// What a pair does, with a sensor's noise.
+/// Recording of a pair, with a sensor's noise.
 fn pair(name: &str, drive: Vec<f64>, antagonist_drive: Option<Vec<f64>>) -> Recording {
     let mut noise = ChaCha8Rng::seed_from_u64(name.len() as u64);
     let first = pull(truth(), &drive);

@@ -1,4 +1,4 @@
-//! What keeps a fit from being believed: bounds, loops where no recording has been, outputs before their drive.
+//! Reasons to distrust a fit: bounds, loops where no recording has been, outputs before their drive.
 
 #![allow(
     clippy::unwrap_used,

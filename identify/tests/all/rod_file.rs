@@ -1,4 +1,4 @@
-//! What `rod.toml` may say, and the text of every error where it says something else.
+//! Accepted content of `rod.toml`, and the text of every error for any other content.
 
 #![allow(
     clippy::unwrap_used,

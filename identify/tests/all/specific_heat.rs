@@ -57,7 +57,7 @@ fn a_range_of_specific_heat_is_carried_into_the_intervals() {
     assert!(!model.carry_specific_heat(&mut fit));
 }
 
-/// The same recording with white noise of a standard deviation.
+/// Adds white noise of a standard deviation, mm, to a recording.
 fn noisy(like: &Recording, deviation: f64) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };

@@ -1,4 +1,4 @@
-//! What static recordings say of stress and resistance, on measured and on generated data.
+//! Effects of stress and resistance in static recordings, on measured and on generated data.
 
 // Shared functions fail the test too; clippy.toml exempts only functions marked as tests.
 #![allow(

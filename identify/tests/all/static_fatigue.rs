@@ -19,7 +19,7 @@ const STATIC: &str = "[drive]\nkind = \"temperature\"\n";
 const LOWEST_DEGC: f64 = 20.0;
 const HIGHEST_DEGC: f64 = 130.0;
 
-/// What cycles do to a loop, over all of them.
+/// Fatigue of a generated loop, over all of its cycles.
 #[derive(Debug, Clone, Copy)]
 struct Made {
     cycles: usize,

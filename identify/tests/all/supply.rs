@@ -1,4 +1,4 @@
-//! What `[drive]` may say of supply and leads, and what they do.
+//! Accepted keys of `[drive]` for supply and leads, and their effects.
 
 #![allow(
     clippy::unwrap_used,

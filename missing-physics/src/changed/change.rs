@@ -1,4 +1,4 @@
-//! What is said of what has changed.
+//! Verdict and finding on changes since the reference.
 
 use crate::Candidate;
 
@@ -7,7 +7,7 @@ use crate::Candidate;
 pub enum ChangeVerdict {
     /// Nothing that would show.
     Unchanged,
-    /// What is said under [`Change::finding`].
+    /// Something has changed: [`Change::finding`] names it.
     Changed,
     /// Something has, and neither a known effect nor a law accounts for it; or the runs go where the reference did not.
     Unexplained,
@@ -28,7 +28,7 @@ impl ChangeVerdict {
     }
 }
 
-/// What may have changed.
+/// Candidate change since the reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Changing {
     /// An effect that the reference does not have has appeared.
@@ -62,7 +62,7 @@ impl Changing {
 /// One change that was considered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Considered {
-    /// What would have changed.
+    /// Candidate change.
     pub what: Changing,
     /// The parameter by which it is measured.
     pub parameter: &'static str,
@@ -83,7 +83,7 @@ pub struct Considered {
 pub struct Changed {
     /// The likeliest.
     pub leading: Considered,
-    /// What would explain the runs as well: with it, 95 % of the probability.
+    /// Alternatives that explain the runs as well: with the leading change, they hold 95 % of the probability.
     pub could_also_be: Vec<Changing>,
 }
 
@@ -94,7 +94,8 @@ pub struct LeftOut {
     pub name: String,
     /// Root mean square of what is left, its own state known, in the unit of the output.
     pub rmse: f64,
-    /// What would be said to have changed in it, had the discrepancy not been enlarged, nats.
+    /// Logarithm of the density of the likeliest change in this run over that of no change, before the discrepancy is
+    /// enlarged, nats.
     pub nats: f64,
 }
 
@@ -103,7 +104,7 @@ pub struct LeftOut {
 pub struct Change {
     /// The verdict.
     pub verdict: ChangeVerdict,
-    /// What has changed; `None` unless the verdict is [`ChangeVerdict::Changed`].
+    /// Leading change and its alternatives; `None` unless the verdict is [`ChangeVerdict::Changed`].
     pub finding: Option<Changed>,
     /// All changes that were considered, the likeliest first.
     pub considered: Vec<Considered>,
@@ -118,8 +119,8 @@ pub struct Change {
     /// Names of the runs that were asked about, and root mean squares of what the laws of the reference leave of each without a change
     /// and with the likeliest, in the unit of the output; each run's own state is known in both.
     pub runs: Vec<(String, [f64; 2])>,
-    /// What they leave more than the runs of the reference did when left out, as a ratio of squares: without a change and with the
-    /// likeliest.
+    /// Ratio of the mean square that these runs leave to the largest that a run of the reference left when left out:
+    /// without a change and with the likeliest.
     pub excess: [f64; 2],
     /// Unit of the output.
     pub output_unit: String,
@@ -137,7 +138,7 @@ const UNCHANGED: f64 = 0.05;
 /// Probability that a set of names holds.
 const SET: f64 = 0.95;
 
-/// What runs may leave over the most that a run of the reference left: as much again.
+/// Largest mean square that runs may leave, over the largest that a run of the reference left: twice as much.
 const MOST: f64 = 2.0;
 
 /// Share of what is more than that which a finding accounts for at least, where runs leave more. A flexible effect has to account for

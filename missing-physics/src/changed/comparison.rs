@@ -41,7 +41,7 @@ pub(crate) struct Comparison<'a> {
     pub(crate) discrepancy: Discrepancy,
     /// Effects that may have appeared.
     pub(crate) catalogue: CandidateSet,
-    /// Whether laws may be others.
+    /// True if changes of laws are considered, too.
     pub(crate) with_laws: bool,
 }
 

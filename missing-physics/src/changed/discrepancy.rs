@@ -1,11 +1,12 @@
-//! What a fitted model leaves of a rig that has not changed: a process in time, not white noise.
+//! Residual of a fitted model of a rig that has not changed: a process in time, not white noise.
 //!
 //! ```text
 //! e(t) = σ ε + a u₁(t) + b r(t) u₂(t),   r = |dy/dt| over its root mean square,   ⟨u_i(t) u_i(t')⟩ = exp(-|t - t'|/ℓ_i)
 //! ```
 //!
-//! Noise, a slow discrepancy, and one of timing, which shows where the output moves. Both processes are Markov, so that a Kalman filter
-//! of two states makes a series of any length white, one sample after the other, however the samples stand.
+//! It has three parts: noise, a slow discrepancy, and one of timing, which shows where the output moves. Both processes are
+//! Markov, so that a Kalman filter of two states makes a series of any length white, one sample after the other, however the
+//! samples stand.
 
 /// Standard deviations σ, a, b and memories ℓ₁, ℓ₂ of what is left.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -47,7 +48,7 @@ struct Step {
 }
 
 impl Discrepancy {
-    /// The same with variances that are so much larger.
+    /// This discrepancy with its variances multiplied by `factor`.
     pub(crate) fn enlarged(self, factor: f64) -> Self {
         let root = factor.sqrt();
         Self {

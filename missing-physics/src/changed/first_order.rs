@@ -48,7 +48,7 @@ enum Size {
 /// How well a way does.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tried {
-    /// What it gains over no change, nats.
+    /// Gain over no change, nats.
     nats: f64,
     /// Its likeliest size; of several the first.
     pub(crate) size: f64,

@@ -80,7 +80,7 @@ impl Runs {
         (squares / own.len() as f64).sqrt()
     }
 
-    /// The same over all samples of all runs.
+    /// Root mean square of a series over all samples of all runs, about the mean of each run.
     pub(crate) fn rms(&self, series: &[f64]) -> f64 {
         let of_runs = 0..self.len();
         let squares = |run: usize| self.n_samples(run) as f64 * self.rms_of(run, series).powi(2);
@@ -227,7 +227,7 @@ impl Joint {
         squares + rows.map(|row| row.value(coordinates).powi(2)).sum::<f64>()
     }
 
-    /// What is left of some of the runs beside everything that laws and states could do.
+    /// Least-squares system of some of the runs: their residual, and everything that laws and states could do to it.
     pub(crate) fn system(&self, runs: &Runs, which: &[usize], discrepancy: &Discrepancy) -> System {
         let filters = runs.filters(which, discrepancy);
         let bounds = self.vector.bounds();

@@ -1,9 +1,9 @@
-//! What has changed of a rig since it was recorded as it should be.
+//! Changes of a rig since it was recorded as it should be.
 //!
-//! [`Reference::of`] fits the laws of the rig to its reference runs, each with a state of its own (surroundings, heat loss, stroke), and
-//! measures how well they meet a run that is left out. [`Reference::changed`] asks of other runs which effect has appeared, or which law
-//! is another there: by generalized least squares over all runs together, against what a fitted model leaves of a rig that has not
-//! changed ([`discrepancy`]).
+//! [`Reference::of`] fits the laws of the rig to its reference runs, each with a state of its own (surroundings, heat loss,
+//! stroke), and measures how well they meet a run that is left out. [`Reference::changed`] asks which effect has appeared in
+//! other runs, or which law is another there. It compares the changes by generalized least squares over all runs together,
+//! against the residual that a fitted model leaves of a rig that has not changed ([`discrepancy`]).
 
 mod change;
 mod comparison;

@@ -50,14 +50,14 @@ pub struct Reference {
 impl Reference {
     /// Fits the laws to runs of the rig as it should be.
     ///
-    /// The diagnosis of them says which effects the rig has; drifts are none, and effects with zones are left out. Effects that all
-    /// runs together ask for are taken in beside. Then the laws are fitted without each run in turn, and that run is asked what has
-    /// changed in it: whatever is said beyond odds of 20 enlarges the discrepancy against which other runs are judged, for several of
-    /// them so many times.
+    /// The diagnosis of these runs says which effects the rig has. Drifts do not count as such, and effects with zones are
+    /// left out. Effects that all runs together ask for are added. Then the laws are fitted without each run in turn, and
+    /// that run is asked what has changed in it. A change found there beyond odds of 20 enlarges the discrepancy against
+    /// which other runs are judged. If several runs are judged, it is enlarged so many times as much.
     ///
     /// # Errors
     ///
-    /// What [`diagnose`](crate::diagnose) refuses, and [`IdentifyError::Stopped`] if `progress` ended it.
+    /// Errors of [`diagnose`](crate::diagnose), and [`IdentifyError::Stopped`] if `progress` ended it.
     pub fn of<'p>(
         base: &WienerModel,
         runs: &[Recording],
@@ -200,11 +200,11 @@ impl Reference {
         (most / OF_REFERENCE.ln()).max(1.0)
     }
 
-    /// What has changed in other runs of the rig.
+    /// Finds what has changed in other runs of the rig.
     ///
     /// # Errors
     ///
-    /// What the models refuse.
+    /// Errors of the models.
     pub fn changed(&self, today: &[Recording]) -> Result<Change, IdentifyError> {
         let n_reference = self.runs.len();
         let all: Vec<Recording> = self.runs.iter().chain(today).cloned().collect();

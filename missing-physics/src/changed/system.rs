@@ -26,10 +26,10 @@ pub(crate) struct System {
     prior_squares: f64,
 }
 
-/// What may be adjusted.
+/// Adjustable columns, with their priors.
 #[derive(Debug, Default)]
 pub(crate) struct Adjusted {
-    /// Its white columns.
+    /// White columns.
     pub(crate) columns: Vec<Vec<f64>>,
     /// The coordinate of each; `None` for an offset.
     pub(crate) coordinates: Vec<Option<usize>>,
@@ -41,7 +41,7 @@ pub(crate) struct Adjusted {
     pub(crate) ln_prior: f64,
 }
 
-/// What is left of a series, and of the residual along it.
+/// Products of some white series, outside of the adjustable columns, with one another and with the residual.
 #[derive(Debug, Clone)]
 pub(crate) struct Outside {
     /// Products of the series outside what may be adjusted.

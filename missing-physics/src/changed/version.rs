@@ -18,7 +18,7 @@ const BY_K: f64 = 5.0;
 /// Standard deviations within which a change is sought.
 const WITHIN: f64 = 6.0;
 
-/// What may have changed.
+/// Candidate change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum What {
     /// An effect that was not there.
@@ -34,7 +34,7 @@ pub(crate) enum What {
 pub(crate) struct Version {
     model: ExtendedModel,
     changed: Arc<BTreeSet<String>>,
-    /// What has changed in them.
+    /// Change that acts in them, if any.
     change: Option<What>,
     parameters: Vec<ParameterInfo>,
 }
@@ -51,7 +51,7 @@ impl Version {
         }
     }
 
-    /// The same with an effect that has appeared, which `model` has beside.
+    /// This version with an effect that has appeared; `model` has that effect in addition.
     pub(crate) fn with_effect(&self, model: ExtendedModel, effect: Candidate) -> Self {
         let mut parameters = model.parameters().to_vec();
         with_priors(&model, effect, &mut parameters);
@@ -63,7 +63,7 @@ impl Version {
         }
     }
 
-    /// The same with a law that has changed; `point` is where the laws are.
+    /// This version with a law that has changed; `point` has the values of all parameters.
     pub(crate) fn with_law(&self, law: usize, point: &[f64]) -> Self {
         let mut parameters = self.model.parameters().to_vec();
         let info = parameters[law].clone();

@@ -1,4 +1,4 @@
-//! What a judge is to know beside the population.
+//! Inputs of the decision beside the population.
 
 use std::ops::Range;
 
@@ -6,10 +6,10 @@ use crate::decide::rules::RuleId;
 use crate::decide::trace::Traces;
 use crate::{Candidate, CandidateSet};
 
-/// What a formula of a loop is exact to at best, as a share of what it shows.
+/// Smallest error of a formula of a loop, as a share of what it shows.
 const EXACT: f64 = 1e-3;
 
-/// What is known beside the population.
+/// Inputs of the decision beside the population.
 #[derive(Debug, Clone)]
 pub(crate) struct Known {
     /// Places of each channel of each recording in a series.
@@ -18,15 +18,15 @@ pub(crate) struct Known {
     pub(crate) output_squares: f64,
     /// Variance of the converter's rounding, in the square of the output's unit; 0 where no step is seen.
     pub(crate) rounding: f64,
-    /// What may be found.
+    /// Candidates that may be found.
     pub(crate) catalogue: CandidateSet,
-    /// What could not be tried, for want of what it needs.
+    /// Candidates that could not be tried, because an input that they need is missing.
     pub(crate) untried: CandidateSet,
     /// Share of what the size of the plain model's residual varies by that the state of the rig predicts, if that is beyond chance.
     pub(crate) disturbed: f64,
     /// Tone of what the leading model leaves, standard deviations.
     pub(crate) tone: f64,
-    /// What the leading model leaves over the noise between neighboring samples.
+    /// Slow part of the leading model's residual over the noise between neighboring samples.
     pub(crate) slowness: f64,
     /// Error of a drift of the zero over that of a slipping mount, where the leading model has such a drift.
     pub(crate) slip: Option<f64>,

@@ -33,7 +33,7 @@ pub(crate) fn leading(population: &Population) -> &Model {
 /// Share of what a drift and another effect explain together that may be lost without the drift if the other does its work.
 const NEARLY_ALL: f64 = 0.1;
 
-/// Whether an effect does nearly all that it and some drift of the model do together, when the drift is left out.
+/// True if, without some drift of the model, an effect still explains nearly all that the two explain together.
 fn does_without_a_drift(population: &Population, model: &Model, name: Candidate) -> bool {
     let mut drifts = model.names.iter().filter(|&one| is_drift(one));
     !is_drift(name)

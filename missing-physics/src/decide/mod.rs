@@ -1,4 +1,4 @@
-//! What a finished population of models lets be said: nothing here simulates or fits.
+//! Decision on a finished population of models: nothing here simulates or fits.
 
 mod known;
 mod leading;

@@ -1,4 +1,4 @@
-//! What may be called by name, and what else it could be.
+//! Effects that may be named, and their alternatives.
 
 use recording::order::falling;
 

@@ -7,31 +7,31 @@ pub enum RuleId {
     Describes,
     /// Something is left that a curve or a name predicts.
     Missing,
-    /// What is predicted goes with the recordings beyond chance.
+    /// The prediction goes with the recordings beyond chance.
     Predicted,
     /// A name is no matter of how exact another effect's formula is.
     Form,
     /// A set of names holds all that would do.
     Set,
-    /// What a name adds goes with what is left without it, beyond chance.
+    /// The contribution of a name goes with the residual without it, beyond chance.
     Own,
     /// Something is left beside the names.
     Remainder,
     /// The error is larger than rounding, and more than the formulas themselves are exact to.
     Matters,
-    /// The size of what is left follows the drive.
+    /// The size of the residual follows the drive.
     Disturbed,
-    /// What is left has a tone.
+    /// The residual has a tone.
     Tone,
-    /// What is left is slower than the noise of a sensor.
+    /// The residual is slower than the noise of a sensor.
     Slow,
-    /// What looks like a drift of the zero is a slip of the mount.
+    /// An apparent drift of the zero is a slip of the mount.
     Slip,
     /// The size of a name is told from none.
     Told,
     /// A name helps on recordings that were not used.
     UnseenGain,
-    /// What was explained is explained there, too.
+    /// The explained error is also explained on recordings that were not used.
     UnseenShare,
 }
 
@@ -64,11 +64,11 @@ pub struct Rule {
     pub id: RuleId,
     /// Its name in files and reports.
     pub name: &'static str,
-    /// What is compared.
+    /// Statistic that is compared.
     pub statistic: &'static str,
-    /// How.
+    /// Direction of the comparison.
     pub comparison: Comparison,
-    /// With what.
+    /// Threshold of the statistic.
     pub threshold: f64,
     /// Where the threshold comes from.
     pub basis: Basis,
@@ -77,7 +77,7 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// Whether a value passes; NaN does not.
+    /// True if a value passes; NaN does not.
     #[must_use]
     pub fn passes(&self, value: f64) -> bool {
         match self.comparison {

@@ -1,11 +1,11 @@
-//! What is said of the whole.
+//! Verdict of the whole diagnosis.
 
 /// Name of the whole diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// Nothing is missing that these recordings could show.
     Adequate,
-    /// What was left out has a name.
+    /// The missing physics has a name.
     Explained,
     /// It is explained, and by more than one name.
     Ambiguous,

@@ -7,11 +7,11 @@ use crate::decide::rules::{Rule, RuleId, rule};
 pub struct Trace {
     /// The rule.
     pub rule: &'static Rule,
-    /// What it was asked of: a name, or nothing where it is the whole.
+    /// Name that it was asked of; empty if it was asked of the whole.
     pub of: String,
     /// The statistic.
     pub value: f64,
-    /// Whether it passed.
+    /// True if it passed.
     pub passed: bool,
 }
 

@@ -9,24 +9,24 @@ use crate::decide::trace::Traces;
 use crate::evidence::{Audit, Model, Population, UNLISTED, masses};
 use crate::model::elsewhere::is_drift;
 
-/// What is said.
+/// Decision on a population.
 #[derive(Debug, Clone)]
 pub(crate) struct Decided {
     pub(crate) verdict: Verdict,
-    /// What would be said without a name.
+    /// Verdict on the plain model, without names.
     pub(crate) nameless: Verdict,
     pub(crate) named: Vec<Named>,
     /// Names that help and do not hold.
     pub(crate) suspects: Vec<Named>,
     /// Share of what could be explained that the leading model explains on blocks it has not seen.
     pub(crate) explained: Option<f64>,
-    /// What a curve of any shape predicts of what the leading model leaves.
+    /// Part of the leading model's residual that a curve of any shape predicts.
     pub(crate) audit: Option<Audit>,
     pub(crate) traces: Traces,
 }
 
 impl Decided {
-    /// Whether the verdict is that something has a name.
+    /// True if the verdict is that something has a name.
     pub(crate) fn is_of_names(&self) -> bool {
         matches!(
             self.verdict,
@@ -35,7 +35,7 @@ impl Decided {
     }
 }
 
-/// What a population says.
+/// Decides on a population.
 pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     let mut traces = Traces::default();
     let model = leading(population);
@@ -103,7 +103,7 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     }
 }
 
-/// Whether what a suspect adds goes with the recordings, and matters.
+/// True if the contribution of a suspect goes with the recordings, and matters.
 fn is_found(traces: &Traces, suspect: &Named) -> bool {
     let is_about = |id: RuleId, passed: bool| {
         let mut own = traces.0.iter();
@@ -127,7 +127,8 @@ fn described(population: &Population, known: &Known) -> f64 {
     share_described(squares.fold(f64::INFINITY, f64::min), known)
 }
 
-/// The same by the plain model: where nothing is named, it is what is said to describe the rig.
+/// Share of the output's variance that the plain model predicts on blocks which were left out: if nothing is named, that
+/// model is said to describe the rig.
 fn described_plainly(population: &Population, known: &Known) -> f64 {
     share_described(population.plain().evidence.squares()[0], known)
 }
@@ -160,7 +161,7 @@ fn with_curve(model: &Model, seed: u64) -> f64 {
     masses(&asked, seed)[1]
 }
 
-/// Whether a curve finds more than the model has, and more than its formulas' own error.
+/// True if a curve finds more than the model has, and more than its formulas' own error.
 fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut Traces) -> bool {
     let Some(anonymous) = &model.anonymous else {
         return false;
@@ -179,7 +180,7 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
     is_needed && is_predicted && is_large && is_material
 }
 
-/// Whether what is left is no noise of a sensor, though nothing predicts it.
+/// True if the residual is no noise of a sensor, though nothing predicts it.
 fn is_odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> bool {
     let is_disturbed = is_nameless && traces.ask(RuleId::Disturbed, "", known.disturbed);
     let has_tone = traces.ask(RuleId::Tone, "", known.tone);

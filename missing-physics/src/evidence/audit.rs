@@ -9,7 +9,7 @@ use crate::model::series::Channel;
 /// Shifts by which the probability is found.
 pub(crate) const SHIFTS: usize = 999;
 
-/// What a curve of any shape predicts of a residual that it has not seen.
+/// Part of an unseen residual that a curve of any shape predicts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Audit {
     /// Share of the residual's variance that is predicted; below 0 where the prediction is worse than none.

@@ -69,7 +69,7 @@ pub(crate) fn of(
     Ok(columns)
 }
 
-/// What a play of some width leaves out.
+/// Output of a play of some width, less its input.
 fn played(output: &[f64], width: f64) -> Vec<f64> {
     let half = 0.5 * width;
     let mut held = output[0];
@@ -82,7 +82,7 @@ fn played(output: &[f64], width: f64) -> Vec<f64> {
         .collect()
 }
 
-/// What follows a signal with a time constant, less the signal.
+/// Follower of a signal with a time constant, less the signal.
 fn behind(signal: &[f64], passage: &Passage, lag_s: f64) -> Vec<f64> {
     let mut follower = signal[0];
     signal

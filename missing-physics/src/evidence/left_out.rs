@@ -14,7 +14,7 @@ const PENALTIES: [f64; 6] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 /// Columns of a regression, each a series over the layout.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Columns<'a> {
-    /// What the model's free parameters do: fitted anew without each block.
+    /// Columns of the model's free parameters, which are fitted anew without each block.
     pub(crate) free: &'a [&'a [f64]],
     /// A curve of any shape, penalized.
     pub(crate) curve: &'a [&'a [f64]],
@@ -74,7 +74,7 @@ impl<'a> LeftOut<'a> {
         }
     }
 
-    /// What the rest predicts of each block, the curve penalized by as much.
+    /// Predictions of each block from all others, with this penalty on the curve.
     pub(crate) fn predicted(&self, penalty: f64) -> Vec<f64> {
         let mut predicted = vec![0.0; self.columns.nrows()];
         for (block, removed) in self.blocks.iter().zip(&self.removed) {
@@ -89,7 +89,7 @@ impl<'a> LeftOut<'a> {
         predicted
     }
 
-    /// The same with the penalty that predicts best.
+    /// Predictions of each block from all others, with the penalty that predicts best.
     pub(crate) fn best_predicted(&self) -> Vec<f64> {
         let left = |predicted: &Vec<f64>| -> f64 {
             let pairs = predicted.iter().enumerate();

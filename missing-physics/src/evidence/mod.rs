@@ -1,4 +1,4 @@
-//! What models are worth on what they have not seen, and what could still be predicted of what they leave.
+//! Evidence for models on data that they have not seen, and the part of their residuals that could still be predicted.
 //!
 //! Noise cannot be predicted from what drove the rig; missing physics can. So the one measure of a model is the density
 //! that it gives to blocks of the recordings that were left out of its fit, and its one anonymous rival is the same model

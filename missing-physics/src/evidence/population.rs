@@ -17,7 +17,7 @@ pub(crate) struct Model {
     pub(crate) family: LoopFamily,
     /// Its effects.
     pub(crate) effects: CandidateSet,
-    /// What it has beyond the plain model: a loop of another family is another shape of the loop.
+    /// Its names beyond the plain model: a loop of another family counts as another shape of the loop.
     pub(crate) names: CandidateSet,
     /// Logarithm of its prior: whether such effects are there, and of that size.
     pub(crate) ln_prior: f64,
@@ -36,24 +36,24 @@ impl Model {
         self.ln_prior + self.evidence.total()
     }
 
-    /// The same with the curve.
+    /// Logarithm of its prior and density with the curve on top.
     pub(crate) fn worth_with_curve(&self) -> Option<f64> {
         let anonymous = self.anonymous.as_ref()?;
         Some(self.ln_prior + UNLISTED + anonymous.evidence.total())
     }
 
-    /// Whether it may be chosen: what it has is within what can be, and as large as its name says.
+    /// True if it may be chosen: its effects are within their possible ranges, and as large as their names say.
     pub(crate) fn is_admissible(&self) -> bool {
         self.pressed.is_empty() && self.slight.is_empty()
     }
 
-    /// Whether all that it has has a form of its own, and none could take any shape. Another loop than the paper's could: that it is
-    /// asked for says that no formula of a loop is exact here.
+    /// True if each of its names has a form of its own, and none could take any shape. A loop other than the paper's could:
+    /// if it is asked for, no formula of a loop is exact here.
     pub(crate) fn is_rigid(&self) -> bool {
         self.names.iter().all(|name| !name.info().flexible)
     }
 
-    /// Whether a curve finds nothing more.
+    /// True if a curve finds nothing more.
     pub(crate) fn is_whole(&self) -> bool {
         self.worth_with_curve()
             .is_some_and(|with_curve| with_curve < self.worth())

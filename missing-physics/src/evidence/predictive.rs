@@ -14,12 +14,13 @@ const STEPS: usize = 30;
 /// Square of a residual over the least from which most of it is no noise.
 const MISFIT: f64 = 2.0;
 
-/// What the noise of each channel remembers.
+/// Memory of the noise of each channel: an autoregressive model.
 ///
-/// A model that is far off has a residual which its own past tells well: by a memory of its own it would be forgiven just what it
-/// leaves out. So where most of a residual is no noise, the memory is that of the least residual that any model leaves without a
-/// drift: a drift takes noise in that grows toward low frequencies, and what that is like is not to be learned from where it is
-/// gone. A model that leaves hardly more has its own, or the one that left least would be ahead by having been asked.
+/// If a model misfits, the past of its residual predicts that residual well: a memory fitted to it would absorb the misfit.
+/// So if most of a residual is misfit, its memory is that of the least residual that any model without a drift leaves.
+/// Models with a drift are excluded: a drift absorbs noise that grows toward low frequencies, so that such noise cannot be
+/// learned from their residuals. A model that leaves hardly more than the least has a memory of its own: otherwise the model
+/// with the least residual would have an advantage, since the memory was fitted to it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Memory {
     channels: [ResidualNoise; 2],
@@ -70,14 +71,15 @@ impl Memory {
     }
 }
 
-/// What a channel of a residual remembers.
+/// Memory of a channel of a residual.
 fn recalled(layout: &Layout, channel: Channel, residual: &[f64]) -> ResidualNoise {
     let segments = layout.of_channel(channel);
     let parts: Vec<&[f64]> = segments.map(|one| &residual[one.range.clone()]).collect();
     ResidualNoise::of(&parts)
 }
 
-/// What of each sample its past does not tell; the first ones, which have no past, as far as the same spread.
+/// Innovations: the part of each sample that its past does not predict. The first samples, which have no past, are scaled to
+/// the same spread.
 fn innovations(part: &[f64], noise: &ResidualNoise) -> Vec<f64> {
     let a = &noise.coefficients;
     let share = (noise.innovation_variance / noise.variance).sqrt();

@@ -26,7 +26,7 @@ pub(crate) fn weighed(
     Evidence::of(case, less(&node.residual, &predicted), blocks)
 }
 
-/// What a curve of any shape predicts of what a model leaves of blocks that it has not seen.
+/// A model with a curve of any shape on top, and the part of its residual on unseen blocks that the curve predicts.
 pub(crate) fn audited(
     case: &Case<'_>,
     node: &Node,
@@ -85,7 +85,7 @@ impl<'a> Linear<'a> {
         }
     }
 
-    /// The same without each block, and with a curve on top.
+    /// This fit without each block, and with a curve on top.
     fn left_out<'b>(&self, curve: &[Vec<f64>], blocks: &'b [Block]) -> LeftOut<'b> {
         let free: Vec<&[f64]> = self.free.iter().map(|column| &**column).collect();
         let curve = curve.iter().map(|column| match self.n_priors {

@@ -1,14 +1,14 @@
-//! What a model is worth on what it has not seen.
+//! Evidence for a model on data that it has not seen.
 
 use crate::evidence::blocks::Block;
 use crate::model::case::Case;
 
-/// What a model is worth on blocks that were left out of its fit.
+/// Evidence for a model on blocks that were left out of its fit.
 #[derive(Debug, Clone)]
 pub(crate) struct Evidence {
     /// Recorded - predicted where each sample was left out.
     pub(crate) residual: Vec<f64>,
-    /// Logarithm of the density that the model gives to each block, nats; empty until it is known what the noise remembers.
+    /// Logarithm of the density that the model gives to each block, nats; empty until the memory of the noise is known.
     pub(crate) nats: Vec<f64>,
     /// Sums of the squares of the residual in each block: of the output, and of a recorded temperature.
     pub(crate) squares: Vec<[f64; 2]>,

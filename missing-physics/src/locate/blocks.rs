@@ -25,8 +25,8 @@ pub(crate) const BLOCKS: [EffectBlock; 4] = [
 /// noise would.
 const PENALTIES: [f64; 5] = [1e-6, 1e-4, 1e-2, 1e-1, 1.0];
 
-/// What a block must gain over nothing, nats of data that it has not seen: with four blocks of a few models
-/// each, noise does so in few files.
+/// Least gain of a block over nothing, nats of data that it has not seen: with four blocks of a few models each,
+/// noise gains as much in few files.
 const SIGNIFICANT_NATS: f64 = 8.0;
 
 /// Share r of what is explained that traces of first order are wrong by: 10 % of its amplitude.
@@ -88,7 +88,7 @@ impl Pulled {
         }
     }
 
-    /// What all terms together leave of the residual.
+    /// Remainder of the residual that all terms together leave.
     fn left_by_all(&self, located: &Located<'_>) -> Vec<f64> {
         let all: Vec<usize> = (0..self.terms.len()).collect();
         let (penalty, _) = self.best(&all);

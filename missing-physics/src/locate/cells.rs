@@ -72,7 +72,7 @@ pub(crate) fn cells(located: &Located<'_>, regimes: &[Regime]) -> Vec<Cell> {
     distinct(found)
 }
 
-/// What a cell tells of the place of the error, nats: its part of the divergence from an even spread.
+/// Information of a cell on the place of the error, nats: its part of the divergence from an even spread.
 fn information(cell: &Cell) -> f64 {
     cell.share * (cell.share / cell.occupancy).ln()
 }

@@ -58,7 +58,7 @@ mod tests {
         Synthetic::of(EffectSet::of(effect), values, 3)
     }
 
-    /// What is found at the baseline of a rig.
+    /// Result of `find` at the baseline of a rig.
     fn at_baseline<T>(rig: &Synthetic, find: impl FnOnce(&Located<'_>) -> T) -> T {
         let case = rig.case();
         let node = case.baseline().unwrap();

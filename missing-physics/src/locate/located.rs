@@ -34,7 +34,7 @@ impl<'a> Located<'a> {
         n_outputs * self.node.mean_square() - left.max(0.0) * self.floor.powi(2)
     }
 
-    /// Whether there is anything to explain.
+    /// True if there is anything to explain.
     pub(crate) fn is_clear(&self) -> bool {
         let n_outputs = self.case.layout.n_outputs() as f64;
         let n_effective = self.node.noise.output.n_effective.max(1.0);

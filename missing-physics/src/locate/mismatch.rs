@@ -21,7 +21,7 @@ pub struct Mismatch {
 /// A regime.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// What it is, for people.
+    /// Description, for people.
     pub at: String,
     /// Its share of the explainable error.
     pub share: f64,

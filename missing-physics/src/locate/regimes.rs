@@ -33,9 +33,9 @@ const SHARES: [f64; 2] = [0.01, 0.9];
 /// A set of samples of the output.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Regime {
-    /// What it is, for people.
+    /// Description, for people.
     pub(crate) at: String,
-    /// Whether each sample of the output belongs to it.
+    /// Membership of each sample of the output: true if it belongs to the regime.
     pub(crate) members: Vec<bool>,
     pub(crate) n_members: usize,
 }

@@ -23,7 +23,7 @@ const SEEN: f64 = 1e-2;
 /// Draws of the largest deviation of a curve.
 const DRAWS: usize = 1_000;
 
-/// What a curve must gain over nothing, nats of data that it has not seen.
+/// Least gain of a curve over nothing, nats of data that it has not seen.
 const SIGNIFICANT_NATS: f64 = 8.0;
 
 /// The curves of a block on heating and on cooling that describe the residual best, without what the model
@@ -75,7 +75,7 @@ pub(crate) fn shape(located: &Located<'_>, pulled: &Pulled, block: EffectBlock) 
     })
 }
 
-/// What the curves are of.
+/// Variable and value of the curves, with their units.
 struct Unit {
     variable: &'static str,
     value: String,

@@ -1,10 +1,10 @@
-//! What may be missing, and sets of it.
+//! Candidates for missing physics, and sets of them.
 
 use std::fmt;
 
 use crate::{EffectId, EffectInfo, EffectSet, Hypothesis};
 
-/// What may be missing: an effect of the catalogue, or a hypothesis of one's own.
+/// Candidate for missing physics: an effect of the catalogue, or a hypothesis of one's own.
 #[derive(Clone, Copy)]
 pub enum Candidate {
     /// An effect of the catalogue.
@@ -31,7 +31,7 @@ impl Candidate {
         effect.into()
     }
 
-    /// What is known of it before any recording is looked at.
+    /// Description of the candidate, known before any recording is looked at.
     #[must_use]
     pub fn info(self) -> &'static EffectInfo {
         match self {
@@ -157,7 +157,7 @@ impl CandidateSet {
         self.effects.len() + self.own.count_ones() as usize
     }
 
-    /// Whether a candidate is in it.
+    /// True if a candidate is in the set.
     #[must_use]
     pub fn contains(self, candidate: impl Into<Candidate>) -> bool {
         match candidate.into() {
@@ -166,7 +166,7 @@ impl CandidateSet {
         }
     }
 
-    /// Whether nothing is in it.
+    /// True if the set is empty.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.len() == 0

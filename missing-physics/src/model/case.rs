@@ -14,7 +14,7 @@ use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Need, Role, Sett
 /// Iterations of a refinement that is only to be compared with others.
 const ITERATIONS: usize = 8;
 
-/// The same of models with one effect, from which all the rest grows, and of those with a drift.
+/// Iterations of such a refinement for models with one effect, from which all the rest grows, and for models with a drift.
 const FIRST_ITERATIONS: usize = 24;
 
 /// Other minima of the baseline that effects are tried at: what a large effect bends may fit best far from the truth.
@@ -58,7 +58,7 @@ pub(crate) struct Node {
     pub(crate) points: Vec<Vec<f64>>,
     /// Recorded - model.
     pub(crate) residual: Vec<f64>,
-    /// What the residual is like.
+    /// Noise model of the residual, for each channel.
     pub(crate) noise: Noise,
     /// Simulations that it took.
     pub(crate) simulations: u64,
@@ -94,7 +94,7 @@ impl<'a> Case<'a> {
         }
     }
 
-    /// The same case, its searches watched.
+    /// This case with its searches watched.
     pub(crate) fn watched_by(self, watch: &'a dyn Watch) -> Self {
         Self { watch, ..self }
     }
@@ -107,12 +107,12 @@ impl<'a> Case<'a> {
         }
     }
 
-    /// What was recorded, in the order of the layout.
+    /// Recorded series, in the order of the layout.
     pub(crate) fn recorded(&self) -> &[f64] {
         &self.recorded
     }
 
-    /// The same rig with a loop of another family, and the plain fit of that.
+    /// Case of this rig with a loop of another family; `fit` is the plain fit with that loop.
     pub(crate) fn of_family(&self, loop_family: LoopFamily, fit: &'a Fit) -> Self {
         let setting = Setting {
             loop_family,
@@ -375,7 +375,7 @@ impl<'a> Case<'a> {
         info.screened_partner().filter(told)
     }
 
-    /// What an effect needs and is not known.
+    /// First need of an effect that is not met; `None` if all of its needs are met.
     pub(crate) fn missing(&self, effect: Candidate) -> Option<Need> {
         let setting = &self.setting;
         let electrical = !matches!(self.base.drive(), wiener::Drive::Power { .. });
@@ -434,8 +434,8 @@ impl Node {
         Some(&self.points[0][first..first + effect.info().parameters.len()])
     }
 
-    /// Whether a parameter of an effect stands on a bound that is no end of what can be: the recordings pull it
-    /// beyond what is physical.
+    /// True if a parameter of an effect is pressed against a bound: the recordings pull it beyond what is physical. A
+    /// bound that is an end of the possible values does not count.
     pub(crate) fn is_pressed(&self, effect: Candidate) -> bool {
         /// Distance from a bound, as a share of the range.
         const NEAR: f64 = 1e-3;
@@ -451,19 +451,19 @@ impl Node {
         })
     }
 
-    /// Whether a size of an effect is too small for its name.
+    /// True if a size of an effect is too small for the effect's name.
     pub(crate) fn is_slight(&self, effect: Candidate) -> bool {
         let values = self.values(effect).unwrap_or(&[]);
         let mut parameters = effect.info().parameters.iter().zip(values);
         parameters.any(|(parameter, value)| value.abs() < parameter.least)
     }
 
-    /// Whether one of its effects is pressed against a bound.
+    /// True if an effect of the model is pressed against a bound.
     pub(crate) fn is_held(&self) -> bool {
         self.effects.iter().any(|effect| self.is_pressed(effect))
     }
 
-    /// Whether a size of an effect is all but zero: it is there by name only.
+    /// True if all sizes of an effect are nearly zero: the effect is there by name only.
     pub(crate) fn has_vanished(&self, effect: Candidate) -> bool {
         let values = self.values(effect).unwrap_or(&[]);
         let sizes = effect.info().parameters.iter().zip(values);

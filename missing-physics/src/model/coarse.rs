@@ -26,7 +26,7 @@ const SWING_K: f64 = 0.25;
 ///
 /// # Errors
 ///
-/// What the model refuses.
+/// Any error of simulating the model.
 pub(crate) fn coarse(
     model: &dyn ForwardModel,
     fit: &Fit,
@@ -35,11 +35,11 @@ pub(crate) fn coarse(
     coarse_at(model, &fit.points(), fit.tau_s(), training)
 }
 
-/// The same of any model at points, one a recording, in which the rod has a time constant.
+/// Coarse recordings by any model: `points` has one point for each recording, `tau_s` is the time constant of the rod, s.
 ///
 /// # Errors
 ///
-/// What the model refuses.
+/// Any error of simulating the model.
 pub(crate) fn coarse_at(
     model: &dyn ForwardModel,
     points: &[Vec<f64>],

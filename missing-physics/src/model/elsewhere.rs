@@ -9,7 +9,7 @@ use recording::Recording;
 use crate::model::unseen::validated_by_stretches;
 use crate::{Belongs, Candidate, EffectId, ExtendedModel};
 
-/// Whether an effect moves slowly and on its own: its parameters are those of a recording.
+/// True for a drift: an effect that moves slowly and on its own, with parameters of each recording.
 pub(crate) fn is_drift(effect: Candidate) -> bool {
     effect.info().belongs_to == Belongs::Recording
 }
@@ -22,7 +22,7 @@ pub(crate) fn without_drifts(model: &ExtendedModel, point: &[f64]) -> Vec<f64> {
     })
 }
 
-/// The same for any model; `first` is the place of the first parameter of an effect.
+/// The point of any model for another recording, without drifts; `first` is the place of the first parameter of an effect.
 pub(crate) fn drifts_dropped(
     infos: &[ParameterInfo],
     point: &[f64],

@@ -173,7 +173,7 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
     }
 }
 
-/// Whether each recording has its own values of an effect.
+/// Scope of an effect's parameters: each recording has its own values, or all recordings share them.
 pub(crate) fn scope_of(effect: Candidate) -> Scope {
     match effect.info().belongs_to {
         Belongs::Recording => Scope::PerRecording,

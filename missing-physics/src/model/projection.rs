@@ -1,4 +1,4 @@
-//! What a model cannot absorb: series with the span of its sensitivities taken out.
+//! Projections of series outside the span of sensitivities: the part that a model cannot absorb.
 
 /// Length of a column outside the others, relative to its own, below which it adds no direction.
 const SMALLEST_OUTSIDE: f64 = 1e-8;

@@ -1,4 +1,4 @@
-//! What a rod file says of a rig beyond its baseline.
+//! Setting of a rig beyond its baseline, from its rod file.
 
 use std::f64::consts::PI;
 
@@ -6,9 +6,10 @@ use identify::Rod;
 
 use crate::Setting;
 
-/// What effects need to know of a rig, from its rod file: mass and surface per meter where diameter and
-/// density are given, the share of leads, and the length in the unit of the output where a lever is given, without which
-/// coefficients per length are for an assumed strain.
+/// Properties of a rig that effects need, from its rod file: mass and surface per meter where diameter and density are
+/// given, the share of leads, and the length in the unit of the output where a lever is given.
+///
+/// Without a lever, coefficients per length are for an assumed strain.
 #[must_use]
 pub fn setting_of_rod(rod: &Rod, output_unit: &str) -> Setting {
     let lever = rod.load.and_then(|load| load.lever);

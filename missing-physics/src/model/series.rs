@@ -5,7 +5,7 @@ use std::ops::Range;
 use identify::{ForwardModel, IdentifyError, ResidualNoise};
 use recording::Recording;
 
-/// What a segment is of.
+/// Channel that fills a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Channel {
     Output,
@@ -20,7 +20,7 @@ pub(crate) struct Segment {
     pub(crate) range: Range<usize>,
 }
 
-/// What stands where in a series.
+/// Layout of a series: the place of each segment.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Layout {
     pub(crate) segments: Vec<Segment>,
@@ -67,7 +67,7 @@ impl Layout {
             .filter(move |one| one.channel == channel)
     }
 
-    /// What was recorded.
+    /// Recorded series.
     pub(crate) fn recorded(&self, training: &[Recording]) -> Vec<f64> {
         let mut series = Vec::with_capacity(self.len());
         for segment in &self.segments {

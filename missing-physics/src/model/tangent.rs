@@ -31,13 +31,13 @@ pub(crate) struct Trace {
     pub(crate) partner: Option<f64>,
     /// Size of the secant, as a share of the typical size.
     pub(crate) share: f64,
-    /// Whether the size may only be positive.
+    /// True if the size may only be positive.
     pub(crate) one_sided: bool,
     pub(crate) secant: Vec<f64>,
 }
 
 impl Trace {
-    /// Whether another size is tested together with it.
+    /// True if another size is tested together with this one.
     pub(crate) fn is_tested_with(&self, other: &Self) -> bool {
         self.effect == other.effect
             && self.partner == other.partner
@@ -51,7 +51,7 @@ pub(crate) struct Sensitivity {
     /// The coordinate; `None` for an offset.
     pub(crate) coordinate: Option<usize>,
     pub(crate) column: Vec<f64>,
-    /// Whether the coordinate stands on a bound that the residual pushes it against.
+    /// True if the coordinate stands on a bound and the residual pushes it against that bound.
     pub(crate) held: bool,
 }
 

@@ -1,7 +1,8 @@
 //! A model on recordings that were not used.
 //!
-//! What belongs to a recording (where its zero was, a drift) is not known of another one: it is fitted to every other
-//! stretch of it, and the stretches between are what counts; then the other way round. One law for every model.
+//! A recording's own parameters (where its zero was, a drift) are not known of another recording. They are fitted to
+//! every other stretch of it, and the error on the stretches between counts; then the other way round. One law for
+//! every model.
 
 use identify::{
     Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo, ParameterState,
@@ -56,7 +57,8 @@ pub(crate) fn unseen(
     })
 }
 
-/// The same of one recording, with the values of all parameters that belong to it, as a validation.
+/// Validation of a model at a point on one recording that was not used, with the values of all parameters that belong
+/// to the recording.
 pub(crate) fn validated_by_stretches(
     model: &dyn ForwardModel,
     point: &[f64],
@@ -169,7 +171,7 @@ fn of_recording(
     Ok((own, whole.points.swap_remove(0)))
 }
 
-/// Whether a parameter is what differs from run to run, and open.
+/// True if a parameter is one of those that differ from run to run, and is free.
 fn is_of_run(info: &ParameterInfo) -> bool {
     RUN_PARAMETERS.contains(&info.name) && info.state == ParameterState::Free
 }

@@ -1,4 +1,4 @@
-//! What to do next, in words.
+//! Advice on the next experiment, in words.
 
 use crate::Candidate;
 use crate::next::drives::{seconds, short};
@@ -24,8 +24,8 @@ pub(crate) fn play(run: &Run, separates: &[Candidate]) -> String {
     )
 }
 
-/// What to do where a drift of the surroundings, which nobody recorded, is or may be part of the model: no run is worth as much
-/// as their temperature.
+/// Advice to record the temperature of the surroundings. If their drift is or may be part of the model and nobody
+/// recorded it, no run is worth as much as their temperature.
 pub(crate) fn record_surroundings(separates: Vec<Candidate>) -> NextExperiment {
     NextExperiment {
         sentence: format!(

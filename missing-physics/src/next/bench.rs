@@ -16,7 +16,7 @@ pub(crate) struct Levels {
     pub(crate) high: f64,
 }
 
-/// What runs are made for.
+/// Bench that runs are made for: time step, longest run, and levels of the drive.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Bench {
     /// Time between samples, s.
@@ -42,7 +42,7 @@ impl Bench {
     }
 }
 
-/// What runs are made for: the limits, and what the likeliest model says of the rod.
+/// Bench that runs are made for: the limits of the rig, and the rod as the likeliest model describes it.
 pub(crate) fn bench(
     case: &Case<'_>,
     node: &Node,

@@ -8,7 +8,7 @@ const FEWEST_SAMPLES: f64 = 2.0;
 /// A run, sample by sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Played {
-    /// What it is, for people.
+    /// Description of the run, for people.
     pub(crate) name: String,
     /// A value a sample.
     pub(crate) drive: Vec<f64>,
@@ -22,7 +22,7 @@ enum Reach {
     Middle,
 }
 
-/// What a run does; times in time constants of the rod.
+/// Kind of a run; times in time constants of the rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Triangle { period: f64, most: usize },

@@ -33,7 +33,7 @@ const DECISIVE: f64 = 0.5;
 /// A model that could be true.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rival<'a> {
-    /// What it has that the others do not.
+    /// Effect of this model that the other rivals do not have.
     pub(crate) effect: Candidate,
     pub(crate) node: &'a Node,
 }
@@ -54,7 +54,7 @@ struct Tried {
 ///
 /// # Errors
 ///
-/// What the models refuse of the training.
+/// Any error of simulating the models on the training.
 pub(crate) fn next_experiment(
     case: &Case<'_>,
     rivals: &[Rival<'_>],

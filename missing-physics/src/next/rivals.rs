@@ -55,7 +55,8 @@ pub(crate) fn next(
     Ok(next.filter(tells_more))
 }
 
-/// Whether a drift of the surroundings is in a model, or may be in the place of a name, and nobody recorded it.
+/// True if nobody recorded the temperature of the surroundings, and a drift of the surroundings is in the model or may
+/// be in the place of the name.
 fn drift_is_guessed(search: &Search<'_>, effects: CandidateSet, named: &Named) -> bool {
     let others = named.others.iter().map(|(other, _)| *other);
     let may_drift = |effect: Candidate| effect.info().settled_by_ambient_record;

@@ -9,7 +9,7 @@ use crate::Candidate;
 pub struct NextExperiment {
     /// The explanations that it separates.
     pub separates: Vec<Candidate>,
-    /// What to do, for people.
+    /// Advice on what to do, for people.
     pub sentence: String,
     /// The run; `None` if only another sensor helps.
     pub run: Option<Run>,

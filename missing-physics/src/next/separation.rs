@@ -13,13 +13,13 @@ use crate::noise::whiten::Whitener;
 /// Step of a central difference, as a share of the coordinate's range.
 const DIFFERENCE: f64 = 1e-6;
 
-/// What would be recorded.
+/// Recordings that an experiment would yield.
 #[derive(Debug)]
 pub(crate) struct Experiment<'a> {
     pub(crate) recordings: &'a [Recording],
     pub(crate) layout: Layout,
     whitener: Whitener,
-    /// Whether a recorded temperature counts up to a factor only.
+    /// True if a recorded temperature counts up to a factor only.
     scale_is_open: bool,
 }
 
@@ -37,9 +37,9 @@ pub(crate) struct Known<'a> {
 pub(crate) struct Foreseen {
     /// Whitened series: without drifts, and where the rival has some with those of the training as well.
     shown: Vec<Vec<f64>>,
-    /// What its parameters can do there, above that what it costs elsewhere.
+    /// Span of the changes that its parameters can make there; its first rows hold the costs of these changes elsewhere.
     span: Span,
-    /// Rows of the latter.
+    /// Number of those first rows.
     n_costs: usize,
 }
 
@@ -63,7 +63,7 @@ impl<'a> Experiment<'a> {
         )
     }
 
-    /// The same with temperatures of the rod as well, and their noise.
+    /// An experiment in which temperatures of the rod are recorded as well, with their noise.
     pub(crate) fn with_temperature(
         case: &Case<'_>,
         recordings: &'a [Recording],

@@ -84,7 +84,7 @@ impl Measured {
         }
     }
 
-    /// Whether the converter's steps are coarse beside an error of this mean square.
+    /// True if the converter's steps are coarse beside an error of this mean square.
     pub(crate) fn is_coarse(&self, mean_square: f64) -> bool {
         let step = 12_f64.sqrt() * self.rounding.unwrap_or(0.0);
         step > COARSE * mean_square.sqrt()

@@ -7,11 +7,11 @@ pub struct Floor {
     pub lower: f64,
     /// At most about this much; `None` where neither holds nor repeated cycles tell.
     pub upper: Option<f64>,
-    /// What it is like.
+    /// Class of the noise.
     pub class: NoiseClass,
 }
 
-/// What noise is like, and so what may be claimed.
+/// Class of noise, which decides what may be claimed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NoiseClass {
     /// Neighbors are independent.

@@ -1,4 +1,4 @@
-//! What the noise is like, and what is no noise.
+//! Level and class of the noise, and tests for residuals that are no noise.
 
 pub(crate) mod floor;
 pub(crate) mod kind;

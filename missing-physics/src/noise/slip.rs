@@ -1,4 +1,4 @@
-//! Whether what looks like a drift of the sensor's zero is a slip of its mount.
+//! Slip of a sensor's mount, which looks like a drift of the sensor's zero.
 
 use identify::IdentifyError;
 

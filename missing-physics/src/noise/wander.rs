@@ -1,4 +1,4 @@
-//! Whether what looks like a drift is more than noise wanders by.
+//! Probability that noise alone wanders by as much as an apparent drift.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -37,7 +37,7 @@ impl Pull<'_> {
         }
     }
 
-    /// What a supply leaves out that lags, and one that is late, per second.
+    /// Terms of the drive: the power that a lagging supply leaves out, and the effect of a late supply per second of delay.
     fn of_drive(&self) -> Vec<LocalTerm> {
         let heats_by_square = matches!(
             self.case.base.drive(),
@@ -204,9 +204,10 @@ fn depths(passage: &Passage) -> Vec<f64> {
         .collect()
 }
 
-/// What would close the minor loops: on each branch that comes back to the temperature of the reversal before
-/// its own, the step that leads to that reversal, risen to with the temperature, and gone where the rod is
-/// saturated.
+/// Displacement that would close the minor loops.
+///
+/// It acts on each branch that comes back to the temperature of the reversal before its own: it rises with the
+/// temperature to the step that leads to that reversal, and is gone where the rod is saturated.
 fn closing(passage: &Passage) -> Vec<f64> {
     let mut closing = vec![0.0; passage.len()];
     let turns = turns(passage);

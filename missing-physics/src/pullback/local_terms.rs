@@ -22,7 +22,7 @@ const SMALLEST_TERM: f64 = 1e-6;
 /// Half cosines of a slow course over a recording.
 const SLOW: usize = 3;
 
-/// What a term is a function of.
+/// Variable that a term is a function of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Variable {
     /// Temperature above ambient, K.

@@ -1,4 +1,4 @@
-//! What each block of the cascade could lack, as it would show in the output.
+//! Terms that each block of the cascade could lack, as they would show in the output.
 
 pub(crate) mod elementary_terms;
 pub(crate) mod local_terms;

@@ -1,4 +1,4 @@
-//! What a model goes through: the local variables of its blocks, sample by sample.
+//! Local variables of a model's blocks, sample by sample.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ const TURN: f64 = 1e-3;
 /// Step of the central difference by the loop's center, K, where the center is not free.
 const CENTER_STEP_K: f64 = 1e-3;
 
-/// What happens in one recording; all series have a value a sample.
+/// Local variables in one recording; all series have a value a sample.
 #[derive(Debug, Clone)]
 pub(crate) struct Passage {
     /// Number of the recording.
@@ -32,7 +32,7 @@ pub(crate) struct Passage {
     pub(crate) rise_k: Vec<f64>,
     /// Its rate of change, K/s.
     pub(crate) rate_k_per_s: Vec<f64>,
-    /// Whether the temperature rises, or rose last.
+    /// True where the temperature rises, or rose last.
     pub(crate) heating: Vec<bool>,
     /// Transformed share, 0 to 1.
     pub(crate) fraction: Vec<f64>,
@@ -48,7 +48,7 @@ pub(crate) struct Passage {
     pub(crate) tau_s: f64,
 }
 
-/// What happens in all recordings.
+/// Local variables in all recordings.
 #[derive(Debug, Clone)]
 pub(crate) struct Scene {
     pub(crate) passages: Vec<Passage>,
@@ -57,7 +57,7 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// What happens at a node: one simulation, and two more where the loop's center is not free.
+    /// Local variables at a node; takes one simulation, and two more where the loop's center is not free.
     pub(crate) fn of(
         case: &Case<'_>,
         node: &Node,
@@ -221,7 +221,7 @@ pub(crate) fn rates(values: &[f64], dt_s: &[f64]) -> Vec<f64> {
     rates
 }
 
-/// Whether a temperature rises, or rose last, at each sample.
+/// Direction of a temperature at each sample: true if it rises, or rose last.
 fn directions(temperature_degc: &[f64]) -> Vec<bool> {
     let (lowest, highest) = temperature_degc
         .iter()

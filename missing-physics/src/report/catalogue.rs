@@ -1,4 +1,4 @@
-//! What the recordings say of each effect, and of those that were found.
+//! Status of each effect by the recordings, and the findings.
 
 use identify::{FittedParameter, IdentifyError, ParameterState};
 
@@ -69,7 +69,7 @@ pub(crate) fn finding(
     }
 }
 
-/// Whether the interval of an estimate meets the literature's; magnitudes count.
+/// True if the interval of an estimate meets the literature's, or the literature has none; magnitudes count.
 fn is_plausible(estimate: &Estimate) -> bool {
     let Some([lower, upper]) = estimate.literature else {
         return true;

@@ -1,4 +1,4 @@
-//! What a diagnosis ends with.
+//! Result of a diagnosis.
 
 use identify::{Fit, Validated};
 use recording::RepeatFloor;
@@ -18,7 +18,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Noise of the output, in its unit.
     pub noise_floor: Floor,
-    /// What recordings of the same drive differ by, training and unseen; `None` if no drive is repeated.
+    /// Difference between recordings of the same drive, training and unseen; `None` if no drive is repeated.
     pub repeats: Option<RepeatFloor>,
     /// The plain model.
     pub baseline: Stage,
@@ -31,17 +31,17 @@ pub struct Diagnosis {
     pub explained: Option<Explained>,
     /// Where the plain model and the recordings part.
     pub mismatch: Mismatch,
-    /// What is missing, the strongest first.
+    /// Effects that are missing, the strongest first.
     pub findings: Vec<Finding>,
     /// Effects that help, and whose name is not licensed, the strongest first.
     pub suspects: Vec<Finding>,
-    /// What is left after the findings, where it is more than noise.
+    /// Residual error after the findings; `None` if it is no more than noise.
     pub remainder: Option<Remainder>,
-    /// What the recordings say of each effect, in the order of the catalogue.
+    /// Status of each effect by the recordings, in the order of the catalogue.
     pub catalogue: Vec<Entry>,
     /// The run that would tell apart what these could not.
     pub next_experiment: Option<NextExperiment>,
-    /// What a curve of any shape predicts of what the leading model leaves; `None` where nothing was judged.
+    /// Prediction of the leading model's residual by a curve of any shape; `None` where nothing was judged.
     pub audit: Option<Audit>,
     /// The rules that were asked, in order, and what they said.
     pub traces: Vec<Trace>,
@@ -52,7 +52,7 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// What is said where no two starts of the plain model agree.
+    /// Diagnosis where no two starts of the plain model agree.
     pub(crate) fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Self {
         Self {
             verdict: Verdict::NotConverged,
@@ -118,14 +118,14 @@ impl ExtendedStage {
 /// A model on the way from the plain to the extended one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// What it has more than the one before: an effect, none in the plain model, several where none of them can be
+    /// Effects that it has beyond the model before: one; none in the plain model; several where none of them can be
     /// fitted without the others.
     pub added: Vec<Candidate>,
     /// Error on the training recordings, in the unit of the output.
     pub train_rmse: f64,
     /// Error on all recordings that it has not seen, predicted from their rest; `None` without one. A drift is not carried there.
     pub predicted_rmse: Option<f64>,
-    /// The same where each is calibrated, see [`Stage::validated`].
+    /// Error on all recordings that it has not seen, each of them calibrated, see [`Stage::validated`]; `None` without one.
     pub unseen_rmse: Option<f64>,
 }
 
@@ -156,7 +156,7 @@ pub struct Finding {
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<Estimate>,
-    /// Whether all of them are where the literature has them, or within physical bounds where it says nothing.
+    /// True if all parameters are where the literature has them, or within physical bounds where it says nothing.
     pub plausible: bool,
     /// Share of the explainable error that comes back if it alone is left out.
     pub contribution: f64,
@@ -179,7 +179,7 @@ pub struct Estimate {
     pub literature: Option<[f64; 2]>,
 }
 
-/// What is left after the findings.
+/// Residual error after the findings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remainder {
     /// Root mean square of it beyond the noise, in the unit of the output.
@@ -192,12 +192,12 @@ pub struct Remainder {
     pub shape: Option<Shape>,
 }
 
-/// What the recordings say of an effect.
+/// Status of an effect by the recordings, with the numbers behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// The effect.
     pub effect: Candidate,
-    /// What they say.
+    /// Status of the effect.
     pub status: Status,
     /// Its score at the plain model, standard deviations; `None` if it cannot be computed.
     pub t: Option<f64>,
@@ -209,7 +209,7 @@ pub struct Entry {
     pub unit: &'static str,
 }
 
-/// What recordings say of an effect.
+/// Status of an effect by the recordings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Status {
     /// It is there.
@@ -225,7 +225,7 @@ pub enum Status {
     NotTestable,
     /// It cannot be computed, because this is not known of the rig.
     Unknown {
-        /// What is missing.
+        /// Need that is not met.
         need: Need,
     },
 }

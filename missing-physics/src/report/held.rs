@@ -45,7 +45,7 @@ pub(crate) fn extended(
     }))
 }
 
-/// What was decided, without names whose sizes may be none.
+/// Decision without names whose sizes may be zero; such names become suspects.
 pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     let fit = &extended.stage.fit;
     let is_told = |effect: Candidate, traces: &mut Traces| {
@@ -79,8 +79,8 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     decided
 }
 
-/// What was decided, held to the recordings that were not used: names that make them worse do not hold, and what is not
-/// explained there is not explained.
+/// Decision, held to the recordings that were not used: a name that makes them worse becomes a suspect, and an error
+/// that is not explained there does not count as explained.
 pub(crate) fn held_to(
     mut decided: Decided,
     search: &mut Search<'_>,
@@ -134,8 +134,9 @@ pub(crate) fn held_to(
     Ok(decided)
 }
 
-/// Whether a model is no further off the unseen recordings than where it was fitted, where the noise is larger than it was
-/// measured, and than the uncertainty of its parameters makes it where the training did not go.
+/// True if the error of a model on the unseen recordings is no larger than two sources together make it: its error on
+/// the training, where the noise is larger than it was measured, and the uncertainty of its parameters, where the
+/// training did not go.
 fn is_as_near(extended: &ExtendedStage, unseen: &[Recording]) -> Result<bool, IdentifyError> {
     let ExtendedStage { model, stage, .. } = extended;
     let spread = spread(model, &stage.fit, &stage.validated, unseen)?;

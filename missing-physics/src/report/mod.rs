@@ -1,4 +1,4 @@
-//! What a diagnosis ends with.
+//! Result of a diagnosis and its parts.
 
 pub(crate) mod catalogue;
 pub(crate) mod diagnosis;

@@ -58,7 +58,8 @@ pub(crate) fn blocks_of(named: &[Named]) -> Vec<(EffectBlock, f64)> {
     blocks
 }
 
-/// What is left after the chosen model: `left` of what is explainable, mean squares on blocks that were left out.
+/// Residual error after the chosen model: `left` is the remaining part of `explainable`, both mean squares on blocks
+/// that were left out.
 pub(crate) fn remainder(
     search: &mut Search<'_>,
     effects: CandidateSet,

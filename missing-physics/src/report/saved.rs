@@ -47,7 +47,7 @@ pub fn read_model(path: &Path) -> Result<SavedModel, IdentifyError> {
     SavedModel::read_with(path, &parameters_of)
 }
 
-/// The same for the text of a model file; `file` is its name for errors.
+/// Parses the text of a model file, which may have effects of the catalogue; `file` is its name for errors.
 ///
 /// # Errors
 ///

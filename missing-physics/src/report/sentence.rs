@@ -64,7 +64,7 @@ fn quantity(said: &Said) -> String {
     text + &said.unit
 }
 
-/// Whether a template's pure number is a share: "{value} of the stroke", "up to {value}".
+/// True if a template's pure number is a share: "{value} of the stroke", "up to {value}".
 fn is_share(template: &str, place: &str) -> bool {
     let after = template.split(place).nth(1).unwrap_or("");
     after.starts_with(" of")
@@ -72,7 +72,7 @@ fn is_share(template: &str, place: &str) -> bool {
         || template.contains(&format!("up to {place}"))
 }
 
-/// What a finding means: the effect's sentence with its numbers, and where the literature has them.
+/// Sentence of a finding: that of its effect, with its numbers and their range in the literature.
 pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
     let sizes = info
         .parameters
@@ -115,7 +115,7 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
     text + "."
 }
 
-/// What a loop of another family means.
+/// Sentence of a finding of a loop of another family.
 pub(crate) fn of_family(info: &EffectInfo, family: LoopFamily) -> String {
     let curves = match family {
         LoopFamily::Proximity => "the paper's",

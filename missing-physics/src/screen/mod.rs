@@ -1,4 +1,4 @@
-//! What effects would do to first order, and how that goes with what a model leaves.
+//! Traces of effects to first order, and their scores against the residual of a model.
 
 pub(crate) mod scores;
 pub(crate) mod screening;

@@ -26,7 +26,7 @@ pub(crate) struct Score {
     pub(crate) effect: Candidate,
     /// Score in standard deviations, of whitened series; of several sizes, that of one which is as unlikely.
     pub(crate) whitened: f64,
-    /// The same of the series as they are, with the variance of correlated noise.
+    /// Score in standard deviations, of the series as they are, with the variance of correlated noise.
     pub(crate) plain: f64,
     /// Sizes to first order, from the series as they are, in the order of the effect's parameters.
     pub(crate) sizes: Vec<f64>,
@@ -53,7 +53,7 @@ pub(crate) struct Scores {
     pub(crate) critical: f64,
 }
 
-/// What the candidates are compared with.
+/// Model that the candidates are compared with.
 #[derive(Debug)]
 pub(crate) struct Ground<'a> {
     /// Recorded - model.
@@ -137,7 +137,7 @@ impl Tested<'_> {
         self.traces.len() == 1 && self.traces[0].one_sided
     }
 
-    /// Whether the other is of the same effect with a secant that shows nothing else.
+    /// True if the other test is of the same effect and partner, with a secant that shows nothing else.
     fn is_the_same(&self, other: &Self) -> bool {
         let (one, another) = (self.traces[0], other.traces[0]);
         let mut pairs = self.white.iter().zip(&other.white);
@@ -316,7 +316,7 @@ fn critical(tests: &[Tested<'_>], seed: u64) -> f64 {
         .unwrap_or(f64::INFINITY)
 }
 
-/// Whether a parameter is a size.
+/// Numbers of an effect's parameters that are sizes.
 pub(crate) fn sizes_of(effect: Candidate) -> impl Iterator<Item = usize> {
     let parameters = effect.info().parameters;
     (0..parameters.len()).filter(|&k| parameters[k].role == Role::Size)

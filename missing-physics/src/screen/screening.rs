@@ -24,13 +24,13 @@ const ALIKE: f64 = 0.9;
 /// Settings of a screening.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenConfig {
-    /// What all extended plants have in common.
+    /// Setting that all extended plants have in common.
     pub setting: Setting,
     /// Seed of the null distribution.
     pub seed: u64,
 }
 
-/// What screening says of one effect.
+/// Result of screening for one effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Screened {
     /// The effect.
@@ -39,7 +39,7 @@ pub struct Screened {
     /// partner; of several sizes together, the score of one that is as unlikely. It hides large effects,
     /// whose trace is part of that memory.
     pub whitened: f64,
-    /// The same of the series as they are, with the variance of correlated residuals.
+    /// Score in standard deviations, of the series as they are, with the variance of correlated residuals.
     pub plain: f64,
     /// Size to first order, in the unit of its parameter: of several, the first.
     pub size: f64,
@@ -72,7 +72,7 @@ pub struct Screening {
 ///
 /// # Errors
 ///
-/// What the models refuse.
+/// Any error of simulating the models.
 pub fn screen(
     base: &WienerModel,
     fit: &Fit,

@@ -101,7 +101,7 @@ fn foremost(searches: &[Search<'_>], population: &Population) -> Vec<(usize, Can
 /// Share of what could be explained that a drift alone explains, from which others are tried beside it.
 const MUCH: f64 = 0.5;
 
-/// Whether a drift alone explains much.
+/// True if a drift alone explains more than the share `MUCH` of what could be explained.
 fn has_drift(population: &Population) -> bool {
     let plain = population.plain().evidence.squares();
     let alone = population

@@ -1,4 +1,4 @@
-//! What models are worth against one another: likelihood, the price of parameters, and odds.
+//! Worth of models against one another: likelihood, the price of parameters, and odds.
 
 use crate::CandidateSet;
 use crate::model::case::Node;
@@ -26,17 +26,18 @@ impl Search<'_> {
         }
     }
 
-    /// Whether all models leave so much more than noise that likelihoods and linear views are not to be believed
-    /// as they are.
+    /// True if every model misfits: the least residual exceeds the noise by so much that likelihoods and linear views
+    /// are not to be believed as they are.
     pub(crate) fn is_misfit(&self) -> bool {
         self.dispersion() > MISFIT
     }
 
     /// Log-likelihood of a model, and the number of samples that it is of.
     ///
-    /// What is far from all models is no noise with a memory: there the memory of the residual takes in the very
-    /// mismatch that models differ by, and only the size of the residual tells, with as many samples as are
-    /// independent in what the baseline leaves. What a smooth drift leaves of a real one is such noise, beside it.
+    /// If every model misfits, an autoregressive noise model absorbs the very mismatch that models differ by. Then only
+    /// the size of the residual counts, with as many samples as are independent in the residual of the baseline. Beside
+    /// a drift the autoregressive noise model stays: the residual of a smooth drift against a real one is noise with a
+    /// memory.
     fn evidence(&self, node: &Node) -> (f64, f64) {
         let dispersion = self.dispersion();
         if dispersion <= MISFIT || self.beside_drifts {

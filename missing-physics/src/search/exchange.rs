@@ -1,4 +1,4 @@
-//! What could stand in the place of an effect.
+//! Rivals of an effect: candidates that could stand in its place.
 
 use identify::IdentifyError;
 

@@ -60,8 +60,8 @@ pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>,
     Ok(fits)
 }
 
-/// Whether a loop of another family is the rig's: by itself it leaves half of what the paper's does with any one effect that has a
-/// form of its own.
+/// True if the rig's loop is of another family: by itself it leaves less than half of the mean square that the paper's
+/// loop leaves with any one effect that has a form of its own.
 pub(crate) fn is_another(fits: &[(LoopFamily, Fit)], papers: &Search<'_>) -> bool {
     let has_form = |node: &&Node| node.effects.iter().all(|one| !one.info().flexible);
     let with_one = papers.nodes().filter(has_form).map(Node::mean_square);
@@ -97,13 +97,13 @@ pub(crate) fn grow(searches: &mut [Search<'_>]) -> Result<(), IdentifyError> {
     Ok(())
 }
 
-/// Whether there is anything to explain: something has a name, or a curve finds more than the plain model has.
+/// True if there is anything to explain: something has a name, or a curve finds more than the plain model has.
 pub(crate) fn is_anything(population: &Population) -> bool {
     let model = leading(population);
     !model.names.is_empty() || !model.is_whole()
 }
 
-/// Whether a loop of another family may do instead: a curve finds more than the leading model has, or a name is of the loop.
+/// True if a loop of another family may do instead: a curve finds more than the leading model has, or a name is of the loop.
 pub(crate) fn may_be_the_loop(population: &Population) -> bool {
     let model = leading(population);
     let is_of_loop = |name: Candidate| name.info().block == EffectBlock::Transformation;

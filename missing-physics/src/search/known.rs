@@ -1,4 +1,4 @@
-//! What the judge is to know beside the population.
+//! Facts that the judge needs beside the population.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::noise::slowness::slowness;
 use crate::noise::tone::tone;
 use crate::search::roads::Search;
 
-/// What the judge is to know beside the population.
+/// Facts that the judge needs beside the population.
 pub(crate) fn known(
     search: &Search<'_>,
     effects: CandidateSet,

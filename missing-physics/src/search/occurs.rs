@@ -1,4 +1,4 @@
-//! What happens in the recordings, and which effects need it.
+//! Occurrences in the recordings, and which effects need them.
 
 use identify::IdentifyError;
 
@@ -30,11 +30,11 @@ pub(crate) fn testable(
 /// Share of the transformation below which the rod does not transform.
 const MOVES: f64 = 0.01;
 
-/// Whether a rod follows three levels of its drive or more: its rise comes near the steady one of each. `followed` are pairs of the
-/// power, K/s, and the steady power that would hold the rise of then.
+/// True if a rod follows three levels of its drive or more: its rise comes near the steady one of each. `followed` has
+/// pairs of the power and of the steady power that would hold the rise at that moment, both K/s.
 ///
-/// A limit of the supply is seen by two levels above it that heat alike, and by one below it that tells how much they ought to heat.
-/// Shorter ones are told by their sum alone.
+/// A limit of the supply is seen by two levels above it that heat alike, and by one below it that tells how much they
+/// ought to heat. Levels that are too short for that are told by their sum alone.
 fn follows_levels(followed: impl Iterator<Item = (f64, f64)> + Clone) -> bool {
     /// Share of the highest power by which the rod may be behind.
     const BEHIND: f64 = 0.2;
@@ -101,7 +101,7 @@ fn occurs(passage: &Passage, occurrence: Occurrence) -> bool {
 mod tests {
     use super::*;
 
-    /// Whether levels are followed by a rod of 10 samples' time constant.
+    /// True if a rod with a time constant of 10 samples follows the levels.
     fn levels(powers: &[f64]) -> bool {
         let mut steady = 0.0;
         let pairs: Vec<(f64, f64)> = powers

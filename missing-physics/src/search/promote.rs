@@ -98,8 +98,8 @@ fn promote(
     Ok(())
 }
 
-/// What of a population must be judged on all samples: what could be the best, what leaves least, and the parts of what leads;
-/// the number of its search and its effects.
+/// Models of a population that must be judged on all samples: those that could be the best, those of the least error,
+/// and the parts of the leading and of the best one; each as the number of its search and its effects.
 fn contenders(
     searches: &[Search<'_>],
     population: &Population,

@@ -27,7 +27,8 @@ const BRANCHES: usize = 2;
 const BY_PLAIN: usize = 9;
 const BY_WHITENED: usize = 5;
 
-/// The same where a simulation is costly.
+/// Candidates that are refitted beside other effects where a simulation is costly: by the plain score, and by the
+/// whitened one.
 const COSTLY: [usize; 2] = [4, 3];
 
 /// Mean square over that with an effect less from which, far from the noise, further effects lead nowhere either.
@@ -44,7 +45,7 @@ const COULD_MATTER: f64 = 0.7;
 pub(crate) struct Visited {
     pub(crate) node: Node,
     pub(crate) sifted: Option<Arc<Sifted>>,
-    /// Whether its search went to its end.
+    /// True if its search went to its end.
     is_finished: bool,
     /// Its fit from many places, if it was made: the node stands where that ended.
     fit: Option<Arc<Fit>>,
@@ -65,7 +66,7 @@ impl From<Node> for Visited {
 #[derive(Debug)]
 pub(crate) struct Search<'a> {
     pub(crate) case: &'a Case<'a>,
-    /// What may be found.
+    /// Candidates that may be found.
     catalogue: CandidateSet,
     /// Variance of the noise, at most.
     noise: f64,
@@ -75,13 +76,13 @@ pub(crate) struct Search<'a> {
     frontier: Vec<CandidateSet>,
     /// The baseline at its other minima, until effects have been tried there.
     other_baselines: Vec<Node>,
-    /// Whether a drift may stand beside other effects.
+    /// True if a drift may stand beside other effects.
     pub(crate) beside_drifts: bool,
     /// Sets of effects that lead nowhere.
     dead: Vec<CandidateSet>,
     /// Models that were searched from where one with an effect more was fitted, after that one.
     lightened: Vec<(CandidateSet, CandidateSet)>,
-    /// Whether its models come from the ends of another search: they need not be fitted from many places.
+    /// True if its models come from the ends of another search: they need not be fitted from many places.
     is_ended: bool,
 }
 
@@ -203,8 +204,8 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Whether a model may be chosen: none of its effects is pressed against a bound, and no flexible one helps others to
-    /// their names; drifts may stand beside them once these have failed without.
+    /// True if a model may be chosen: none of its effects is pressed against a bound, and no flexible effect helps
+    /// others to their names. Drifts may stand beside other effects once these have failed without a drift.
     pub(crate) fn admits(&self, node: &Node) -> bool {
         let may_stand = node.effects.len() == 1
             || node
@@ -480,7 +481,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether the rod has several zones: a simulation takes as long as ten.
+/// True if the rod has several zones: a simulation takes as long as ten of one zone.
 pub(crate) fn is_costly(effects: CandidateSet) -> bool {
     effects.iter().any(|effect| effect.info().costly)
 }

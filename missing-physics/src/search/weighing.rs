@@ -1,4 +1,4 @@
-//! What models of searches are worth: on blocks that were left out, and with a curve on top.
+//! Worth of the models of searches: on blocks that were left out, and with a curve on top.
 
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ use crate::model::elsewhere::is_drift;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily, Role};
 
-/// What a node was worth where it stood.
+/// Worth of a node where it stood.
 #[derive(Debug)]
 struct Kept {
     coordinates: Vec<f64>,
-    /// Whether it has what moves slowly and on its own.
+    /// True if it has a drift, an effect that moves slowly and on its own.
     drifts: bool,
     evidence: Evidence,
     anonymous: Option<Anonymous>,

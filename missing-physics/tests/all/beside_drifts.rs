@@ -1,4 +1,4 @@
-//! What stands beside something that drifts through the whole run.
+//! Effects beside something that drifts through the whole run.
 
 #![allow(
     clippy::unwrap_used,
@@ -34,7 +34,7 @@ fn current_a() -> Vec<f64> {
     heights_a.into_iter().flat_map(cycle).collect()
 }
 
-/// What the tool says of a wire with effects.
+/// Diagnosis of a wire with effects.
 fn of_wire(setting: Setting, effects: EffectValues) -> Diagnosis {
     let output = played(&Extended { setting }, params(), effects, &current_a(), DT_S);
     diagnosed_under(current_a(), noisy(output), &[])

@@ -1,4 +1,4 @@
-//! What recordings cannot show is said with the size from which they would.
+//! Effects that recordings cannot show are reported with the size from which they would show.
 
 #![allow(
     clippy::unwrap_used,

@@ -68,7 +68,10 @@ fn without_another_shape_of_the_loop_no_family_is_tried() {
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: setting(),
-        catalogue: EffectSet::all().without(EffectId::LoopShape),
+        // Some effects to try in the place of families.
+        catalogue: EffectSet::of(EffectId::LatentHeat)
+            .with(EffectId::Backlash)
+            .with(EffectId::SupplyLag),
         ..DiagnoseConfig::default()
     };
     let diagnosis = diagnose(&base, &training, &[], &config, &mut |_| {

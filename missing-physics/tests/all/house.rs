@@ -21,7 +21,7 @@ fn sources(root: &Path, folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// What of a file is no test.
+/// Text of a file without its tests.
 fn code(text: &str) -> &str {
     text.split("#[cfg(test)]\nmod tests").next().unwrap()
 }

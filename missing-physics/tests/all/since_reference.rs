@@ -1,4 +1,4 @@
-//! What has changed of a rig since runs of it as it should be, each in a state of its own.
+//! Changes of a rig since reference runs, in which it was as it should be; each run is in a state of its own.
 
 use std::ops::ControlFlow;
 use std::sync::LazyLock;

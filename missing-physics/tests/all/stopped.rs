@@ -17,7 +17,7 @@ use missing_physics::{
 };
 use wiener::hysteresis::Rule;
 
-/// What is told until `ends` holds, and how the diagnosis ends.
+/// Progress that is told until `ends` holds, and how the diagnosis ends.
 fn told_until(
     ends: impl Fn(&DiagnoseProgress) -> bool + Send + Sync,
 ) -> (Vec<DiagnoseProgress>, Result<(), IdentifyError>) {

@@ -23,7 +23,7 @@ const LIMIT_A: f64 = 1.9;
 /// Slower than the logger of the other tests: what is asked here does not need its samples.
 const DT_S: f64 = 0.6;
 
-/// What a limit might be taken for, of each block. The whole catalogue names the same, in ten times the time.
+/// Effects that a limit might be taken for, of each block. The whole catalogue names the same effect, in ten times the time.
 const RIVALS: [EffectId; 4] = [
     EffectId::SupplyLimit,
     EffectId::LatentHeat,

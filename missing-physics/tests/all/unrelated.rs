@@ -34,7 +34,7 @@ fn wire_mm(current_a: &[f64]) -> Vec<f64> {
     )
 }
 
-/// What the tool says of an output that is recorded beside the drive of a wire.
+/// Diagnosis of an output that is recorded beside the drive of a wire.
 fn of_output(output: Vec<f64>) -> Diagnosis {
     let drive = current_a([2.3, 1.9, 2.1]);
     let training = [recording("unrelated.csv", drive, output, DT_S)];

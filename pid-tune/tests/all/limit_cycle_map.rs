@@ -1,4 +1,4 @@
-//! Whether what is foreseen of limit cycles is what simulations do, over many loops; the whole map is in
+//! Agreement of predicted and simulated limit cycles, over many loops; the whole map is in
 //! `examples/limit_cycle_map.rs`. The rods here are others than those, and the forecast's rule was not made on them.
 
 use pid_tune::{

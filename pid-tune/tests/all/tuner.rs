@@ -108,7 +108,7 @@ fn numbers(terms: &Terms) -> Vec<f64> {
     ]
 }
 
-/// What a computation gives on a number of threads.
+/// Result of a computation on a number of threads.
 fn on_threads<R: Send>(n_threads: usize, work: impl FnOnce() -> R + Send) -> R {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
     pool.build().unwrap().install(work)

@@ -61,7 +61,7 @@ pub(crate) const AMBIENT: [&str; 7] = [
 /// Words for a drive of whatever kind.
 pub(crate) const ANY_DRIVE: [&str; 4] = ["drive", "input", "command", "control"];
 
-/// Whether a column's name, without its unit, holds one of some words; a letter is a name only by itself.
+/// True if a column's name, without its unit, holds one of some words. A single letter counts only if it is the whole name.
 pub(crate) fn is_called(name: &str, words: &[&str]) -> bool {
     let stem = split_name(name).0.to_lowercase();
     let mut own = stem.split(|c: char| !c.is_alphanumeric());

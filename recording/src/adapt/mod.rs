@@ -1,5 +1,5 @@
-//! What loggers write, turned into what [`parse_csv`](crate::parse_csv) reads: line for line, so that errors name the
-//! lines of the file. Whatever is done is said.
+//! Conversion of the files of loggers into text that [`parse_csv`](crate::parse_csv) reads: line for line, so that errors
+//! name the lines of the file. Every change is reported.
 //!
 //! ```text
 //! bytes -> text (encoding, ends of lines) -> table (delimiter, header, units) -> numbers -> clock -> gaps -> text
@@ -24,7 +24,7 @@ use table::Table;
 /// often and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Adaptation {
-    /// What was done.
+    /// Description of the change.
     pub what: String,
     /// Lines that it was done to; 0 if it is about the whole file.
     pub n_lines: usize,
@@ -53,7 +53,7 @@ impl fmt::Display for Adaptation {
     }
 }
 
-/// What was done so far.
+/// Changes made so far.
 #[derive(Debug, Default)]
 pub(crate) struct Done(Vec<Adaptation>);
 
@@ -62,7 +62,7 @@ impl Done {
         self.0.push(Adaptation::of_recording(what.into()));
     }
 
-    /// The same thing, once more, to a line.
+    /// Counts one more line to which the change `what` was made.
     fn at_line(&mut self, what: &str, line: usize) {
         match self.0.iter_mut().find(|one| one.what == what) {
             Some(one) => one.n_lines += 1,

@@ -1,6 +1,6 @@
 //! Numbers as loggers write them.
 
-/// What stands for a number that is not there.
+/// Marks of a missing number, in lower case.
 const MISSING: [&str; 11] = [
     "", "-", "--", "---", "nan", "n/a", "na", "null", "none", "?", "#n/a",
 ];
@@ -14,7 +14,7 @@ pub(super) struct Number {
     pub(super) done: Option<&'static str>,
 }
 
-/// Whether a field says that there is no number.
+/// True if a field marks a missing number.
 pub(super) fn is_missing(field: &str) -> bool {
     MISSING.contains(&field.trim().to_lowercase().as_str())
 }
@@ -102,7 +102,7 @@ fn without_thousands(text: &str, mark: char, decimal: char) -> Option<String> {
     (is_first && are_groups && !is_behind).then(|| text.replace(mark, ""))
 }
 
-/// Whether a number without a point is one with thousands set apart by a comma as well as one with a decimal comma, or has none.
+/// True if a number without a point has no comma, or if its comma may set thousands apart as well as be a decimal mark.
 pub(super) fn could_be_thousands(field: &str) -> bool {
     let field = field.trim().trim_start_matches(['+', '-']);
     match field.split_once(',') {

@@ -22,7 +22,7 @@ pub(super) enum Stamp {
     OfDay(i128),
 }
 
-/// Whether a field is a date with a time, or a time of day.
+/// True if a field is a date with a time, or a time of day.
 pub(super) fn is_stamp(field: &str) -> bool {
     stamp(field).is_some()
 }

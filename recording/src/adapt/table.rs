@@ -97,7 +97,7 @@ impl Style {
         best.map(|(_, style)| style)
     }
 
-    /// Whether commas could be decimal marks as well as between thousands.
+    /// True if the commas in the numbers could be decimal marks as well as marks between thousands.
     fn is_in_doubt(&self, rows: &[&String]) -> bool {
         let mut has_commas = false;
         for line in rows {
@@ -148,7 +148,7 @@ fn columns_of_numbers(lines: &[String], style: Style) -> Vec<bool> {
         .collect()
 }
 
-/// Whether a field is a number or a time of day.
+/// True if a field is a number, a date with a time, or a time of day.
 fn is_value(field: &str, decimal: char) -> bool {
     number(field, decimal).is_some() || is_stamp(field)
 }
@@ -301,7 +301,7 @@ impl Table {
         }
     }
 
-    /// Whether a column holds stamps, as its first rows do.
+    /// True if a column holds stamps, judged by its first rows.
     pub(crate) fn holds_stamps(&self, column: usize) -> bool {
         let mut first = self.rows.iter().take(3);
         first.all(|row| row.fields.get(column).is_some_and(|field| is_stamp(field)))
@@ -375,7 +375,7 @@ fn header(
     Some((None, 0))
 }
 
-/// Whether a field of a header is a unit and nothing else.
+/// True if a field of a header is a unit and nothing else, or blank.
 fn is_unit(field: &str) -> bool {
     let bare = field.trim_matches(['(', ')', '[', ']', ' ']);
     bare.is_empty() || Unit::parse(bare).is_some()
@@ -391,7 +391,7 @@ impl Row {
             .filter(|value: &f64| value.is_finite())
     }
 
-    /// Whether a column says that there is no number.
+    /// True if the field in a column marks a missing number.
     pub(crate) fn lacks(&self, column: usize) -> bool {
         self.fields
             .get(column)

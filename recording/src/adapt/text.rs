@@ -33,7 +33,7 @@ const OTHERS: [(&[u8], &str, &str); 8] = [
     (b"{", "JSON", "a table with one row a sample, saved as CSV"),
 ];
 
-/// Whether the bytes may be a table of text.
+/// Checks that the bytes may be a table of text.
 pub(crate) fn check(bytes: &[u8], file: &str) -> Result<(), RecordingError> {
     let begins = bytes.trim_ascii_start();
     let other = OTHERS.iter().find(|(magic, ..)| begins.starts_with(magic));

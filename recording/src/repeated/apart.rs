@@ -1,4 +1,4 @@
-//! What two runs of the same drive differ by.
+//! Differences between two runs of the same drive.
 
 use crate::order::falling;
 use crate::recording::Recording;
@@ -7,7 +7,8 @@ use crate::repeated::pairs::Pair;
 /// Rates are differences over this part of the samples to each side.
 const RATES: usize = 200;
 
-/// What is left of a term beside those before it, as a share of its square, below which it is one of them.
+/// Square of a term after regression on those before it, as a share of its own square, below which it is a combination of
+/// them.
 const SAME_TERM: f64 = 1e-3;
 
 /// A difference between two runs, and by which number.
@@ -30,7 +31,7 @@ pub struct Apart {
     pub offset: f64,
     /// Root mean square of what they differ by beside that offset.
     pub rms: f64,
-    /// What of it is one of these: in the order of what they take, those that take a twentieth of the square at least.
+    /// Kinds of difference that each take at least a twentieth of the square, the one that takes most first.
     pub differences: Vec<Difference>,
     /// Root mean square of what is left without all of them.
     pub left: f64,
@@ -109,7 +110,8 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
     }
 }
 
-/// What another gain, delays of heating and of cooling, and another pace do to an output about its mean.
+/// Regression columns: changes of an output about its mean by another gain, a delay of heating, a delay of cooling, and
+/// another pace.
 fn terms(time_s: &[f64], levels: &[f64], output: &[f64]) -> [Vec<f64>; 4] {
     let rates = rates(time_s, output);
     let mean_level = levels

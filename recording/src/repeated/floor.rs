@@ -1,4 +1,4 @@
-//! What no model of a rig can be nearer than.
+//! Lower bound on the error of any model of a rig: how far the rig itself repeats.
 
 use crate::holds::range;
 use crate::noise::{NoiseConfig, noise_floor};
@@ -35,7 +35,7 @@ pub struct RepeatedDrive {
     pub apart: Apart,
     /// Samples that were compared.
     pub samples: usize,
-    /// What noise alone would make of it: root mean square of the difference, in the unit of the output. Noise is that of settled
+    /// Root mean square of the difference that noise alone would cause, in the unit of the output. Noise is that of settled
     /// holds where there are any, else the white part alone.
     pub by_noise: f64,
     pair: Pair,
@@ -48,8 +48,8 @@ impl RepeatedDrive {
         self.pair.recordings
     }
 
-    /// The same of recordings with the same times and drives, and other outputs; `None` if there are fewer of them, or of their
-    /// samples.
+    /// This pair in recordings with equal times and drives, but other outputs; `None` if there are fewer recordings, or
+    /// fewer samples in them.
     #[must_use]
     pub fn of_outputs(&self, recordings: &[Recording]) -> Option<Self> {
         let [first, second] = self.pair.recordings;
@@ -66,8 +66,8 @@ impl RepeatedDrive {
 pub struct RepeatFloor {
     /// Stretches with the same drive, the longest first.
     pub pairs: Vec<RepeatedDrive>,
-    /// The same where one begins from elsewhere than the other, or may: first cycles and the next, recordings that begin driven, rods
-    /// that have not come to rest. What these differ by need not be the rig's.
+    /// Stretches with the same drive that begin, or may begin, in different states: first cycles and the next, recordings
+    /// that begin driven, rods that have not come to rest. Their difference need not be the rig's.
     pub first_cycles: Vec<RepeatedDrive>,
     /// Unit of the output.
     pub unit: String,
@@ -81,13 +81,13 @@ impl RepeatFloor {
         self.of_all(|pair| pair.apart.rms)
     }
 
-    /// What noise alone would make of that.
+    /// Value of [`Self::rms`] that noise alone would cause, in the unit of the output.
     #[must_use]
     pub fn by_noise(&self) -> Option<f64> {
         self.of_all(|pair| pair.by_noise)
     }
 
-    /// The same of pairs of different recordings among the first `n`; `None` if there are none.
+    /// Repeat floor of the pairs of different recordings among the first `n`; `None` if there are none.
     #[must_use]
     pub fn between_first(&self, n: usize) -> Option<Self> {
         let is_between = |pair: &&RepeatedDrive| {
@@ -108,7 +108,7 @@ impl RepeatFloor {
         self.rms().map(|rms| 0.5 * rms)
     }
 
-    /// Whether runs differ by no more than their noise.
+    /// True if runs differ by no more than their noise, up to a factor of 1.5.
     #[must_use]
     pub fn is_noise(&self) -> bool {
         let pair = self.rms().zip(self.by_noise());

@@ -46,8 +46,8 @@ pub(crate) struct Pair {
     pub(crate) samples: Range<usize>,
     /// Time in the second over that in the first, s.
     pub(crate) lag_s: f64,
-    /// Whether one of them begins from elsewhere than the other, or may: a first cycle and the next, a recording that begins driven, a rod
-    /// that has not come to rest.
+    /// True if the two begin, or may begin, in different states: a first cycle and the next, a recording that begins driven,
+    /// a rod that has not come to rest.
     pub(crate) begins_elsewhere: bool,
     /// By how much the lag may be off, s: a step of the clocks, unless all drives are equal as they stand.
     pub(crate) lag_within_s: f64,
@@ -77,7 +77,7 @@ pub(crate) fn pairs(recordings: &[Recording]) -> Vec<Pair> {
 struct Beginning {
     sample: usize,
     rested_s: f64,
-    /// Whether the rod has come to rest here, as far as the recording tells.
+    /// True if the rod has come to rest here, as far as the recording tells.
     is_at_rest: bool,
 }
 
@@ -184,7 +184,7 @@ impl<'a> Followed<'a> {
         found
     }
 
-    /// Whether a stretch says anything: it is driven and moves the output.
+    /// True if a stretch is informative: it is driven and moves the output.
     fn tells(&self, samples: &Range<usize>) -> bool {
         samples.len() >= FEWEST
             && width(&self.recording.drive()[samples.clone()]) > NEAR_REST * self.drive_range
@@ -212,7 +212,8 @@ impl<'a> Followed<'a> {
         (best.0, step_s, best.1.0)
     }
 
-    /// The same with a lag, and at how many of these samples the drives differ.
+    /// Samples from the first of a range on over which both drives are equal at a given lag, and the number of samples among
+    /// them at which the drives differ.
     fn shared_at(&self, other: &Self, within: &Range<usize>, lag_s: f64) -> (Range<usize>, usize) {
         let time_s = self.recording.time_s();
         let later_s = other.recording.time_s();
@@ -294,8 +295,8 @@ fn beginnings(recording: &Recording) -> Vec<Beginning> {
     found
 }
 
-/// Whether an output has come to rest where the drive does, and for as long again as that took: heat goes on to leave the rod when
-/// nothing moves any more.
+/// True if an output has come to rest during a rest of the drive, and the rest lasts at least twice as long as the output
+/// moved in it: heat goes on to leave the rod when nothing moves any more.
 fn has_come_to_rest(recording: &Recording, rest: Range<usize>) -> bool {
     let (time_s, output) = (recording.time_s(), recording.output());
     let end = output[rest.end];

@@ -14,7 +14,7 @@ fn text(result: Result<Recording, RecordingError>) -> String {
     }
 }
 
-/// What reading `csv` as `run3.csv` with default columns says.
+/// Error text of reading `csv` as `run3.csv` with default columns.
 fn fault_of(quantity: Quantity, csv: impl AsRef<[u8]>) -> String {
     text(parse_csv(
         csv.as_ref(),

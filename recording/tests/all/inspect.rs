@@ -1,4 +1,4 @@
-//! What is found in signals of which everything is known.
+//! Findings in synthetic signals, of which everything is known.
 
 // Shared functions fail the test too; clippy.toml exempts only functions marked as tests.
 #![allow(clippy::unwrap_used, clippy::panic)]

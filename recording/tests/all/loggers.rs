@@ -80,7 +80,7 @@ fn said(found: &Recording) -> String {
     said.join("; ")
 }
 
-/// Whether a recording is the run, and says what was done.
+/// Asserts that a recording is the run, and that it says what was done.
 fn is_the_run(found: &Recording, expected: &str) {
     let said = said(found);
     assert!(said.contains(expected), "{said}");

@@ -1,4 +1,4 @@
-//! What the rig did not see is left out, and what it did is not.
+//! Mending removes disturbances that the rig did not see, and keeps those that it saw.
 
 use recording::{Recording, RecordingParts, Warning, inspect, inspect_as_recorded, mended, wild};
 

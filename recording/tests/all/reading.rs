@@ -1,4 +1,4 @@
-//! What files may look like, and how `[columns]` says what is in them.
+//! Accepted forms of files, and how `[columns]` says what is in them.
 
 // Shared functions fail the test too; clippy.toml exempts only functions marked as tests.
 #![allow(clippy::unwrap_used, clippy::panic)]

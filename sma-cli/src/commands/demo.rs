@@ -20,7 +20,7 @@ use crate::demo_rig::{self, DT_S};
 use crate::memory::Memory;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
-use crate::sink::Sink;
+use crate::sink::Outputs;
 use crate::terminal::{bar, write_stdout};
 use workbench::figure::{Drawn, Figure, Series, Style};
 use workbench::kept::{self, Kept};
@@ -79,7 +79,7 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<Outcome> {
 fn demo(args: &DemoArgs) -> anyhow::Result<Outcome> {
     let truth = demo_rig::rig();
     let paths = Paths::recorded(&args.out, &truth)?;
-    let report = Sink::open(&paths.report, &paths.inputs())?;
+    let report = Outputs::beside(&paths.inputs()).open(&paths.report)?;
     write_stdout(&format!(
         "{}\nThe program is not told. It has two recordings of current and displacement:\n  {}\n  {}\n",
         demo_rig::CONCEALED,
@@ -107,7 +107,7 @@ fn demo(args: &DemoArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// What the demonstration leaves behind.
+/// Files that the demonstration leaves behind.
 #[derive(Debug)]
 struct Paths {
     rod: PathBuf,
@@ -135,7 +135,7 @@ impl Paths {
             (&paths.train, demo_rig::csv(&train)),
             (&paths.unseen, demo_rig::csv(&unseen)),
         ] {
-            Sink::open(path, &[])?.write(&text)?;
+            Outputs::beside(&[]).open(path)?.write(&text)?;
         }
         Ok(paths)
     }
@@ -145,7 +145,7 @@ impl Paths {
     }
 }
 
-/// What a user would have.
+/// Data that a user would have.
 #[derive(Debug)]
 struct Known {
     files: Files,
@@ -310,6 +310,7 @@ impl Job {
             n_samples: samples(HELD_S),
             ambient_degc: rig.ambient_degc,
             feed_forward: None,
+            aim: None,
             disturbances: Disturbances::default(),
         })?;
         let task = Task::new(rig.fleet, closed_loop, controller(&rig, DT_S))?;
@@ -364,7 +365,7 @@ impl Run {
     }
 }
 
-/// What the mended model is worth to a controller.
+/// Benefit of the mended model for control: runs of the controllers tuned on each model.
 #[derive(Debug)]
 struct Worth<'a>(&'a [Run]);
 

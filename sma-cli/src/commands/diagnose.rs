@@ -23,7 +23,7 @@ use crate::memory::Memory;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
 use crate::resume::Starts;
-use crate::sink::{Sink, deliver};
+use crate::sink::{Delivery, Outputs, Sink, deliver};
 use crate::terminal::{bar, say};
 use workbench::figure::{Drawn, Gallery, figures};
 use workbench::kept::{self, Kept};
@@ -65,7 +65,7 @@ use workbench::{
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
     Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge, or is implausible, 130 interrupted")]
 pub(crate) struct DiagnoseArgs {
-    /// What is known of the rig.
+    /// Rod file: known properties of the rig.
     rod: PathBuf,
     /// Recordings that decide, CSV.
     #[arg(long, num_args = 1.., required = true, value_name = "CSV")]
@@ -142,13 +142,15 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
 fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     // Before the long run: a place that cannot be written to is found out now.
     let inputs = args.inputs();
+    let mut outputs = Outputs::beside(&inputs);
     let places = Places {
-        json: Sink::open_if(args.json.as_deref(), &inputs)?,
-        model: Sink::open_if(args.save_model.as_deref(), &inputs)?,
-        next: Sink::open_if(args.save_next.as_deref(), &inputs)?,
-        report: Sink::open_if(args.report.as_deref(), &inputs)?,
-        plots: args.plots.as_deref().map(Gallery::at).transpose()?,
+        json: outputs.open_if(args.json.as_deref())?,
+        model: outputs.open_if(args.save_model.as_deref())?,
+        next: outputs.open_if(args.save_next.as_deref())?,
+        report: outputs.open_if(args.report.as_deref())?,
+        plots: outputs.gallery_if(args.plots.as_deref())?,
     };
+    outputs.reserve_if(args.resume.as_deref())?;
     let mut rod = Rod::read(&args.rod)?;
     let recordings = args.train.iter().chain(&args.validate);
     let recordings: Vec<PathBuf> = recordings.chain(&args.reference).cloned().collect();
@@ -184,13 +186,13 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     }
 }
 
-/// What is known of a rig, and what it was seen to do.
+/// Known properties of a rig, and its recordings.
 #[derive(Debug)]
 pub(crate) struct Rig {
     pub(crate) rod: Rod,
     pub(crate) training: Vec<Recording>,
     pub(crate) unseen: Vec<Recording>,
-    /// What is odd about the recordings.
+    /// Notes on anomalies of the recordings.
     pub(crate) notes: Vec<String>,
 }
 
@@ -266,6 +268,13 @@ fn with_time(
         input_notes: notes,
     };
     say(args.quiet, &diagnosed.notes())?;
+    let mut delivery = Delivery::default();
+    if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
+        delivery.of(|| sink.write(&model.to_toml()?));
+    }
+    if let Some((sink, run)) = places.next.zip(run) {
+        delivery.of(|| sink.write(&next_run::csv(run, &rig.rod)));
+    }
     let mut text = diagnosed.text();
     let has_converged = diagnosis.verdict != Verdict::NotConverged;
     let worst = has_converged
@@ -281,21 +290,18 @@ fn with_time(
             text += &plot::what_is_left(shown.name, shown.recording, shown.models);
         }
         if let Some(gallery) = &places.plots {
-            gallery.hang(&figures(drawn))?;
+            delivery.of(|| Ok(gallery.hang(&figures(drawn))?));
         }
     }
     if let Some(sink) = places.report {
-        let mut page = page::diagnosed(&diagnosed, drawn.as_ref())?;
-        page.notes(&diagnosed.notes());
-        sink.write(&page.made_by(&made))?;
+        delivery.of(|| {
+            let mut page = page::diagnosed(&diagnosed, drawn.as_ref())?;
+            page.notes(&diagnosed.notes());
+            sink.write(&page.made_by(&made))
+        });
     }
-    if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
-        sink.write(&model.to_toml()?)?;
-    }
-    if let Some((sink, run)) = places.next.zip(run) {
-        sink.write(&next_run::csv(run, &rig.rod))?;
-    }
-    deliver(&text, &diagnosed.json(), places.json)?;
+    delivery.of(|| deliver(&text, &diagnosed.json(), places.json));
+    delivery.end()?;
     starts.finish()?;
     Ok(if !has_converged {
         Outcome::NotConverged

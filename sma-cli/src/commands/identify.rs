@@ -18,7 +18,7 @@ use crate::memory::Memory;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
 use crate::resume::Starts;
-use crate::sink::{Sink, deliver};
+use crate::sink::{Delivery, Outputs, deliver};
 use crate::terminal::{bar, say};
 use workbench::figure::Compared;
 use workbench::page;
@@ -37,7 +37,7 @@ use workbench::{gap_notes, input_notes, is_trained_on, read_all};
     sma identify rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-model model.toml\n\n\
     Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged or implausible, 130 interrupted")]
 pub(crate) struct IdentifyArgs {
-    /// What is known of the rig.
+    /// Rod file: known properties of the rig.
     rod: PathBuf,
     /// Recordings to fit, CSV.
     #[arg(long, num_args = 1.., required = true, value_name = "CSV")]
@@ -50,7 +50,7 @@ pub(crate) struct IdentifyArgs {
     /// Which reversals the hysteresis remembers.
     #[arg(long, value_enum, default_value_t = Memory::LastReversal)]
     memory: Memory,
-    /// What is made small: the mean square, or Huber's loss, which outliers hardly move.
+    /// Loss to minimize: the mean square, or Huber's loss, which is robust to outliers.
     #[arg(long, value_enum, default_value_t = LossArg::Squares)]
     loss: LossArg,
     /// How is searched: by several swarms with least squares after each, or as in the paper.
@@ -101,7 +101,7 @@ enum Preset {
     Sadeghi,
 }
 
-/// What is made small.
+/// Loss that is minimized.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum LossArg {
     /// The mean square.
@@ -118,9 +118,11 @@ pub(crate) fn run(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
 fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     // Before the long run: a place that cannot be written to is found out now.
     let inputs = args.inputs();
-    let json = Sink::open_if(args.json.as_deref(), &inputs)?;
-    let save_model = Sink::open_if(args.save_model.as_deref(), &inputs)?;
-    let report = Sink::open_if(args.report.as_deref(), &inputs)?;
+    let mut outputs = Outputs::beside(&inputs);
+    let json = outputs.open_if(args.json.as_deref())?;
+    let save_model = outputs.open_if(args.save_model.as_deref())?;
+    let report = outputs.open_if(args.report.as_deref())?;
+    outputs.reserve_if(args.resume.as_deref())?;
     let mut rod = Rod::read(&args.rod)?;
     let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
     args.used.apply(&mut rod, &recordings)?;
@@ -192,6 +194,20 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let mut notes = identified.notes();
     notes.extend(earlier.note);
     say(args.quiet, &notes)?;
+    let mut delivery = Delivery::default();
+    if let Some(sink) = save_model {
+        let identification = Identification {
+            rod: &rod,
+            model: &model,
+            effects: None,
+            rule,
+            fit: &fit,
+            training: &training,
+            unseen: &unseen,
+            validated: &validated,
+        };
+        delivery.of(|| sink.write(&SavedModel::of(&identification, made.clone()).to_toml()?));
+    }
     let mut text = identified.text();
     if !args.no_plot || report.is_some() {
         let (recording, point) = met_worst(&fit, &training, &validated, &unseen);
@@ -210,23 +226,11 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
                 }],
                 spans_s: Vec::new(),
             };
-            sink.write(&page::identified(&identified, &worst)?.made_by(&made))?;
+            delivery.of(|| sink.write(&page::identified(&identified, &worst)?.made_by(&made)));
         }
     }
-    if let Some(sink) = save_model {
-        let identification = Identification {
-            rod: &rod,
-            model: &model,
-            effects: None,
-            rule,
-            fit: &fit,
-            training: &training,
-            unseen: &unseen,
-            validated: &validated,
-        };
-        sink.write(&SavedModel::of(&identification, made).to_toml()?)?;
-    }
-    deliver(&text, &identified.json(), json)?;
+    delivery.of(|| deliver(&text, &identified.json(), json));
+    delivery.end()?;
     starts.finish()?;
     let beaten = checked
         .as_ref()

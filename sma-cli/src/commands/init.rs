@@ -12,7 +12,7 @@ use crate::terminal::write_stdout;
 
 /// Look at a recording, say what its columns are, and write a rod file to begin with.
 ///
-/// What is guessed stands in that file with a question mark.
+/// Guesses stand in that file with a question mark.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  sma init run1.csv run2.csv --rod rod.toml")]
 pub(crate) struct InitArgs {

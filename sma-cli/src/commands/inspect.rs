@@ -24,7 +24,7 @@ pub(crate) struct InspectArgs {
     /// Recordings, CSV.
     #[arg(required = true, value_name = "CSV")]
     recordings: Vec<PathBuf>,
-    /// What is known of the rig: names the columns and the kind of drive.
+    /// Rod file: known properties of the rig, names of the columns, kind of drive.
     #[arg(long, value_name = "TOML")]
     rod: Option<PathBuf>,
     #[command(flatten)]
@@ -104,7 +104,7 @@ fn read(path: &Path, timed: &ReadOptions) -> Result<Recording, RecordingError> {
     }
 }
 
-/// Whether a rod file could say which column is what, or in which unit.
+/// True if a rod file could resolve the fault, since it names columns and units.
 fn is_of_columns(fault: &RecordingError) -> bool {
     matches!(
         fault,

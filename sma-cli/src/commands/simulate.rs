@@ -9,7 +9,7 @@ use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
 
 use crate::commands::used::UseArgs;
 use crate::outcome::Outcome;
-use crate::sink::Sink;
+use crate::sink::Outputs;
 use crate::terminal::say;
 use workbench::report::number::significant;
 use workbench::report::plot::left;
@@ -25,7 +25,7 @@ use workbench::{BEYOND, as_fitted, read_perhaps_without_output};
 pub(crate) struct SimulateArgs {
     /// Model, from --save-model of `sma identify` or `sma diagnose`.
     model: PathBuf,
-    /// What the rig is driven by, CSV.
+    /// Drive profile of the rig, CSV.
     #[arg(long, value_name = "CSV")]
     drive: PathBuf,
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub(crate) struct SimulateArgs {
 
 /// Runs the command.
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
-    let sink = Sink::open(&args.output, &[&args.model, &args.drive])?;
+    let sink = Outputs::beside(&[&args.model, &args.drive]).open(&args.output)?;
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let options = saved.rod().read_options();
@@ -108,7 +108,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// What to know before believing a prediction; `met` says how it compares, or where it starts.
+/// Caveats of a prediction; `met` says how it compares, or where it starts.
 fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> {
     let adaptations = recording.adaptations().iter();
     let mut notes: Vec<String> = adaptations
@@ -154,7 +154,7 @@ fn fitted_to(saved: &SavedModel, recording: &Recording) -> Option<usize> {
     }
 }
 
-/// What the model has beyond the plain one.
+/// Notes on the effects of the model beyond the plain one.
 fn effects(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
     let Some(effects) = saved.effects() else {
         return Vec::new();

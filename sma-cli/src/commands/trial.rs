@@ -13,7 +13,7 @@ use identify::Rod;
 use crate::outcome::{Outcome, with_sources};
 use crate::provenance::call;
 use crate::resume::on_interrupt;
-use crate::sink::{Sink, deliver};
+use crate::sink::{Outputs, deliver};
 use crate::terminal::{bar, say};
 use workbench::page;
 use workbench::read_perhaps_without_output;
@@ -99,8 +99,9 @@ pub(crate) struct TrialArgs {
 
 /// Runs the command.
 pub(crate) fn run(args: &TrialArgs) -> anyhow::Result<Outcome> {
-    let json = Sink::open_if(args.json.as_deref(), &[])?;
-    let report = Sink::open_if(args.report.as_deref(), &[])?;
+    let mut outputs = Outputs::beside(&[]);
+    let json = outputs.open_if(args.json.as_deref())?;
+    let report = outputs.open_if(args.report.as_deref())?;
     let like = args.like()?;
     let is_own = like.is_some();
     let mut trial = Trial::open(&args.out, &args.seed, like)?;

@@ -7,16 +7,16 @@ use clap::{Args, ValueEnum};
 use identify::{SavedModel, Sensor};
 use missing_physics::{Member, RestoredModel, read_model};
 use pid_tune::{
-    AntiWindup, ClosedLoop, CostWeights, Goal, OpenLoop, Pace, Pid, PidGains, PidParams, Plants,
-    Reference, Requirements, Screen, Task, TuneError, TunerConfig, front, robustness,
-    second_opinion, sensitivities, tune,
+    Across, AntiWindup, ClosedLoop, CostWeights, DerivativeOf, Goal, InverseRun, OpenLoop, Pace,
+    Pid, PidGains, PidParams, Plants, Reference, Requirements, Screen, Task, TuneError,
+    TunerConfig, front, robustness, second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
 
 use crate::commands::on_threads;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
-use crate::sink::{Sink, deliver};
+use crate::sink::{Delivery, Outputs, deliver};
 use crate::terminal::{bar, say};
 use workbench::page;
 use workbench::report::tuned::{Candidate, Checked, LoopPicture, TunedReport};
@@ -36,13 +36,6 @@ const TRACKING_SAMPLES: f64 = 10.0;
 
 /// Rods as likely as the identified one, on which the loop has to rest as well.
 const RESTING_RODS: usize = 50;
-
-/// A controller that does nothing.
-const NO_GAINS: PidGains = PidGains {
-    kp: 0.0,
-    ki: 0.0,
-    kd: 0.0,
-};
 
 /// Steps of a test of the rig, as shares of the way to the set point, and how long each is held, time constants.
 const STEPS: [f64; 6] = [0.0, 1.0, 0.5, 1.0, 0.25, 0.75];
@@ -98,10 +91,12 @@ pub(crate) struct TuneArgs {
     /// From gentle (0) over balanced (0.5) to fast (1).
     #[arg(long, default_value_t = 0.5)]
     pace: f64,
-    /// Rods over which is tuned: the identified one, and others as likely by the covariance of the parameters; the worst
-    /// response counts.
+    /// Rods over which is tuned: the identified one, and others as likely by the covariance of the parameters.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     rods: u16,
+    /// Which response of these rods counts.
+    #[arg(long, value_enum, default_value_t = Counts::Worst)]
+    across: Counts,
     /// Sine to follow: frequency, Hz.
     #[arg(long, value_name = "F", requires_all = ["sine_amplitude", "sine_bias"])]
     sine_hz: Option<f64>,
@@ -157,6 +152,9 @@ struct Structure {
     /// No derivative.
     #[arg(long)]
     pi: bool,
+    /// Signal that the derivative looks at.
+    #[arg(long, value_enum, default_value_t = Watched::Measurement)]
+    derivative_of: Watched,
     /// Time constant of the derivative's filter, s [default: four samples].
     #[arg(long, value_name = "S")]
     derivative_filter_s: Option<f64>,
@@ -208,6 +206,24 @@ struct Real {
     drive_dead_zone: f64,
 }
 
+/// How the responses of several rods are combined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Counts {
+    /// The largest cost.
+    Worst,
+    /// The mean of the costs.
+    Mean,
+}
+
+/// Signal that the derivative looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Watched {
+    /// The measurement: a step of the set point gives no kick.
+    Measurement,
+    /// The error.
+    Error,
+}
+
 /// Anti-windup of the integral.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Windup {
@@ -241,10 +257,11 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
             .chain(&args.check)
             .map(PathBuf::as_path),
     );
-    let json = Sink::open_if(args.json.as_deref(), &inputs)?;
-    let responses = Sink::open_if(args.responses.as_deref(), &inputs)?;
-    let html = Sink::open_if(args.report.as_deref(), &inputs)?;
-    let script = Sink::open_if(args.test_script.as_deref(), &inputs)?;
+    let mut outputs = Outputs::beside(&inputs);
+    let json = outputs.open_if(args.json.as_deref())?;
+    let responses = outputs.open_if(args.responses.as_deref())?;
+    let html = outputs.open_if(args.report.as_deref())?;
+    let script = outputs.open_if(args.test_script.as_deref())?;
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let rig = Rig::of(&saved, &model, args.drive_max)?;
@@ -268,15 +285,18 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let reference = job.step()?;
     let n_samples = job.step_samples()?;
     let noise = job.bench.noise(n_samples);
-    let forward = job.feed_forward(&rig, &reference, n_samples)?;
+    let forward = job.forward(&rig, &reference, n_samples)?;
     let closed_loop = job
         .bench
-        .closed_loop(reference, n_samples, &noise, &forward)?;
+        .closed_loop(reference, n_samples, &noise, forward.as_ref())?;
     let task = job.bench.task(closed_loop)?;
+    // Gains are found without the feed-forward: beside an exact inverse the best ones are none at all.
+    let fed_back = job.bench.closed_loop(reference, n_samples, &noise, None)?;
+    let fed_back = job.bench.task(fed_back)?;
     let screen = job.screen()?;
-    let compared = job.compared(&task, &screen)?;
+    let compared = job.compared(&fed_back, &screen)?;
     // Fixed beforehand: each term of the response to the controller that is compared with counts one.
-    let [before] = task.responses(&[(rig.member, compared[0].1)])?[..] else {
+    let [before] = fed_back.responses(&[(rig.member, compared[0].1)])?[..] else {
         unreachable!("one case has one response");
     };
     let balanced = args.weights(&CostWeights::balancing(&before.terms));
@@ -291,7 +311,14 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         job.bench
             .goal(weights, &screen, &loops, rig.signed(args.step_output))?
     };
-    let config = job.search(&task, &screen)?;
+    let goal = Goal {
+        across: match args.across {
+            Counts::Worst => Across::Worst,
+            Counts::Mean => Across::Mean,
+        },
+        ..goal
+    };
+    let config = job.search(&fed_back, &screen)?;
     let mut members = vec![rig.member];
     let n_others = usize::from(args.rods) - 1;
     // Not those that the gains are tried on afterwards.
@@ -303,12 +330,12 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         judged: &members,
         resting: &resting,
     };
-    let found = tune(&task, &plants, &goal, &config, |progress| {
+    let found = tune(&fed_back, &plants, &goal, &config, |progress| {
         bar.set_position(progress.moves);
         ControlFlow::Continue(())
     })?;
     bar.finish_and_clear();
-    let opinion = second_opinion(&task, &members, &goal, &config, &found)?;
+    let opinion = second_opinion(&fed_back, &members, &goal, &config, &found)?;
     let mut named = vec![compared[0], ("tuned", found.gains)];
     named.extend(&compared[1..]);
     if let Some(&[kp, ki, kd]) = args.gains.as_deref() {
@@ -356,7 +383,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         },
         varied: sensitivities(&task, found.gains, &rig.variations(&saved, &model))?,
         front: if args.front {
-            front(&task, &members, &goal, &config)?
+            front(&fed_back, &members, &goal, &config)?
         } else {
             Vec::new()
         },
@@ -369,10 +396,10 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         .take(PROMISING_RODS)
         .map(|&draw| rig.of_rod(draw));
     let rods: Vec<Rig> = rods.collect::<Result<_, _>>()?;
-    if let Some(sink) = script {
-        let promise = job.promise(&rig, &job.steps()?, found.gains, &rods)?;
-        sink.write(&promise.csv(&rig.output_unit))?;
-    }
+    let promise = match script {
+        Some(_) => Some(job.promise(&rig, &job.steps()?, found.gains, &rods)?),
+        None => None,
+    };
     let checked = match &args.check {
         Some(path) => Some(job.checked(path, found.gains, &rods)?),
         None => None,
@@ -380,14 +407,21 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let report = TunedReport { checked, ..report };
     say(args.quiet, &job.notes())?;
     say(args.quiet, &report.notes())?;
+    let mut delivery = Delivery::default();
+    delivery.of(|| deliver(&report.text(), &report.json(), json));
+    if let Some((sink, promise)) = script.zip(promise) {
+        delivery.of(|| sink.write(&promise.csv(&rig.output_unit)));
+    }
     if let Some(sink) = responses {
-        sink.write(&report.responses())?;
+        delivery.of(|| sink.write(&report.responses()));
     }
     if let Some(sink) = html {
-        let made = provenance(args.seed, &inputs)?;
-        sink.write(&page::tuned(&report)?.made_by(&made))?;
+        delivery.of(|| {
+            let made = provenance(args.seed, &inputs)?;
+            sink.write(&page::tuned(&report)?.made_by(&made))
+        });
     }
-    deliver(&report.text(), &report.json(), json)?;
+    delivery.end()?;
     Ok(match &report.checked {
         Some(checked) if !checked.kept.is_kept() => Outcome::NotAsPromised,
         _ => Outcome::Done,
@@ -464,6 +498,10 @@ impl TuneArgs {
                     tracking_s: TRACKING_SAMPLES * dt_s,
                 },
             },
+            derivative_of: match structure.derivative_of {
+                Watched::Measurement => DerivativeOf::Measurement,
+                Watched::Error => DerivativeOf::Error,
+            },
             derivative_filter_s: structure
                 .derivative_filter_s
                 .unwrap_or(usual.derivative_filter_s),
@@ -510,7 +548,7 @@ impl TuneArgs {
     }
 }
 
-/// What is tuned for whom.
+/// Rig and options of a call.
 struct Job<'a> {
     args: &'a TuneArgs,
     saved: &'a SavedModel,
@@ -533,19 +571,18 @@ impl Job<'_> {
         self.n_samples("--duration-s", duration_s)
     }
 
-    /// Drives that the model's inverse adds; none unless asked for.
-    fn feed_forward(
+    /// Inverse of the plain model along a reference; none unless asked for.
+    fn forward(
         &self,
         rig: &Rig,
         reference: &Reference<'_>,
         n_samples: usize,
-    ) -> anyhow::Result<Vec<f64>> {
+    ) -> anyhow::Result<Option<InverseRun>> {
         if !self.args.structure.feed_forward {
-            return Ok(Vec::new());
+            return Ok(None);
         }
         let bench = Bench { rig, ..self.bench };
-        let plain = bench.rod_loop(NO_GAINS, rig.signed(self.args.step_output))?;
-        Ok(plain.inverse_drive(reference, n_samples)?)
+        Ok(Some(bench.forward(reference, n_samples)?))
     }
 
     /// Requirements, wherever the rig is steepest up to the highest output that is asked for.
@@ -689,10 +726,10 @@ impl Job<'_> {
         two: &[(&'static str, PidGains)],
     ) -> anyhow::Result<Vec<Track>> {
         let noise = self.bench.noise(n_samples);
-        let forward = self.feed_forward(rig, &reference, n_samples)?;
+        let forward = self.forward(rig, &reference, n_samples)?;
         let closed_loop = self
             .bench
-            .closed_loop(reference, n_samples, &noise, &forward)?;
+            .closed_loop(reference, n_samples, &noise, forward.as_ref())?;
         Ok(self.both(name, rig, &closed_loop, two)?)
     }
 
@@ -739,9 +776,9 @@ impl Job<'_> {
         gains: PidGains,
         rods: &[Rig],
     ) -> anyhow::Result<Promise> {
-        let forward = self.feed_forward(rig, &Reference::Samples(levels), levels.len())?;
+        let forward = self.forward(rig, &Reference::Samples(levels), levels.len())?;
         let bench = Bench { rig, ..self.bench };
-        Ok(bench.promise(gains, levels, &forward, rods)?)
+        Ok(bench.promise(gains, levels, forward.as_ref(), rods)?)
     }
 
     /// Compares a recording of the rig with the promise.

@@ -6,7 +6,7 @@ use anyhow::bail;
 use clap::Args;
 use identify::Rod;
 
-/// What is used of recordings, and how.
+/// Selection and preprocessing of recordings.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct UseArgs {
     /// Use only this span of a recording, s: run3.csv:20..140.

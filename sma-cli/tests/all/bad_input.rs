@@ -1,4 +1,4 @@
-//! What a user gets wrong, and what the program says: every message whole.
+//! Errors of a user, and the messages of the program: every message whole.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

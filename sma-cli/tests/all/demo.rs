@@ -7,7 +7,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 
-/// What a run says, and its report.
+/// Text of a run on stdout, and its report.
 fn demo(threads: &str, folder: &Path) -> (String, String) {
     let mut sma = Command::cargo_bin("sma").unwrap();
     let call = ["demo", "--quiet", "--threads", threads];

@@ -89,7 +89,7 @@ fn not_validated() -> &'static Value {
     DOCUMENT.get_or_init(|| json(with_latent_heat().path(), &["--threads", "1"]))
 }
 
-/// The same with an unseen recording.
+/// The document for the rod with latent heat, with an unseen recording.
 fn validated() -> &'static Value {
     &diagnosed().document
 }
@@ -97,7 +97,7 @@ fn validated() -> &'static Value {
 /// A diagnosis whose model was saved.
 struct Diagnosed {
     document: Value,
-    /// What was said on stderr.
+    /// Text on stderr.
     notes: String,
     model: String,
     /// Files of the figures, by name.
@@ -134,7 +134,7 @@ fn diagnosed() -> &'static Diagnosed {
     })
 }
 
-/// The same folder with the model in it.
+/// The folder of the rod with latent heat, with the saved model in it.
 fn with_saved_model() -> tempfile::TempDir {
     let folder = with_latent_heat();
     std::fs::write(folder.path().join("model.toml"), &diagnosed().model).unwrap();

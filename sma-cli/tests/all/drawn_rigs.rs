@@ -83,7 +83,7 @@ impl DrawnRig {
         Self { folder, plant }
     }
 
-    /// What `sma identify` says of it.
+    /// JSON of `sma identify` on its recording.
     fn identified(&self) -> Value {
         let call = "identify rod.toml --train run.csv --no-plot --quiet --json -";
         let mut sma = Command::cargo_bin("sma").unwrap();

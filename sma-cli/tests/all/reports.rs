@@ -1,4 +1,4 @@
-//! What every report must be: one page that says the main thing first, and needs neither network nor script.
+//! Requirements on every report: one page that says the main thing first, and needs neither network nor script.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 

@@ -1,4 +1,4 @@
-//! What shells and manuals are told.
+//! Shell completions and manual pages.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 

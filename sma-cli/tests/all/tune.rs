@@ -126,6 +126,10 @@ fn margins_and_structure_are_those_that_are_asked_for() {
         "--derivative-filter-s",
         "3",
         "--feed-forward",
+        "--derivative-of",
+        "error",
+        "--across",
+        "mean",
         "--draws",
         "0",
         "--rods",
@@ -142,6 +146,7 @@ fn margins_and_structure_are_those_that_are_asked_for() {
         result["controller"],
         serde_json::json!({
             "anti_windup": "back-calculation",
+            "derivative_of": "error",
             "derivative_filter_s": 3.0,
             "setpoint_weight": 0.5,
             "feed_forward": true,

@@ -7,7 +7,7 @@ use crate::{EffectId, EffectParameter, EffectValues};
 const LONGEST_SAMPLES: usize = 64;
 
 parameters! {
-    /// What is recorded follows the drive late: the heat reaches the rod late, or its motion the record.
+    /// The recording follows the drive late: the heat reaches the rod late, or the rod's motion reaches the record late.
     ///
     /// ```text
     /// P(t) = P_drive(t - (1 - b) D),   y'(t) = y(t - b D)     (pure delays of the heating power and of the output)
@@ -79,7 +79,7 @@ pub(crate) struct Past<const L: usize> {
 }
 
 impl<const L: usize> Lanes<L> {
-    /// Whether there is a delay behind the rod.
+    /// True if there is a delay behind the rod.
     pub(crate) fn delays_output(&self) -> bool {
         self.output_delay_s.iter().any(|&delay_s| delay_s > 0.0)
     }

@@ -14,7 +14,7 @@ parameters! {
     /// column of sensitivity, max(0, u - u_s), is that of the hard stop; it is zero in a run that does
     /// not reach u_s.
     EndStop {
-        /// Share of the movement beyond the stop that it holds back b; 0 to 1. What is less stiff than the rod, b < ½, is
+        /// Share of the movement beyond the stop that it holds back b; 0 to 1. A contact less stiff than the rod, b < ½, is
         /// no stop.
         end_stop_share: EffectParameter::size("1", 1.0, [0.0, 1.0])
             .at_least(0.5)

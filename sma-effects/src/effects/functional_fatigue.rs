@@ -12,9 +12,9 @@ parameters! {
     /// ξ = loop(T - a s),   u → u (1 - b s),   s = (1 - exp(-k n))/(1 - exp(-k)),   n = ½ ∫|dp|
     /// ```
     ///
-    /// n counts full cycles from the start of the recording, partial ones by their path; s is 1 after the first. What the rod
-    /// went through before is in a and b: this law knows only what is still to come. Nothing drifts at rest, which tells it
-    /// from ambient drift.
+    /// n counts full cycles from the start of the recording, partial ones by their path; s is 1 after the first. Earlier
+    /// cycles of the rod are contained in a and b: this law knows only the cycles to come. Nothing drifts at rest, which
+    /// distinguishes it from ambient drift.
     FunctionalFatigue {
         /// Shift of the loop by the first cycle a, K; -5 to 5.
         fatigue_k: EffectParameter::size("K", 1.0, [-5.0, 5.0])
@@ -75,7 +75,7 @@ fn decay(x: f64) -> (f64, f64) {
 }
 
 impl<const L: usize> Lanes<L> {
-    /// What transformations add to s, and the rate after them.
+    /// Increase of s by transformations, and the rate after them.
     #[inline(always)]
     fn added(&self, l: usize, zone: &Come<L>, change: f64) -> (f64, f64) {
         let cycles = 0.5 * change.abs();

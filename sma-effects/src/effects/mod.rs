@@ -82,7 +82,7 @@ macro_rules! effects {
             /// Every effect.
             pub const ALL: [Self; [$(stringify!($name)),+].len()] = [$(Self::$name),+];
 
-            /// What is known of it.
+            /// Facts about it, known before any recording.
             #[must_use]
             pub const fn info(self) -> &'static EffectInfo {
                 match self { $(Self::$name => &$module::INFO,)+ }
@@ -118,13 +118,13 @@ macro_rules! effects {
             $(pub(crate) $module: $module::Lanes<L>,)+
         }
 
-        /// What the effects remember for the rod as a whole.
+        /// Memory of the effects for the rod as a whole.
         #[derive(Debug, Clone, PartialEq)]
         pub(crate) struct RodMemory<const L: usize> {
             $(pub(crate) $module: <$module::Lanes<L> as Effect<L>>::Rod,)+
         }
 
-        /// What the effects remember in a zone of the rod.
+        /// Memory of the effects in a zone of the rod.
         #[derive(Debug, Clone, PartialEq)]
         pub(crate) struct ZoneMemory<const L: usize> {
             $($module: <$module::Lanes<L> as Effect<L>>::Zone,)+
@@ -226,7 +226,7 @@ macro_rules! effects {
                 })+
             }
 
-            /// The same as a call.
+            /// `flow` as a function call, not inlined.
             #[inline(never)]
             pub(crate) fn flow_apart(
                 &self,
@@ -277,7 +277,7 @@ macro_rules! effects {
                 })+
             }
 
-            /// The same as a call.
+            /// `shift` as a function call, not inlined.
             #[inline(never)]
             pub(crate) fn shift_apart(
                 &self,

@@ -41,7 +41,7 @@ pub(crate) struct Lanes<const L: usize> {
     lag_s: [f64; L],
 }
 
-/// What follows, and what it passed last.
+/// Lag of the displacement, and the displacement in the middle of the sample, which it passed last.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Following<const L: usize> {
     lag: Lag<L>,

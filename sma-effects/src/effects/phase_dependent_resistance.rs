@@ -55,7 +55,7 @@ pub(crate) struct Lanes<const L: usize> {
     given: Given,
 }
 
-/// What the drive keeps constant.
+/// Quantity that the drive keeps constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Given {
     Current,

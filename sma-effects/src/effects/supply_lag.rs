@@ -122,7 +122,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 }
 
 impl<const L: usize> Lanes<L> {
-    /// What lags of a power.
+    /// Lagging quantity of a power: its square root if the amplitude lags, else the power.
     #[inline(always)]
     fn level(&self, power_w_per_m: f64) -> f64 {
         if self.amplitude_lags {

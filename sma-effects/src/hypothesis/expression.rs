@@ -58,8 +58,8 @@ fn of_many(name: &str) -> Option<OfMany> {
 /// ```
 ///
 /// `^` before `*` and `/` before `+` and `-`, also after a sign: -x^2 is -(x^2). A power of a negative number
-/// whose exponent is no integer is odd, (-x)^p = -(x^p): a law of flow then holds both ways. What has no
-/// value, as √-1, is NaN, and NaN stays NaN.
+/// whose exponent is no integer is odd, (-x)^p = -(x^p): a law of flow then holds both ways. A term without
+/// a value, as √-1, is NaN, and NaN stays NaN.
 #[derive(Debug, Clone)]
 pub(super) struct Expression {
     text: String,
@@ -114,7 +114,7 @@ impl Expression {
         &self.text
     }
 
-    /// Whether it uses the variable of that number.
+    /// True if it uses the variable of that number.
     pub(super) fn uses(&self, variable: usize) -> bool {
         self.variables().any(|used| used == variable)
     }
@@ -153,18 +153,18 @@ struct Compiler<'a> {
     groups: Vec<Group>,
 }
 
-/// What stands between two parentheses; the first group is the whole.
+/// Text between two parentheses; the first group is the whole expression.
 struct Group {
     /// Function of the group.
     function: Function,
     arguments: usize,
-    /// Whether nothing stands in it (or in the argument) yet.
+    /// True if nothing stands in it (or in the argument) yet.
     is_empty: bool,
     /// Operators that wait for their second operand, each of a higher rank than the one before it.
     waiting: Vec<Operator>,
 }
 
-/// What a group in parentheses is the argument of.
+/// Function whose argument a group in parentheses is.
 #[derive(Clone, Copy)]
 enum Function {
     None,

@@ -80,7 +80,7 @@ impl Source<'_> {
         }
     }
 
-    /// What is wrong with what stands at a place; `key`: with its value, where it has one.
+    /// Error in the entry at a place. `key`: the entry's key, with its value if it has one.
     fn refused(
         &self,
         at: usize,
@@ -114,8 +114,8 @@ fn quoted(key: &str, value: &str) -> String {
     format!("{key} = \"{}\"", short.escape_debug())
 }
 
-/// What was read, by its text. An effect's facts live as long as the program, whether they come from the catalogue or
-/// from a file; a text that is read a hundred times is kept once.
+/// Hypotheses that were read, by their text. An effect's facts live as long as the program, whether they come from the
+/// catalogue or from a file; a text that is read a hundred times is kept once.
 static KEPT: Mutex<BTreeMap<String, &'static [Hypothesis]>> = Mutex::new(BTreeMap::new());
 
 pub(super) fn parse(file: &str, text: &str) -> Result<&'static [Hypothesis], PhysicsError> {

@@ -15,7 +15,7 @@ pub(crate) use own::{Own, OwnMemory, SeenState};
 pub(crate) const MOST_HYPOTHESES: usize = 4;
 /// Most parameters of a hypothesis.
 pub(crate) const MOST_PARAMETERS: usize = 4;
-/// What an expression may use besides its parameters; `y` last, which only a displacement has.
+/// Variables that an expression may use besides its parameters; `y` is last, because only a displacement has it.
 const VARIABLES: [&str; 7] = ["T", "Ta", "xi", "drive", "t", "dir", "y"];
 /// Number of the time among them.
 const TIME: usize = 4;
@@ -58,10 +58,10 @@ const TIME: usize = 4;
 /// parameter with `size = false` is a partner: it has no influence then, and screening tries values of it within
 /// its bounds. Its effect has the name of the parameter behind the id: `stronger_convection_k`.
 ///
-/// What belongs to a recording is held to account within it and not carried to another, see
-/// [`Belongs`](crate::Belongs). All else that is known of an effect is of a hypothesis as of an effect that not every rod
-/// has: it is like no other, needs nothing of a recording, and its sizes are to be expected up to six times the
-/// typical ones, see [`SizePrior`](crate::SizePrior).
+/// A term that belongs to a recording is held to account within it and not carried to another, see
+/// [`Belongs`](crate::Belongs). In all other respects a hypothesis is treated as an effect that not every rod has. It
+/// is like no other effect, needs nothing of a recording, and its sizes are expected up to six times the typical
+/// ones, see [`SizePrior`](crate::SizePrior).
 ///
 /// **Accuracy.** A term of drive, heat flow or shift is evaluated once a sample (or sub-step, see
 /// [`Setting::sub_steps`](crate::Setting::sub_steps)), at its beginning, and held: its error is of first order in
@@ -111,6 +111,9 @@ impl Place {
     }
 }
 
+/// Most bytes of a file of hypotheses.
+const MOST_BYTES: u64 = 1 << 20;
+
 impl Hypothesis {
     /// Reads a file of hypotheses, in its order.
     ///
@@ -119,13 +122,27 @@ impl Hypothesis {
     /// [`PhysicsError::Unreadable`], and as [`Hypothesis::parse`].
     pub fn read(path: &Path) -> Result<&'static [Self], PhysicsError> {
         let file = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => Self::parse(&file, &text),
-            Err(error) => Err(PhysicsError::Unreadable {
-                file,
-                why: error.to_string(),
-            }),
+        let unreadable = |why: String| PhysicsError::Unreadable {
+            file: file.clone(),
+            why,
+        };
+        // A pipe may never give anything, and a device never end.
+        let kind = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
+        if !kind.is_file() {
+            let found = if kind.is_dir() {
+                "a folder"
+            } else {
+                "a pipe or a device"
+            };
+            return Err(unreadable(format!("is {found}; expected a file")));
         }
+        if kind.len() > MOST_BYTES {
+            return Err(unreadable(format!(
+                "is larger than {MOST_BYTES} bytes, the most that is read of such a file"
+            )));
+        }
+        let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
+        Self::parse(&file, &text)
     }
 
     /// Reads the text of such a file; `file` is its name for errors. The hypotheses are kept for the life of the program,
@@ -139,7 +156,7 @@ impl Hypothesis {
         file::parse(file, text)
     }
 
-    /// What is known of it, as of an effect of the catalogue: sizes before partners.
+    /// Facts about it, as about an effect of the catalogue: sizes before partners.
     #[must_use]
     pub fn info(&self) -> &'static EffectInfo {
         self.info
@@ -165,7 +182,7 @@ impl Hypothesis {
         values
     }
 
-    /// Whether each value is within its bounds, and those that belong to no parameter 0.
+    /// Checks that each value is within its bounds, and that each value without a parameter is 0.
     pub(crate) fn checked(
         hypotheses: &'static [Self],
         values: &[[f64; MOST_PARAMETERS]; MOST_HYPOTHESES],

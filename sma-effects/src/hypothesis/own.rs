@@ -14,7 +14,7 @@ pub(crate) struct Own<const L: usize> {
     values: [[[f64; L]; MOST_PARAMETERS]; MOST_HYPOTHESES],
 }
 
-/// What the hypotheses remember, and what they add in the current sample.
+/// Memory of the hypotheses, and their terms in the current sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OwnMemory<const L: usize> {
     /// +1 if the middle's temperature last rose, -1 if it last fell.

@@ -1,4 +1,4 @@
-//! Whether a term is zero where its sizes are.
+//! Check that a term is zero where its sizes are zero.
 
 use super::{Expression, VARIABLES};
 use crate::{EffectParameter, Role};

@@ -5,7 +5,7 @@ use crate::support;
 use sma_effects::{EffectId, EffectSet, EffectValues};
 use support::{AMBIENT_DEGC, params, rod, setting, trace};
 
-/// What the rod lost to the air over a sample, J/m, from its temperatures alone: they run exponentially
+/// Heat that the rod lost to the air over a sample, J/m, from its temperatures alone. They run exponentially
 /// with the time constant.
 ///
 /// T = b + (T_0 - b) e^(-t/τ) with b such that T(dt) = T_1.

@@ -1,4 +1,4 @@
-//! What is refused, and in which words.
+//! Refused values, and the words of the refusal.
 
 use crate::support;
 

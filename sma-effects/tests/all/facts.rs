@@ -1,4 +1,4 @@
-//! What is known of effects before any recording: whose they are, what is like them, what size is to be expected.
+//! Facts about effects before any recording: whose they are, which ones are alike, and the prior of their sizes.
 
 use sma_effects::{
     Belongs, EffectId, EffectInfo, EffectParameter, Occurrence, Presence, Role, Setting, Sign,

@@ -1,4 +1,4 @@
-//! What heats the lumped mass and what it loses.
+//! Heating and heat losses of the lumped mass.
 
 use super::film::coefficient_w_per_m2_k;
 use crate::{DriveKind, Supply, TruthPlant};
@@ -8,7 +8,7 @@ const RADIATION_W_PER_M2_K4: f64 = 5.670_374e-8;
 /// Freezing point of water, K.
 const FREEZING_K: f64 = 273.15;
 
-/// What surrounds the rod at a time.
+/// Surroundings of the rod at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Air {
     pub(super) ambient_degc: f64,

@@ -62,7 +62,7 @@ pub(crate) struct Lumped<'a> {
     state: State,
     sample: Sample,
     longest_step_s: f64,
-    /// What the supply is told.
+    /// Command to the supply.
     target: f64,
     /// Cycles so far, in halves of the way of the fraction.
     cycles: f64,
@@ -71,7 +71,7 @@ pub(crate) struct Lumped<'a> {
     friction_n: f64,
     end_m: f64,
     electronics: Option<Electronics>,
-    /// What the transducer shows, m.
+    /// Reading of the transducer, m.
     seen_m: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What cannot be is refused, by name, with what can.
+//! Impossible values are refused: the error names the value and what is accepted.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! What every family of loops promises, and what Preisach's promises besides.
+//! Laws of every family of loops, and further ones of Preisach's.
 
 #![allow(
     clippy::unwrap_used,

@@ -93,7 +93,7 @@ fn both_plants_have_one_temperature_where_the_loop_does_not_act_on_it() {
     }
 }
 
-/// What came in and did not go out is stored, as warmth and as phase.
+/// Heat that is supplied and not lost is stored, as sensible and as latent heat.
 #[test]
 fn energy_is_conserved() {
     for hysteresis in families() {

@@ -41,7 +41,7 @@ fn ledger(plant: &TruthPlant, drive: &[f64], temperature_degc: &[f64]) -> Vec<(f
     ledger
 }
 
-/// What came in and did not go out is stored, as warmth and as phase; over the closed cycle, nothing is.
+/// Heat that is supplied and not lost is stored, as sensible and as latent heat; over the closed cycle, none is.
 #[test]
 fn latent_heat_conserves_energy() {
     for hysteresis in families() {

@@ -11,7 +11,7 @@ use crate::report::verdict::named;
 /// A diagnosis, and the recording that the plain model meets worst with what the models say of it.
 #[derive(Debug)]
 pub struct Drawn<'a> {
-    /// What was found.
+    /// Result of the diagnosis.
     pub diagnosis: &'a Diagnosis,
     /// The recording that is met worst, and the models on it.
     pub compared: Compared<'a>,
@@ -50,7 +50,7 @@ pub fn figures(drawn: &Drawn<'_>) -> Vec<Figure> {
     figures
 }
 
-/// What the longest two runs of the same drive differ by.
+/// Difference between the longest two runs of the same drive.
 fn same_drive(floor: &RepeatFloor) -> Option<Figure> {
     let pair = floor.pairs.first()?;
     let outputs = pair.apart.outputs.iter();

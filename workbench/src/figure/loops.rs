@@ -3,8 +3,11 @@
 use super::{Figure, Series, Style};
 use crate::report::tuned::{LoopPicture, TunedReport};
 
-/// Half of the width of a Nyquist plot: beyond, nothing tells how near -1 a loop comes.
-const NEAR_MINUS_ONE: f64 = 3.0;
+/// Half of the width of a Nyquist plot, at least and at most: as much as shows the curve of the hysteresis, and no more,
+/// because farther out nothing tells how near a loop comes to -1.
+const HALF_WIDTHS: [f64; 2] = [3.0, 10.0];
+/// Half of the size of the cross at -1.
+const CROSS: f64 = 0.06;
 /// Smallest magnitude that a Bode plot shows, dB.
 const LOWEST_DB: f64 = -60.0;
 
@@ -59,24 +62,47 @@ pub fn loops(tuned: &TunedReport<'_>) -> Vec<Figure> {
 
 /// The locus near -1, and -1/N of the hysteresis: where they cross, harmonic balance has a limit cycle.
 fn nyquist(tuned: &TunedReport<'_>) -> Figure {
-    let near = |re: f64, im: f64| re.abs() <= NEAR_MINUS_ONE && im.abs() <= NEAR_MINUS_ONE;
+    let distances = tuned
+        .describing_curve
+        .iter()
+        .map(|(_, value)| value.magnitude());
+    let nearest = distances.fold(f64::INFINITY, f64::min);
+    let [least, most] = HALF_WIDTHS;
+    let half_width = if nearest.is_finite() {
+        (1.5 * nearest).clamp(least, most)
+    } else {
+        least
+    };
+    let near = |re: f64, im: f64| re.abs() <= half_width && im.abs() <= half_width;
     let loops = tuned.loops.iter().map(|picture| {
         let points = picture
             .response
             .iter()
             .map(|(_, response)| [response.re, response.im]);
         let shown = points.filter(|&[re, im]| near(re, im));
-        Series::new(format!("L, {} gains", picture.name), style(picture), shown)
+        Series::new(
+            format!("L under {} gains", picture.name),
+            style(picture),
+            shown,
+        )
     });
     let curve = tuned
         .describing_curve
         .iter()
         .map(|(_, value)| [value.re, value.im]);
     let describing = Series::new(
-        "-1/N of the hysteresis, by amplitude",
+        "-1/N of the hysteresis",
         Style::Noise,
         curve.filter(|&[re, im]| near(re, im)),
     );
+    let cross = [
+        [-CROSS, 0.0],
+        [CROSS, 0.0],
+        [0.0, 0.0],
+        [0.0, CROSS],
+        [0.0, -CROSS],
+    ];
+    let minus_one = Series::new("-1", Style::Unseen, cross.map(|[re, im]| [-1.0 + re, im]));
     Figure {
         name: "nyquist",
         caption: "Nyquist: a loop that passes -1 on its right is stable; where it crosses -1/N the first harmonic \
@@ -84,7 +110,7 @@ fn nyquist(tuned: &TunedReport<'_>) -> Figure {
             .to_owned(),
         across: "real part of L".to_owned(),
         up: "imaginary part of L".to_owned(),
-        series: loops.chain(std::iter::once(describing)).collect(),
+        series: loops.chain([describing, minus_one]).collect(),
         ..Figure::default()
     }
 }

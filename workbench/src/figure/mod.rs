@@ -23,11 +23,11 @@ use crate::{Place, WorkbenchError};
 pub struct Figure {
     /// Its files' name without an ending.
     pub name: &'static str,
-    /// What to see in it.
+    /// Caption, which says what to see in it.
     pub caption: String,
-    /// What stands across, with its unit, and what stands up.
+    /// Label of the horizontal axis, with its unit.
     pub across: String,
-    /// What stands up, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub up: String,
     /// The curves, drawn in this order.
     pub series: Vec<Series>,
@@ -109,10 +109,22 @@ impl Gallery {
     ///
     /// # Errors
     ///
-    /// [`WorkbenchError::IsFile`], [`WorkbenchError::NoFolder`].
-    pub fn at(folder: &Path) -> Result<Self, WorkbenchError> {
+    /// [`WorkbenchError::IsFile`], [`WorkbenchError::NoFolder`], [`WorkbenchError::HoldsInputs`] for a folder of one of the
+    /// `inputs`.
+    pub fn at(folder: &Path, inputs: &[&Path]) -> Result<Self, WorkbenchError> {
         if folder.exists() && !folder.is_dir() {
             return Err(WorkbenchError::IsFile {
+                path: folder.to_owned(),
+            });
+        }
+        let whole = folder.canonicalize().ok();
+        let is_inside = |input: &Path| {
+            let input = input.canonicalize().ok();
+            let of_input = input.as_deref().and_then(Path::parent);
+            of_input.is_some() && of_input == whole.as_deref()
+        };
+        if inputs.iter().copied().any(is_inside) {
+            return Err(WorkbenchError::HoldsInputs {
                 path: folder.to_owned(),
             });
         }

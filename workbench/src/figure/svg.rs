@@ -8,7 +8,7 @@ use super::{Figure, Series, Style};
 use crate::WorkbenchError;
 use crate::page::escaped;
 
-/// What is drawn on.
+/// Size and margins of a drawing.
 #[derive(Debug, Clone, Copy)]
 struct Canvas {
     /// Width and height, px.

@@ -1,4 +1,4 @@
-//! What is followed under controllers.
+//! Figures of reference tracking under the controllers.
 
 use super::{Figure, Series, Style};
 use crate::report::tuned::TunedReport;

@@ -132,7 +132,7 @@ fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) 
     page.paragraphs(&in_frequency(mismatch).unwrap_or_default());
 }
 
-/// What each effect does.
+/// List of the effects found: name, description, equation.
 fn what_they_do(findings: &[Finding]) -> String {
     let items = findings.iter().map(|finding| {
         let name = finding.effect.info().name;

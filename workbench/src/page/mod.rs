@@ -58,12 +58,12 @@ impl Page {
         }
     }
 
-    /// What can be done with figures.
+    /// Instructions for reading the figures.
     pub fn how_to_read(&mut self) {
         self.line("<p class=\"soft\">Move over a figure to read values; drag to enlarge, double-click to return.</p>");
     }
 
-    /// What needs its own markup.
+    /// A line of HTML markup, not escaped.
     pub fn line(&mut self, markup: &str) {
         self.text += markup;
         self.text.push('\n');
@@ -117,7 +117,7 @@ impl Page {
         Ok(())
     }
 
-    /// What else is worth knowing.
+    /// Section of notes, a paragraph each.
     pub fn notes(&mut self, notes: &[String]) {
         self.section("Notes");
         self.paragraphs(&notes.join("\n"));
@@ -129,7 +129,7 @@ impl Page {
         self.made(&made.command, &made.seed.to_string(), &made.input)
     }
 
-    /// The same of a call whose seed is any text.
+    /// How it was made, by a call whose seed is any text, and the end.
     #[must_use]
     pub fn made(mut self, command: &str, seed: &str, inputs: &[InputFile]) -> String {
         self.section("How this was made");
@@ -153,7 +153,7 @@ impl Page {
     }
 }
 
-/// What numbers, percentages and intervals are written with.
+/// True for the characters of numbers, percentages and intervals.
 fn of_number(c: char) -> bool {
     c.is_ascii_digit() || "+-.,e% …≥".contains(c)
 }

@@ -1,4 +1,4 @@
-//! What `sma diagnose --reference` says.
+//! Report of `sma diagnose --reference`: text for people, JSON for programs.
 
 use std::fmt::Write;
 
@@ -19,11 +19,11 @@ const CERTAIN: f64 = 0.995;
 /// The result of `sma diagnose --reference`.
 #[derive(Debug)]
 pub struct SinceReference<'a> {
-    /// What was found.
+    /// Change since the reference.
     pub change: &'a Change,
     /// The seed.
     pub seed: u64,
-    /// What to know beside the result.
+    /// Notes beside the result.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What `sma diagnose` says to people.
+//! Report of `sma diagnose` for people.
 
 use std::fmt::Write;
 
@@ -25,7 +25,7 @@ pub const FROM_RUN_TO_RUN: &str = "From run to run, over the first";
 /// The result of `sma diagnose`.
 #[derive(Debug)]
 pub struct Diagnosed<'a> {
-    /// What was found.
+    /// Result of the diagnosis.
     pub diagnosis: &'a Diagnosis,
     /// Effects that were not to be found.
     pub without: &'a [EffectId],
@@ -39,7 +39,7 @@ pub struct Diagnosed<'a> {
     pub missing_for_temperature: Vec<&'static str>,
     /// Why the last model cannot be, if it cannot.
     pub implausible: Vec<Implausible>,
-    /// What is odd about the recordings.
+    /// Notes on anomalies of the recordings.
     pub input_notes: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ impl Diagnosed<'_> {
         unpadded(&text)
     }
 
-    /// What cannot be, and what is missing: a few lines.
+    /// Implausible values, then the missing effects: a few lines.
     #[must_use]
     pub fn verdict(&self) -> String {
         sanity::lines(&self.implausible) + &verdict(self.diagnosis)
@@ -143,7 +143,7 @@ impl Diagnosed<'_> {
         text
     }
 
-    /// What differs from run to run.
+    /// Differences from run to run; `None` if all runs are taken for alike.
     #[must_use]
     pub fn runs(&self) -> Option<Table> {
         runs(self.diagnosis, |name| self.label(name))
@@ -192,7 +192,7 @@ impl Diagnosed<'_> {
         table
     }
 
-    /// What recordings say of an effect: in a word, and how far.
+    /// Evidence of the recordings on an effect: its status in a word, and its size or the reason.
     fn said(&self, entry: &Entry) -> (&'static str, String) {
         if self
             .without
@@ -230,7 +230,7 @@ impl Diagnosed<'_> {
         }
     }
 
-    /// What else a finding could be.
+    /// Alternatives to a finding; empty if there are none.
     fn or_else(&self, effect: Candidate) -> String {
         let findings = &self.diagnosis.findings;
         let found = findings.iter().find(|one| one.effect == effect);
@@ -245,7 +245,7 @@ impl Diagnosed<'_> {
         }
     }
 
-    /// What is not known of the rig.
+    /// Missing knowledge of the rig, in words.
     #[must_use]
     pub fn needed(&self, need: Need) -> String {
         match need {
@@ -274,7 +274,7 @@ impl Diagnosed<'_> {
         label(name, trained.chain(unseen))
     }
 
-    /// What else is worth knowing, a line each.
+    /// Further notes, a line each.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let fit = &self.diagnosis.baseline.fit;
@@ -338,7 +338,7 @@ pub fn in_frequency(mismatch: &Mismatch) -> Option<String> {
     ))
 }
 
-/// What is found, and what is only suspected, if anything: a title, the effects, their numbers.
+/// Findings and suspects, as far as there are any: title, effects, table of their parameters.
 pub fn found(diagnosis: &Diagnosis) -> impl Iterator<Item = (&str, &[Finding], Table)> {
     let suspects = "Suspects: they help, and are no findings";
     [

@@ -1,4 +1,4 @@
-//! What `sma diagnose` says to programs.
+//! JSON of `sma diagnose` for programs.
 
 use identify::Validated;
 use missing_physics::{

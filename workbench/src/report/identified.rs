@@ -1,4 +1,4 @@
-//! What `sma identify` says.
+//! Report of `sma identify`: text for people, JSON for programs.
 
 use std::fmt::Write;
 
@@ -23,7 +23,7 @@ const SUSPICIOUS_RATIO: f64 = 2.0;
 pub struct Identified<'a> {
     /// The fit.
     pub fit: &'a Fit,
-    /// What it makes of recordings that it has not seen.
+    /// Results of the model on the validation recordings, which are not in the fit.
     pub validated: &'a [Validated],
     /// Which of them hold the data of a training recording.
     pub seen: Vec<bool>,
@@ -33,13 +33,13 @@ pub struct Identified<'a> {
     pub cross_check: Option<&'a CrossCheck>,
     /// Keys of the rod file without which temperatures are arbitrary.
     pub missing_for_temperature: Vec<&'static str>,
-    /// Whether temperatures are in kelvins.
+    /// True if temperatures are in kelvins.
     pub knows_temperature: bool,
     /// Families of loops for which the intervals hold beside the paper's, where the recordings have one rate only.
     pub other_loops: Option<Vec<&'static str>>,
     /// Range of the specific heat, J/(kg K), if the intervals hold for it.
     pub specific_heat: Option<Bounds>,
-    /// Whether the model is a loop without heat.
+    /// True if the model is a static loop, without a heat balance.
     pub is_static: bool,
     /// The model, if it is a heat balance without a loop.
     pub thermal: Option<&'a ThermalModel>,
@@ -47,7 +47,7 @@ pub struct Identified<'a> {
     pub one_way: Option<OneWay>,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub memory: &'static str,
-    /// What is odd about the recordings.
+    /// Notes on anomalies of the recordings.
     pub input_notes: Vec<String>,
 }
 
@@ -185,7 +185,7 @@ impl Identified<'_> {
         sanity::lines(&self.implausible) + &text
     }
 
-    /// What argmin's end means.
+    /// Meaning of the point where argmin ended.
     fn checked(&self, check: &CrossCheck) -> String {
         let place: Vec<String> = check
             .shared
@@ -290,7 +290,7 @@ impl Identified<'_> {
         table
     }
 
-    /// What else is worth knowing, a line each.
+    /// Further notes, a line each.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let fit = self.fit;
@@ -333,7 +333,7 @@ impl Identified<'_> {
         notes
     }
 
-    /// What is said of temperatures: whether they mean anything, and what the model does not say.
+    /// Notes on temperatures: their scale, or that it is arbitrary, and the limits of the model.
     fn of_temperature(&self) -> Vec<String> {
         let fit = self.fit;
         if self.is_static {
@@ -470,7 +470,7 @@ impl Identified<'_> {
     }
 }
 
-/// What one branch of a loop says of a parameter.
+/// Information that one branch of a loop gives on a parameter.
 #[derive(Debug, Clone, Copy)]
 enum OfBranch {
     /// Nothing, and why.
@@ -479,7 +479,7 @@ enum OfBranch {
     Its(&'static str),
 }
 
-/// What is special about a parameter where an input goes one way only.
+/// Information on a parameter if the input goes one way only; `None` for a parameter that this does not affect.
 fn of_branch(parameter: &FittedParameter, way: OneWay) -> Option<OfBranch> {
     let (missing, branch) = match way {
         OneWay::Heating => ("not determined: no cooling", "of the heating branch"),
@@ -522,7 +522,7 @@ pub fn parameters_json(fit: &Fit) -> Vec<Value> {
         .collect()
 }
 
-/// Whether a parameter only says that the recordings start at rest.
+/// True if a parameter only says that the recordings start at rest.
 fn is_rest(parameter: &FittedParameter) -> bool {
     parameter.info.scope == Scope::PerRecording
         && matches!(parameter.info.state, ParameterState::Fixed(_))
@@ -573,7 +573,7 @@ fn own_note(source: OffsetSource) -> &'static str {
     }
 }
 
-/// What a heat balance tells, and what it cannot.
+/// Notes on a heat balance: results and limits.
 fn thermal_notes(thermal: &ThermalModel, fit: &Fit, missing: &[&str]) -> Vec<String> {
     let is_free = |name: &str| {
         let parameter = fit.parameter(name);

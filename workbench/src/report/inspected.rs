@@ -1,4 +1,4 @@
-//! What `sma inspect` says.
+//! Report of `sma inspect`: text for people, JSON for programs.
 
 use std::fmt::Write;
 

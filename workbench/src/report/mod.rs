@@ -1,4 +1,4 @@
-//! What the commands say: text for people, JSON for programs.
+//! Reports of the commands: text for people, JSON for programs.
 
 pub mod changed;
 pub mod diagnosed;

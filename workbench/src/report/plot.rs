@@ -52,7 +52,7 @@ pub fn pictures(name: &str, recording: &Recording, prediction: &Prediction) -> S
     text
 }
 
-/// Whether an output over an input is a loop: not if it is the temperature of a rod that something heats.
+/// True if the output over the input is a loop; false if the output is the temperature of a heated rod.
 pub(crate) fn has_loop(recording: &Recording) -> bool {
     recording.drive_quantity() == Quantity::Temperature
         || !ThermalModel::is_for(recording.output_unit())
@@ -63,11 +63,11 @@ pub(crate) fn has_loop(recording: &Recording) -> bool {
 pub struct Left {
     /// Its name.
     pub model: &'static str,
-    /// What it shows of the recording.
+    /// Its prediction of the recording.
     pub prediction: Prediction,
 }
 
-/// What models leave of a recording over time, each on the scale of the first.
+/// Residuals of models on a recording over time, each on the scale of the first.
 #[must_use]
 pub fn what_is_left(name: &str, recording: &Recording, models: &[Left]) -> String {
     let (time, time_unit) = time(recording);
@@ -90,7 +90,7 @@ pub fn what_is_left(name: &str, recording: &Recording, models: &[Left]) -> Strin
     text
 }
 
-/// What a model leaves of a recording.
+/// Residual of a model on a recording: recorded - model.
 #[must_use]
 pub fn left(recording: &Recording, prediction: &Prediction) -> Vec<f64> {
     recording

@@ -39,7 +39,8 @@ pub fn text(floor: &RepeatFloor) -> String {
     text + &said(floor).map_or(String::new(), |said| said + "\n")
 }
 
-/// What follows from it, in a sentence or two; `None` where only a first cycle is repeated, before which the rod was elsewhere.
+/// Conclusion from the repeats, in a sentence or two. `None` if only a first cycle is repeated, before which the rod was in
+/// another state.
 #[must_use]
 pub fn said(floor: &RepeatFloor) -> Option<String> {
     let unit = behind(&floor.unit);
@@ -134,7 +135,7 @@ fn spoken_s(time_s: f64) -> String {
     format!("{:.1}", time_s)
 }
 
-/// What a difference is of, beside an offset.
+/// Components of a difference beside an offset: gain, speed, delays; empty if there are none.
 fn of_what(pair: &RepeatedDrive, unit: &str) -> String {
     if pair.apart.differences.is_empty() {
         return String::new();

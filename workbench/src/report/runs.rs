@@ -1,4 +1,4 @@
-//! What differs from run to run of a rig that does not repeat.
+//! Differences from run to run of a rig that does not repeat.
 
 use comfy_table::{Cell, Table};
 use identify::{FittedParameter, ParameterState, RUN_PARAMETERS};
@@ -9,13 +9,13 @@ use super::label::label;
 use super::number::{percent, spoken};
 use super::table::{right, table};
 
-/// What may differ.
+/// A quantity that may differ from run to run.
 struct Column {
     /// Its parameter.
     name: &'static str,
-    /// What stands over it.
+    /// Title of its column.
     title: &'static str,
-    /// What is said of the largest.
+    /// Words for the largest difference.
     said: &'static str,
     shown: fn(f64) -> String,
 }
@@ -78,7 +78,7 @@ fn last(diagnosis: &Diagnosis) -> &Stage {
         .map_or(&diagnosis.baseline, |extended| &extended.stage)
 }
 
-/// Whether what differs from run to run is open.
+/// True if a parameter of the single runs is free.
 fn differ(stage: &Stage) -> bool {
     RUN_PARAMETERS
         .iter()
@@ -95,8 +95,8 @@ fn place(stage: &Stage, name: &str) -> Option<usize> {
         .map(|(place, _)| place)
 }
 
-/// What each recording has over the first of the training, by the last model; `None` where all runs are taken for alike. `shortened` is
-/// the name of a recording for people.
+/// Differences of each recording from the first training recording, by the last model; `None` if all runs are taken for
+/// alike. `shortened` gives the name of a recording for people.
 #[must_use]
 pub fn runs<'d>(diagnosis: &'d Diagnosis, shortened: impl Fn(&'d str) -> &'d str) -> Option<Table> {
     let last = last(diagnosis);
@@ -130,7 +130,7 @@ pub fn runs<'d>(diagnosis: &'d Diagnosis, shortened: impl Fn(&'d str) -> &'d str
     Some(table)
 }
 
-/// What is this small is nothing.
+/// Size up to which a value counts as 0.
 const NOTHING: f64 = 1e-9;
 
 /// A value in a recording, with the half of its interval.

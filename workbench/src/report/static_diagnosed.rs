@@ -1,4 +1,4 @@
-//! What `sma diagnose` says of recordings without time.
+//! Report of `sma diagnose` on recordings without time: text for people, JSON for programs.
 
 use std::fmt::Write;
 
@@ -10,13 +10,13 @@ use serde_json::{Value, json};
 use super::number::{percent, significant, spoken};
 use super::table::{folding, right, table, unpadded};
 
-/// What keeps static recordings from telling of any other effect.
+/// Reason why static recordings cannot test any other effect.
 const NEEDS_TIME: &str = "needs time";
 
 /// The result of `sma diagnose` on static recordings.
 #[derive(Debug)]
 pub struct StaticDiagnosed<'a> {
-    /// What was found.
+    /// Result of the diagnosis.
     pub effects: &'a StaticEffects,
     /// Unit of the output.
     pub output_unit: &'a str,
@@ -24,7 +24,7 @@ pub struct StaticDiagnosed<'a> {
     pub seed: u64,
     /// Rule of the hysteresis' memory, as the flag names it.
     pub memory: &'static str,
-    /// What to know beside the result.
+    /// Notes beside the result.
     pub notes: Vec<String>,
 }
 
@@ -244,7 +244,7 @@ fn sentence(one: &StaticEffect) -> String {
     )
 }
 
-/// What the cycles do, of which each size is named that is not 0.
+/// Sentence on functional fatigue; names each size whose interval excludes 0.
 fn fatigue(one: &StaticEffect, [shift, loss, lasting]: [&Estimate; 3]) -> String {
     let of = |estimate: &Estimate, said: String| estimate.excludes_zero().then_some(said);
     let shift_said = format!(

@@ -15,7 +15,7 @@ pub fn table<'h>(header: impl IntoIterator<Item = &'h str>) -> Table {
     table
 }
 
-/// The same, which folds what does not fit on a line.
+/// A [`table`] that folds its longest cells if a line is too long.
 pub fn folding<'h>(header: impl IntoIterator<Item = &'h str>) -> Table {
     let mut table = table(header);
     table

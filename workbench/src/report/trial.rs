@@ -1,4 +1,4 @@
-//! What is said of a blind trial.
+//! Report of a blind trial: text for people, JSON for programs.
 
 use blind_trial::Proportion;
 use blind_trial::scores::{Became, Figure, Score, Scores, VISIBLE_T};
@@ -14,9 +14,9 @@ pub struct Tried<'a> {
     pub seed: &'a str,
     /// Cases that were diagnosed.
     pub n_cases: usize,
-    /// Whether the cases were drawn around a user's rig.
+    /// True if the cases were drawn around a user's rig.
     pub is_own: bool,
-    /// What they come to.
+    /// Scores of the cases.
     pub scores: Scores,
 }
 
@@ -36,7 +36,7 @@ impl Tried<'_> {
         scores
     }
 
-    /// What became of each effect, by its size over the usual one.
+    /// Outcome for each effect, by its size over the usual one.
     #[must_use]
     pub fn reach(&self) -> Table {
         let mut reach = table([
@@ -128,7 +128,7 @@ impl Tried<'_> {
         )
     }
 
-    /// What an experiment like the user's can reveal.
+    /// Effects that an experiment like the user's can reveal, in words.
     fn revealed(&self) -> String {
         let usual = self.scores.reach.rows.iter().flat_map(|row| &row.sizes);
         let usual = usual.filter(|(size, _)| (size - 1.0).abs() < 1e-9);
@@ -192,7 +192,7 @@ impl Tried<'_> {
     }
 }
 
-/// Whether a target is met.
+/// Mark of a score: target met or not; empty without a target or a case.
 fn mark(score: &Score) -> &'static str {
     match score.holds() {
         Some(true) => "met",

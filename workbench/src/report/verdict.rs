@@ -114,7 +114,7 @@ fn said(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// What the first answer of a rule was, if it was asked.
+/// Statistic of a rule when it was first asked; `None` if it was not asked.
 fn statistic(diagnosis: &Diagnosis, id: RuleId) -> Option<f64> {
     let mut traces = diagnosis.traces.iter();
     traces
@@ -122,7 +122,7 @@ fn statistic(diagnosis: &Diagnosis, id: RuleId) -> Option<f64> {
         .map(|trace| trace.value)
 }
 
-/// What a rule was asked of first, if that passed.
+/// Statistic of a rule when it first passed; `None` if it never did.
 fn passed(diagnosis: &Diagnosis, id: RuleId) -> Option<f64> {
     let mut traces = diagnosis.traces.iter();
     traces
@@ -130,13 +130,13 @@ fn passed(diagnosis: &Diagnosis, id: RuleId) -> Option<f64> {
         .map(|trace| trace.value)
 }
 
-/// Whether a rule was asked and did not pass.
+/// True if a rule was asked and did not pass.
 fn fails(diagnosis: &Diagnosis, id: RuleId) -> bool {
     let mut traces = diagnosis.traces.iter();
     traces.any(|trace| trace.rule.id == id && !trace.passed)
 }
 
-/// Whether what is left is no noise, though nothing predicts it.
+/// True if the residual is a disturbance: nothing predicts it, yet it is no noise.
 fn is_disturbed(diagnosis: &Diagnosis) -> bool {
     let odd = [RuleId::Disturbed, RuleId::Tone, RuleId::Slow, RuleId::Slip];
     odd.iter().any(|&id| passed(diagnosis, id).is_some())
@@ -157,14 +157,14 @@ fn found(finding: &Finding) -> String {
     )
 }
 
-/// What an effect does, without the claim that it is missing.
+/// Description of an effect, without the claim that it is missing.
 #[must_use]
 pub fn what(finding: &Finding) -> &str {
     let sentence = finding.sentence.as_str();
     sentence.split_once(": ").map_or(sentence, |(_, what)| what)
 }
 
-/// Whether the unseen recordings are met no better with what was found.
+/// True if the findings do not reduce the error on the unseen recordings.
 fn fails_unseen(diagnosis: &Diagnosis) -> bool {
     let before = Validated::rmse_of_all(&diagnosis.baseline.validated);
     let extended = diagnosis.extended.as_ref();
@@ -320,7 +320,7 @@ fn noise(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// What is left after the findings.
+/// Remainder after the findings, in words.
 fn remains(left: &Remainder, unit: &str) -> String {
     let place = match (left.mismatch.block, left.mismatch.cells.first()) {
         (Some((block, probability)), cell) => format!(

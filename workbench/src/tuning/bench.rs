@@ -2,9 +2,9 @@
 
 use identify::Sensor;
 use pid_tune::{
-    Across, ClosedLoop, ClosedLoopParams, CostWeights, Disturbances, Goal, PidGains, PidParams,
-    PlantResponse, Reference, RelayTest, RestTest, RodLoop, RodLoopParams, Screen, SmallChanges,
-    Task, TunerConfig,
+    Across, ClosedLoop, ClosedLoopParams, CostWeights, Disturbances, Goal, InverseRun, PidGains,
+    PidParams, PlantResponse, Reference, RelayTest, RestTest, RodLoop, RodLoopParams, Screen,
+    SmallChanges, Task, TunerConfig,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -14,6 +14,13 @@ use super::CHATTER;
 use crate::WorkbenchError;
 use crate::rig::Rig;
 use crate::turned::Turned;
+
+/// A controller that does nothing.
+const NO_GAINS: PidGains = PidGains {
+    kp: 0.0,
+    ki: 0.0,
+    kd: 0.0,
+};
 
 /// Beyond the outputs that are asked for, small changes are looked at by this share of the way more: a response that
 /// overshoots goes there.
@@ -62,7 +69,8 @@ impl<'a> Bench<'a> {
         noise.collect()
     }
 
-    /// The loop around a reference. The noise is that of [`Bench::noise`], the feed-forward empty or a value a sample.
+    /// The loop around a reference. The noise is that of [`Bench::noise`], the feed-forward that of [`Bench::forward`] if there
+    /// is one.
     ///
     /// # Errors
     ///
@@ -72,16 +80,16 @@ impl<'a> Bench<'a> {
         reference: Reference<'r>,
         n_samples: usize,
         noise: &'r [f64],
-        feed_forward: &'r [f64],
+        forward: Option<&'r InverseRun>,
     ) -> Result<ClosedLoop<'r>, WorkbenchError> {
-        let some = |series: &'r [f64]| (!series.is_empty()).then_some(series);
         Ok(ClosedLoop::new(ClosedLoopParams {
             reference,
             n_samples,
             ambient_degc: self.rig.ambient_degc,
-            feed_forward: some(feed_forward),
+            feed_forward: forward.map(|run| run.drive.as_slice()),
+            aim: forward.map(|run| run.output.as_slice()),
             disturbances: Disturbances {
-                measurement_noise: some(noise),
+                measurement_noise: (!noise.is_empty()).then_some(noise),
                 quantization_step: self.sensor.step,
                 dead_time_samples: self.dead_time_samples,
                 drive_step: self.drive_step,
@@ -89,6 +97,20 @@ impl<'a> Bench<'a> {
                 ..Disturbances::default()
             },
         })?)
+    }
+
+    /// Inverse of the plain model along a reference.
+    ///
+    /// # Errors
+    ///
+    /// [`WorkbenchError`] naming what is refused.
+    pub fn forward(
+        &self,
+        reference: &Reference<'_>,
+        n_samples: usize,
+    ) -> Result<InverseRun, WorkbenchError> {
+        let plain = self.rod_loop(NO_GAINS, self.rig.rest_output()?)?;
+        Ok(plain.inverse_run(reference, n_samples)?)
     }
 
     /// A task of the rig.

@@ -1,4 +1,4 @@
-//! What every controller of this program is tuned with.
+//! Settings and checks that are common to the tuning of all controllers of this program.
 
 mod bench;
 mod promise;

@@ -1,6 +1,6 @@
 //! A response that a controller promises, and whether a rig has kept it.
 
-use pid_tune::{PidGains, Reference};
+use pid_tune::{InverseRun, PidGains, Reference};
 
 use super::Bench;
 use crate::WorkbenchError;
@@ -56,12 +56,12 @@ impl Bench<'_> {
         &self,
         gains: PidGains,
         reference: &[f64],
-        feed_forward: &[f64],
+        forward: Option<&InverseRun>,
         rods: &[Rig],
     ) -> Result<Promise, WorkbenchError> {
         let noise = self.noise(reference.len());
         let samples = Reference::Samples(reference);
-        let closed_loop = self.closed_loop(samples, reference.len(), &noise, feed_forward)?;
+        let closed_loop = self.closed_loop(samples, reference.len(), &noise, forward)?;
         let followed = Followed {
             name: "promise",
             controller: "tuned",

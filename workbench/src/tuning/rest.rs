@@ -145,7 +145,7 @@ impl Bench<'_> {
         let around = |side: usize| {
             let levels = &approaches.levels[side];
             let reference = Reference::Samples(levels);
-            self.closed_loop(reference, levels.len(), approaches.noise(side), &[])
+            self.closed_loop(reference, levels.len(), approaches.noise(side), None)
         };
         Ok([around(0)?, around(1)?, around(2)?])
     }

@@ -26,7 +26,7 @@ const SEED: u64 = 1;
 /// A made-up rig with its recordings.
 #[derive(Debug, Clone)]
 pub(crate) struct MadeUp {
-    /// What is known of it.
+    /// Known parameters of the rig.
     pub(crate) rod: Rod,
     /// To be fitted.
     pub(crate) training: Vec<Recording>,

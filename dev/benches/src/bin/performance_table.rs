@@ -129,7 +129,7 @@ fn cells(costs: &[f64], floor_mm2: f64) -> String {
     )
 }
 
-/// What of the swarm's settings is changed, one row each.
+/// Compared settings of the swarm with their names, one row each.
 fn configs() -> Vec<(&'static str, SwarmConfig)> {
     let reliable = SwarmConfig::reliable;
     vec![

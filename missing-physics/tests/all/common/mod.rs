@@ -49,7 +49,7 @@ pub(crate) fn triangles_a(heights_a: &[f64]) -> Vec<f64> {
     heights_a.iter().flat_map(cycle).collect()
 }
 
-/// What the wire is known to be.
+/// Known properties of the wire.
 pub(crate) fn setting() -> Setting {
     setting_of_rod(&Rod::parse("rod.toml", ROD).unwrap(), "mm")
 }
@@ -100,7 +100,7 @@ pub(crate) fn played(
     output
 }
 
-/// What was played and what came of it, as a recording.
+/// Recording of the drive that was played and of the output that came of it.
 pub(crate) fn recording(name: &str, current_a: Vec<f64>, output: Vec<f64>, dt_s: f64) -> Recording {
     Recording::new(RecordingParts {
         name: name.to_owned(),
@@ -133,7 +133,7 @@ pub(crate) fn diagnosed(output: Vec<f64>, hypotheses: &'static [Hypothesis]) -> 
     diagnosed_under(current_a(), output, hypotheses)
 }
 
-/// The same of an output under another drive.
+/// Diagnosis of an output under another drive, with hypotheses beside the catalogue.
 pub(crate) fn diagnosed_under(
     current_a: Vec<f64>,
     output: Vec<f64>,

@@ -45,7 +45,7 @@ pub(crate) fn pid(params: PidParams, gains: PidGains) -> Pid {
     Pid::new(params, &[gains]).unwrap()
 }
 
-/// What a single controller sees, without feed-forward.
+/// Inputs of a single controller, without feed-forward.
 pub(crate) fn sample(setpoint: f64, measured: f64) -> Sample {
     Sample {
         setpoint,
@@ -120,6 +120,7 @@ pub(crate) fn undisturbed(reference: Reference<'_>, n_samples: usize) -> ClosedL
         n_samples,
         ambient_degc: AMBIENT_DEGC,
         feed_forward: None,
+        aim: None,
         disturbances: Disturbances::default(),
     }
 }
@@ -146,7 +147,7 @@ pub(crate) fn snapshots<Q: Plant>(
     snapshots
 }
 
-/// Whether two series are the same to the last bit.
+/// Asserts that two series are the same to the last bit.
 #[track_caller]
 pub(crate) fn assert_same(found: &[f64], expected: &[f64]) {
     let bits = |values: &[f64]| {

@@ -73,7 +73,7 @@ pub fn current_a(dt_s: f64) -> Vec<f64> {
     current_a
 }
 
-/// The same in the unit of another drive, so that the rod gets about as warm.
+/// Converts a current to the unit of another drive, so that the rod gets about as warm.
 pub fn drive_of(drive: Drive, current_a: &[f64]) -> Vec<f64> {
     let power_w_per_m = |i: f64| i * i * rod().resistance_ohm_per_m;
     let resistance = rod().resistance_ohm_per_m;
@@ -100,7 +100,7 @@ pub const DRIVES: [Drive; 4] = [
     Drive::Power { length_m: 0.5 },
 ];
 
-/// What one plant shows, sample by sample, and its state after the last one.
+/// Outputs and state of one plant, sample by sample, and the largest residual of its steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     pub displacement: Vec<f64>,

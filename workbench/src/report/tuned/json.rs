@@ -1,7 +1,8 @@
 //! A controller for programs.
 
 use pid_tune::{
-    Agreement, AntiWindup, Margins, Outcome, Passage, Percentiles, PidGains, StartFrom, Terms,
+    Agreement, AntiWindup, DerivativeOf, Margins, Outcome, Passage, Percentiles, PidGains,
+    StartFrom, Terms,
 };
 use serde_json::{Value, json};
 
@@ -54,6 +55,10 @@ impl TunedReport<'_> {
                     AntiWindup::Off => "off",
                     AntiWindup::Clamping => "clamping",
                     AntiWindup::BackCalculation { .. } => "back-calculation",
+                },
+                "derivative_of": match self.pid.derivative_of {
+                    DerivativeOf::Measurement => "measurement",
+                    DerivativeOf::Error => "error",
                 },
                 "derivative_filter_s": self.pid.derivative_filter_s,
                 "setpoint_weight": self.pid.setpoint_weight,

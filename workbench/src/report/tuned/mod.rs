@@ -1,4 +1,4 @@
-//! What `sma tune` says.
+//! Report of `sma tune`: text for people, JSON for programs.
 
 mod json;
 mod tables;
@@ -60,11 +60,11 @@ pub struct TunedReport<'a> {
     pub loops: Vec<LoopPicture>,
     /// -1/N of the plain part's hysteresis, beside the loops.
     pub describing_curve: Vec<(f64, Complex)>,
-    /// What the gains are worth on rods as likely as the identified one; `None` if that was not asked for.
+    /// Performance of the gains on rods as likely as the identified one; `None` if that was not asked for.
     pub robust: Option<Robustness>,
     /// Share of those rods on which the loop does not rest, from one side or another.
     pub restless_share: f64,
-    /// What depends on which parameter.
+    /// Sensitivity of the response to each parameter.
     pub varied: Vec<Sensitivity<'a>>,
     /// Gains that no others beat in all terms.
     pub front: Vec<FrontPoint>,
@@ -165,7 +165,7 @@ impl TunedReport<'_> {
         &self.candidates[1]
     }
 
-    /// What else is worth knowing, a line each.
+    /// Further notes, a line each.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
@@ -179,6 +179,15 @@ impl TunedReport<'_> {
             self.found.refused,
             self.found.seed
         )];
+        let [mse, energy, rise_time, settling_time, overshoot] =
+            weights(&self.weights).map(significant);
+        notes.push(format!(
+            "cost = {mse} · mean square error + {energy} · energy + {rise_time} · rise time + {settling_time} · settling time + \
+             {overshoot} · overshoot + {} · drive's way in the end per second: each term of the response to {} counts one \
+             unless --weights or --pace say otherwise",
+            significant(self.wear),
+            self.compared()[0]
+        ));
         for (name, end) in GAINS.iter().zip(self.found.at_bound) {
             if end == Some(BoundEnd::Upper) {
                 notes.push(format!("{name} is the largest that was looked for"));

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use pid_tune::AntiWindup;
+use pid_tune::{AntiWindup, DerivativeOf};
 
 use super::tables::endless;
 use super::{Checked, GAINS, TunedReport, gains};
@@ -40,7 +40,7 @@ impl TunedReport<'_> {
         }
         let _ = writeln!(text, "{}", gains.join(", "));
         let _ = writeln!(text, "{}", self.form());
-        if let Some(step) = found.terms.step {
+        if let Some(step) = self.tuned().terms.step {
             let left_s = self.duration_s - self.pid.dt_s;
             let within = |verb: &str, time_s: f64| {
                 if time_s >= left_s {
@@ -201,13 +201,17 @@ impl TunedReport<'_> {
         } else {
             String::new()
         };
+        let watched = match self.pid.derivative_of {
+            DerivativeOf::Measurement => "measurement",
+            DerivativeOf::Error => "error",
+        };
         let forward = if self.feed_forward {
             ", the model's inverse added to the drive"
         } else {
             ""
         };
         format!(
-            "parallel form every {} s, drive 0 to {} {}, {windup}, derivative of the measurement filtered over {} s\
+            "parallel form every {} s, drive 0 to {} {}, {windup}, derivative of the {watched} filtered over {} s\
              {weighed}{forward}{sign}",
             significant(self.pid.dt_s),
             significant(self.rig.drive_max),
