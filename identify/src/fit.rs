@@ -167,8 +167,9 @@ pub fn fit(
                         && ended.minimum.point.len() == problem.vector().len()
                 };
                 match config.ended.iter().find(is_it) {
-                    Some(known) => Ok(known.clone()),
-                    None => start.search(number, &problem, few.as_ref(), config),
+                    // A file may have been changed: a start whose cost is not that of its point is made again.
+                    Some(known) if is_of(&problem, &known.minimum)? => Ok(known.clone()),
+                    _ => start.search(number, &problem, few.as_ref(), config),
                 }
             })
             .collect::<Result<Vec<EndedStart>, _>>()?;
@@ -319,6 +320,21 @@ impl Start<'_> {
         })
     }
 }
+
+/// True if a minimum that was kept has the cost of its point, to rounding, and lies within the bounds.
+fn is_of(problem: &Problem<'_>, minimum: &Minimum) -> Result<bool, IdentifyError> {
+    let inside = |(value, bound): (&f64, &Bound)| (bound.lower..=bound.upper).contains(value);
+    if !minimum.point.iter().zip(problem.bounds()).all(inside) {
+        return Ok(false);
+    }
+    let own = problem.apart();
+    let sums = own.sums(std::slice::from_ref(&minimum.point))?;
+    let away = (sums[0] - minimum.sum_of_squares).abs();
+    Ok(away <= KEPT * sums[0].abs() + own.rounding())
+}
+
+/// Share by which the cost of a start that was kept may differ from that of its point.
+const KEPT: f64 = 1e-6;
 
 /// Twice the logarithm of odds, and so a difference of Schwarz's criterion, that is very strong evidence [KassRaftery1995].
 pub(crate) const VERY_STRONG: f64 = 10.0;

@@ -1,10 +1,11 @@
 //! Checks of what stands in a model file beyond its layout.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use toml::Spanned;
 use wiener::hysteresis::LoopFamily;
 
+use crate::dense::{Matrix, symmetric_eigen};
 use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
 use crate::of_family::RELAY_TAILS;
 use crate::saved_model::LOOP_SHAPE;
@@ -119,7 +120,7 @@ impl Reading<'_> {
     pub(crate) fn parameters(
         &self,
         entries: &[Spanned<ParameterTable>],
-        trained: &[&str],
+        (trained, output_unit): (&[&str], &str),
         model: &mut RigModel,
         extra: Vec<ParameterInfo>,
     ) -> Result<Vec<FittedParameter>, IdentifyError> {
@@ -127,7 +128,7 @@ impl Reading<'_> {
         let n_plain = infos.len();
         infos.extend(extra);
         for entry in entries {
-            self.parameter(entry, &mut infos, n_plain, trained)?;
+            self.parameter(entry, &mut infos, n_plain, (trained, output_unit))?;
         }
         for (plain, info) in model.parameters_mut().iter_mut().zip(&infos) {
             // Beside effects a gain was searched; that of the plain part can be solved for.
@@ -149,7 +150,7 @@ impl Reading<'_> {
         entry: &Spanned<ParameterTable>,
         infos: &mut [ParameterInfo],
         n_plain: usize,
-        trained: &[&str],
+        (trained, output_unit): (&[&str], &str),
     ) -> Result<(), IdentifyError> {
         let table = entry.get_ref();
         let fault = |accepted: String| {
@@ -174,6 +175,19 @@ impl Reading<'_> {
                 "must lie from {lower:e} to {upper:e} {}",
                 table.unit
             ));
+        }
+        if table.unit == "°C" && !RODS_DEGC.contains(&table.value) {
+            return fault("no temperature of a rod: must lie from -273.15 to 3000 °C".to_owned());
+        }
+        if OF_OUTPUT.contains(&info.name) && table.unit != output_unit {
+            return fault(format!(
+                "unit must be \"{output_unit}\", that of the output"
+            ));
+        }
+        let within = |[lower, upper]: [f64; 2]| (lower..=upper).contains(&table.value);
+        let is_free = matches!(table.state, State::Free);
+        if is_free && !table.bounds.is_none_or(within) {
+            return fault("must lie within its bounds".to_owned());
         }
         let rises = |[lower, upper]: [f64; 2]| lower <= upper;
         if !table.ci95.is_none_or(rises) || !table.bounds.is_none_or(rises) {
@@ -263,10 +277,53 @@ impl Reading<'_> {
         let is_square = covariance.scales.len() == n
             && covariance.matrix.len() == n
             && covariance.matrix.iter().all(|row| row.len() == n);
-        if is_square {
+        let what = format!("covariance of {n} names");
+        if !is_square {
+            let accepted = "must have as many scales, rows and columns";
+            return Err(self.fault(place, what, accepted));
+        }
+        if is_covariance(&covariance.matrix) {
             return Ok(covariance);
         }
-        let what = format!("covariance of {n} names");
-        Err(self.fault(place, what, "must have as many scales, rows and columns"))
+        let accepted = "must be symmetric, of finite numbers, and positive semidefinite: no variance is below 0, no correlation beyond 1";
+        Err(self.fault(place, what, accepted))
     }
+}
+
+/// Temperatures that a rod may have, °C: from absolute zero to far above its melting.
+const RODS_DEGC: RangeInclusive<f64> = -273.15..=3000.0;
+
+/// Parameters in the unit of the output.
+const OF_OUTPUT: [&str; 2] = ["gain", "offset"];
+
+/// Least eigenvalue of a matrix of correlations that counts as 0: what rounding leaves.
+const ROUNDING: f64 = 1e-6;
+
+/// True if a square matrix may be one of variances and covariances.
+fn is_covariance(rows: &[Vec<f64>]) -> bool {
+    let n = rows.len();
+    let scale = |i: usize, k: usize| (rows[i][i] * rows[k][k]).sqrt();
+    for i in 0..n {
+        for k in 0..n {
+            let value = rows[i][k];
+            if !value.is_finite() || rows[i][i] < 0.0 {
+                return false;
+            }
+            let asymmetry = (value - rows[k][i]).abs();
+            if asymmetry > ROUNDING * scale(i, k) {
+                return false;
+            }
+        }
+    }
+    let correlations = Matrix::from_fn(n, n, |i, k| {
+        let scale = scale(i, k);
+        match (i == k, scale > 0.0) {
+            (true, _) => 1.0,
+            (false, true) => rows[i][k] / scale,
+            // Beside a variance of 0 there is no covariance.
+            (false, false) => rows[i][k],
+        }
+    });
+    symmetric_eigen(&correlations)
+        .is_some_and(|eigen| eigen.values.iter().all(|value| *value >= -ROUNDING))
 }

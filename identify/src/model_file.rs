@@ -285,7 +285,12 @@ impl SavedModel {
         let loop_family = reading.loop_family(parsed.loop_family.as_ref(), &parameters_of)?;
         let mut extra = parameters_of_family(loop_family);
         extra.extend(reading.parameters_of_effects(&parsed.effects, &parameters_of)?);
-        let parameters = reading.parameters(&parsed.parameter, &trained, &mut model, extra)?;
+        let parameters = reading.parameters(
+            &parsed.parameter,
+            (&trained, &parsed.output_unit),
+            &mut model,
+            extra,
+        )?;
         Ok(Self {
             effects: reading.effects(parsed.effects, loop_family, &parsed.integration)?,
             covariance: reading.covariance(parsed.covariance)?,

@@ -7,6 +7,7 @@ use wiener::hysteresis::{LoopFamily, Rule};
 
 use crate::fitted::point;
 use crate::quantities::{Quantities, same_quantities};
+use crate::sensor::{not_negative, positive_if_any};
 use crate::validate::validate_at;
 use crate::{
     Fit, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance, ParameterVector,
@@ -70,6 +71,7 @@ impl SavedEffects {
 #[serde(deny_unknown_fields)]
 pub struct Scores {
     /// Root mean square of recording - model over the training recordings, in the output unit.
+    #[serde(deserialize_with = "not_negative")]
     pub train_rmse: f64,
     /// Root mean square of recording - model over the validation recordings, in the output unit; `None` without any.
     pub validate_rmse: Option<f64>,
@@ -90,10 +92,13 @@ pub struct SavedRecording {
     /// Number of samples.
     pub n_samples: usize,
     /// Median sample time, s; `None` for static data.
+    #[serde(default, deserialize_with = "positive_if_any")]
     pub sample_time_s: Option<f64>,
     /// Largest drive in it, in its unit: beyond, the model is extrapolated.
+    #[serde(deserialize_with = "not_negative")]
     pub largest_drive: f64,
     /// Root mean square of recording - model, in the output unit.
+    #[serde(deserialize_with = "not_negative")]
     pub rmse: f64,
     /// Step and noise of its sensor; `None` where it does not tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]

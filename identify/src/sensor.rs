@@ -19,6 +19,9 @@ pub struct Sensor {
     pub correlation_s: f64,
 }
 
+/// Correlations of neighboring samples that are those of colored noise: below, noise counts as white; above, as a drift.
+const COLORED: std::ops::Range<f64> = 0.2..0.9;
+
 impl Sensor {
     /// No step and no noise.
     pub const IDEAL: Self = Self {
@@ -32,19 +35,17 @@ impl Sensor {
     pub fn of(recording: &Recording) -> Option<Self> {
         let floor = noise_floor(recording, NoiseConfig::default())?;
         let rounding = floor.rounding.unwrap_or(0.0);
-        // Of neighboring samples; that of a drift is no noise of the sensor.
-        let correlation = floor
-            .holds
-            .map_or(0.0, |holds| holds.lag1_autocorrelation.clamp(0.0, 0.99));
         let dt_s = recording.sampling().usual_dt_s().unwrap_or(0.0);
+        // Differences of neighbors see the white part alone. Where holds tell a memory, they tell its size as well; one of
+        // nearly 1 is a drift, which is no noise of the sensor.
+        let colored = floor
+            .holds
+            .filter(|holds| COLORED.contains(&holds.lag1_autocorrelation));
+        let deviation = colored.map_or(floor.lower(), |holds| holds.standard_deviation);
         Some(Self {
             step: rounding * 12.0_f64.sqrt(),
-            noise: (floor.lower().powi(2) - rounding.powi(2)).max(0.0).sqrt(),
-            correlation_s: if correlation > 0.0 {
-                -dt_s / correlation.ln()
-            } else {
-                0.0
-            },
+            noise: (deviation.powi(2) - rounding.powi(2)).max(0.0).sqrt(),
+            correlation_s: colored.map_or(0.0, |holds| -dt_s / holds.lag1_autocorrelation.ln()),
         })
     }
 
@@ -56,12 +57,22 @@ impl Sensor {
     }
 }
 
-fn not_negative<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+pub(crate) fn not_negative<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     let value = f64::deserialize(from)?;
     if value >= 0.0 && value.is_finite() {
         Ok(value)
     } else {
         let found = Unexpected::Float(value);
         Err(D::Error::invalid_value(found, &"a finite number >= 0"))
+    }
+}
+
+pub(crate) fn positive_if_any<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+    match Option::<f64>::deserialize(from)? {
+        Some(value) if !(value > 0.0 && value.is_finite()) => {
+            let found = Unexpected::Float(value);
+            Err(D::Error::invalid_value(found, &"a finite number > 0"))
+        }
+        value => Ok(value),
     }
 }

@@ -127,7 +127,7 @@ pub enum TuneError {
     Unmet,
     /// No gains within the bounds let the loop come to rest.
     #[error(
-        "no gains within the bounds let the loop come to rest from every side: a slower sample time, a finer sensor, a filter or larger margins would"
+        "no gains that were tried let the loop come to rest from every side on every rod: larger margins, a gentler pace, a finer sensor, a longer filter or a slower sample time would"
     )]
     NoRest,
     /// No response within the bounds has a finite cost.

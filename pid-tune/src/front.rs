@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use wiener::Fleet;
 
 use crate::error::positive;
-use crate::tuner::{Seen, Swarms};
+use crate::tuner::{Seen, Swarms, unrested};
 use crate::{Goal, PidGains, Response, Task, TaskError, Terms, TuneError, TunerConfig};
 
 /// Decades by which the weights of accuracy and energy are shifted against one another, each by as much: one
@@ -65,6 +65,16 @@ pub fn front<F: Fleet<Member: Sync, Error: Send> + Sync>(
     let mut swarms = Swarms::new(config, SHIFTS.len())?;
     let _to_the_end = swarms.run(task, members, goal, cost, |_| ControlFlow::Continue(()))?;
     keep_front(&mut front);
+    if goal.rest.is_some() {
+        let gains: Vec<PidGains> = front.iter().map(|point| point.gains).collect();
+        let all: Vec<usize> = (0..gains.len()).collect();
+        let mut rests = vec![true; gains.len()];
+        for (k, _) in unrested(task, members, goal, &gains, &all)? {
+            rests[k] = false;
+        }
+        let mut rests = rests.into_iter();
+        front.retain(|_| rests.next().unwrap_or(false));
+    }
     if front.is_empty() {
         return Err(TuneError::NoFiniteCost.into());
     }

@@ -1,7 +1,7 @@
 use core::f64::consts::PI;
 
 use crate::complex::Complex;
-use crate::{Margins, PidGains, PidParams, PlantResponse};
+use crate::{DerivativeOf, Margins, PidGains, PidParams, PlantResponse};
 
 /// A sampled PID, without its limits, around a plant as it answers small changes.
 ///
@@ -55,11 +55,27 @@ impl OpenLoop<'_> {
     /// Noise gain from measurement to drive, and bandwidth from reference to output.
     ///
     /// ```text
-    /// noise gain² = Δt/π ∫ |C/(1 + L)|² dω from 0 to π/Δt,   |T| = |L/(1 + L)|
+    /// noise gain² = Δt/π ∫ |C/(1 + L)|² dω from 0 to π/Δt,   |T| = |C_r P/(1 + L)|
+    /// C_r = b kp + ki Δt/(z - 1), and the derivative where it looks at the error
     /// ```
     #[must_use]
     pub fn passage(&self) -> Passage {
+        if !self.margins().stable {
+            return Passage {
+                noise_gain: f64::INFINITY,
+                bandwidth_hz: 0.0,
+            };
+        }
         let nyquist = PI / self.controller.dt_s;
+        // Of the reference the proportional term sees a share, and the derivative perhaps nothing.
+        let of_reference = PidGains {
+            kp: self.controller.setpoint_weight * self.gains.kp,
+            kd: match self.controller.derivative_of {
+                DerivativeOf::Error => self.gains.kd,
+                DerivativeOf::Measurement => 0.0,
+            },
+            ..self.gains
+        };
         let mut before: Option<(f64, f64)> = None;
         let mut noise = 0.0;
         let mut bandwidth = nyquist;
@@ -67,12 +83,13 @@ impl OpenLoop<'_> {
             let controller = controller_response(&self.controller, &self.gains, omega);
             let open = controller * plant;
             let returned = open + Complex::ONE;
+            let follows = controller_response(&self.controller, &of_reference, omega) * plant;
             let square = (controller / returned).magnitude().powi(2);
             // Below the first frequency as at it.
             let (from, density) = before.unwrap_or((0.0, square));
             noise += 0.5 * (density + square) * (omega - from);
             if bandwidth >= nyquist
-                && (open / returned).magnitude() < core::f64::consts::FRAC_1_SQRT_2
+                && (follows / returned).magnitude() < core::f64::consts::FRAC_1_SQRT_2
             {
                 bandwidth = omega;
             }

@@ -18,9 +18,50 @@ pub struct PlantResponse {
     dt_s: f64,
     /// p, from k = 1.
     pulse: Vec<f64>,
+    /// The rest of it, where the answer was cut before it was done.
+    tail: Option<Tail>,
     /// Frequencies, rad/s, and P there.
     swept: Vec<(f64, Complex)>,
 }
+
+/// End of an answer that dies out like a lag: increments that shrink by one factor from sample to sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Tail {
+    /// The first of them.
+    first: f64,
+    /// The factor, above 0 and below 1.
+    retained: f64,
+}
+
+impl Tail {
+    /// By the last eighth of an answer and the one before; `None` where it stands, or does not die out.
+    fn of(step_response: &[f64]) -> Option<Self> {
+        let n = step_response.len();
+        let eighth = n / 8;
+        let at = |eighths: usize| step_response[n - 1 - eighths * eighth];
+        let [end, before, earlier] = [at(0), at(1), at(2)];
+        let (last, former) = (end - before, before - earlier);
+        let ratio = last / former;
+        if eighth == 0 || last.abs() <= DONE * end.abs() || !(ratio > 0.0 && ratio < 1.0) {
+            return None;
+        }
+        let retained = libm::pow(ratio, 1.0 / eighth as f64);
+        // All that follows is last (ratio + ratio² + ...).
+        let left = last * ratio / (1.0 - ratio);
+        Some(Self {
+            first: left * (1.0 - retained),
+            retained,
+        })
+    }
+
+    /// Sum of all increments.
+    fn sum(self) -> f64 {
+        self.first / (1.0 - self.retained)
+    }
+}
+
+/// Share of an answer by which it may still grow over its last eighth, where it counts as done.
+const DONE: f64 = 1e-3;
 
 /// A lag of first order with dead time: what rules of thumb for gains ask for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +75,8 @@ pub struct FirstOrder {
 }
 
 impl PlantResponse {
-    /// From the output's changes per change of the drive, 1, 2, ... samples after it, until nothing moves any more.
+    /// From the output's changes per change of the drive, 1, 2, ... samples after it, until nothing moves any more. An answer
+    /// that still moves at its end is taken to die out as it does over its last quarter.
     /// `dead_time_samples` stand before them.
     ///
     /// # Errors
@@ -58,6 +100,7 @@ impl PlantResponse {
         let mut response = Self {
             dt_s,
             pulse,
+            tail: Tail::of(step_response),
             swept: Vec::new(),
         };
         response.swept = frequencies(1.0 / lasts_s, PI / dt_s)
@@ -71,8 +114,11 @@ impl PlantResponse {
     #[must_use]
     pub fn at(&self, omega_rad_per_s: f64) -> Complex {
         let back = Complex::unit(-omega_rad_per_s * self.dt_s);
-        // Horner's scheme, from the last sample.
-        let mut sum = Complex::real(0.0);
+        // Horner's scheme, from the end: the tail, then the last sample.
+        let mut sum = self.tail.map_or(Complex::real(0.0), |tail| {
+            let kept = Complex::ONE + back * -tail.retained;
+            back * tail.first / kept
+        });
         for &pulse in self.pulse.iter().rev() {
             sum = (sum + Complex::real(pulse)) * back;
         }
@@ -88,7 +134,7 @@ impl PlantResponse {
     /// Output per drive in the end.
     #[must_use]
     pub fn gain(&self) -> f64 {
-        self.pulse.iter().sum()
+        self.pulse.iter().sum::<f64>() + self.tail.map_or(0.0, Tail::sum)
     }
 
     /// The lag with dead time that is nearest by two points, where 28 and 63 % of the way are done
@@ -115,7 +161,13 @@ impl PlantResponse {
                 }
                 risen = next;
             }
-            None
+            // 1 - ρ^k of the tail's sum is done after k samples of it.
+            let tail = self.tail?;
+            let left = 1.0 - (share * gain - risen) / tail.sum();
+            let samples = libm::log(left) / libm::log(tail.retained);
+            samples
+                .is_finite()
+                .then_some(self.dt_s * (self.pulse.len() as f64 + samples))
         };
         let [early_s, late_s] = [reaches(0.283)?, reaches(0.632)?];
         let tau_s = 1.5 * (late_s - early_s);

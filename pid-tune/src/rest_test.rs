@@ -15,12 +15,17 @@ pub struct RestTest<'a> {
 }
 
 impl RestTest<'_> {
-    /// By how much an ending is no rest, as a share of what would still be one; `None` for rest, and for `NaN`.
+    /// By how much an ending is no rest, as a share of what would still be one; `None` for rest. An output that is no
+    /// number does not rest.
     pub(crate) fn unrest(&self, ending: &Ending) -> Option<f64> {
+        if !ending.swing.is_finite() {
+            return Some(f64::MAX);
+        }
         if ending.oscillates(self.height) {
             return Some(ending.swing / self.height.abs());
         }
-        let share = ending.drive_swing / self.drive_swing;
-        (share > 1.0).then_some(share)
+        ending
+            .chatters(self.drive_swing)
+            .then(|| ending.drive_swing / self.drive_swing)
     }
 }

@@ -32,6 +32,8 @@ pub struct Ending {
     pub saturated_share: f64,
     /// Way of the drive in the last eighth, up and down, in its unit per second: 0 for a drive at rest.
     pub travel_per_s: f64,
+    /// Way of the drive in the last eighth, up and down, in its unit.
+    pub drive_travel: f64,
     /// Largest minus smallest drive in the last eighth, in its unit.
     pub drive_swing: f64,
 }
@@ -52,7 +54,17 @@ impl Ending {
             && self.swing >= PERSISTS * self.swing_before
             && self.drift.abs() <= DRIFTS * (self.swing + self.swing_before)
     }
+
+    /// True if the drive goes to and fro in the end by more than so much, in its unit. A drive that goes one way, to hold an
+    /// output that has just got there, does not.
+    #[must_use]
+    pub fn chatters(&self, drive_swing: f64) -> bool {
+        self.drive_swing > drive_swing && self.drive_travel > TO_AND_FRO * self.drive_swing
+    }
 }
+
+/// Way of a drive over its swing from which it goes to and fro: it is 1 for a drive that goes one way.
+const TO_AND_FRO: f64 = 1.5;
 
 /// Collects [`Ending`] while `L` loops run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -145,6 +157,7 @@ impl<const L: usize> EndingLanes<L> {
                 drift: of_seen(self.last_error[l] - self.first_error[l]),
                 saturated_share: self.saturated[l] / self.n_samples as f64,
                 drive_swing: of_seen(self.drive_range[1][l] - self.drive_range[0][l]),
+                drive_travel: of_seen(self.travel[l]),
                 travel_per_s: of_seen(self.travel[l] / (self.eighth as f64 * self.dt_s)),
             }
         })

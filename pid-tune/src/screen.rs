@@ -45,6 +45,7 @@ impl Screen {
         plants: Vec<PlantResponse>,
     ) -> Result<Self, TuneError> {
         positive("gain_margin", requirements.gain_margin)?;
+        not_negative("gain_margin - 1", requirements.gain_margin - 1.0)?;
         not_negative("phase_margin_rad", requirements.phase_margin_rad)?;
         not_negative("sensor_step", requirements.sensor_step)?;
         positive("largest_kick", requirements.largest_kick)?;

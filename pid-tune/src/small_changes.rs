@@ -174,7 +174,7 @@ impl SmallChanges {
         let held = input(drives);
         let changed = input(core::array::from_fn(|l| drives[l] + changes[l]));
         let lasts = STANDS_AFTER as f64 * self.tau_s / self.dt_s;
-        let shortest = (SHORTEST_TAUS * self.tau_s / self.dt_s) as usize;
+        let shortest = ((SHORTEST_TAUS * self.tau_s / self.dt_s) as usize).max(1);
         let mut series = vec![Vec::new(); NARROW];
         for k in 0..(lasts.ceil() as usize).clamp(2, LONGEST) {
             if k >= shortest && k.is_multiple_of(shortest) && stands(&series) {
@@ -196,7 +196,11 @@ impl SmallChanges {
 fn stands(series: &[Vec<f64>]) -> bool {
     series.iter().all(|answers| {
         let n = answers.len();
-        let [quarter, last] = [answers[n - n / 4 - 1], answers[n - 1]];
+        let (Some(&quarter), Some(&last)) =
+            (answers.get(n.saturating_sub(n / 4 + 1)), answers.last())
+        else {
+            return false;
+        };
         // One that is no number is done as well.
         (last - quarter).abs() <= DONE * last.abs() || !last.is_finite()
     })

@@ -65,7 +65,7 @@ pub struct Tuned {
     pub cost: f64,
     /// The lowest cost that was found: less than that of the gains where the cheapest do not rest on all plants.
     pub lowest: f64,
-    /// Plants besides on which its loop rests; 0 if that was not asked for, or if no gains that were kept do.
+    /// Plants besides on which its loop rests; 0 if that was not asked for.
     pub rest_on: usize,
     /// How many swarms ended within 1 % of this cost, this one among them: many that agree are evidence for
     /// the lowest minimum, one among many is a reason for more starts.
@@ -147,7 +147,7 @@ pub struct Tuned {
 ///
 /// Settings that are not accepted: [`TuneError::Bounds`], [`TuneError::NoStarts`], [`TuneError::Swarm`],
 /// [`TuneError::Negative`] for a weight, [`TuneError::NoWeight`], [`TuneError::Empty`] without plants.
-/// [`TuneError::NoFiniteCost`], [`TuneError::Unmet`]. Those of [`Task::responses`].
+/// [`TuneError::NoFiniteCost`], [`TuneError::Unmet`], [`TuneError::NoRest`]. Those of [`Task::responses`].
 pub fn tune<F: Fleet<Member: Sync, Error: Send> + Sync>(
     task: &Task<'_, F>,
     plants: &Plants<'_, F::Member>,
@@ -174,6 +174,10 @@ pub fn tune<F: Fleet<Member: Sync, Error: Send> + Sync>(
     let agreeing = swarms.agreeing(lowest);
     let kept = core::mem::take(&mut swarms.kept);
     let standing = standing(task, plants.resting, goal, kept)?;
+    let has_to_stand = !plants.resting.is_empty() && goal.rest.is_some();
+    if standing.is_none() && has_to_stand {
+        return Err(TuneError::NoRest.into());
+    }
     let (cost, gains) = standing.unwrap_or((lowest, gains));
     let response = respond_one(task, nominal, gains)?;
     Ok(Tuned {

@@ -64,6 +64,7 @@ fn code(result: &anyhow::Result<Outcome>) -> u8 {
         Ok(Outcome::Done) => DONE,
         Ok(Outcome::NotConverged | Outcome::Implausible | Outcome::NotAsPromised) => NOT_TO_BE_USED,
         Err(error) if is_closed_pipe(error) => DONE,
+        Err(error) if finds_no_controller(error.as_ref()) => NOT_TO_BE_USED,
         Err(error) if is_bad_input(error.as_ref()) => BAD_INPUT,
         Err(_) => FAILED,
     }
@@ -74,6 +75,16 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error
         .downcast_ref::<io::Error>()
         .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// The input is sound, and no gains are.
+fn finds_no_controller(error: &(dyn Error + 'static)) -> bool {
+    let of_task = error.downcast_ref::<TaskError<PhysicsError>>();
+    let tuned = match of_task {
+        Some(TaskError::Tune(error)) => Some(error),
+        _ => error.downcast_ref::<TuneError>(),
+    };
+    matches!(tuned, Some(TuneError::Unmet | TuneError::NoRest))
 }
 
 fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
@@ -103,6 +114,8 @@ mod tests {
         assert_eq!(code(&Err(IdentifyError::NoRecordings.into())), 3);
         assert_eq!(code(&Ok(Outcome::NotConverged)), 4);
         assert_eq!(code(&Ok(Outcome::Implausible)), 4);
+        assert_eq!(code(&Err(TuneError::NoRest.into())), 4);
+        assert_eq!(code(&Err(TuneError::NoStarts.into())), 3);
         let closed = io::Error::from(io::ErrorKind::BrokenPipe);
         assert_eq!(code(&Err(closed.into())), 0);
     }

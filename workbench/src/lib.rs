@@ -30,6 +30,5 @@ pub use rig::{BEYOND, Rig, RigError};
 pub use track::{Followed, Track, track};
 pub use tuning::{
     Approaches, Bench, CHATTER, End, FILTER_SAMPLES, Kept, PAPER, Promise, Rest, Side, controller,
-    usual_requirements,
 };
 pub use turned::Turned;

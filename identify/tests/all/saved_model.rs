@@ -254,6 +254,56 @@ fn what_a_model_file_may_not_say() {
 }
 
 #[test]
+fn numbers_that_no_fit_has_are_refused() {
+    let written = saved(ROD).saved.to_toml().unwrap();
+    let refused = |text: &str| {
+        SavedModel::parse("model.toml", text)
+            .unwrap_err()
+            .to_string()
+    };
+    // The line of a parameter's entry that begins with a key, with another value.
+    let with = |name: &str, key: &str, value: &str| {
+        let entry = written.find(&format!("name = \"{name}\"")).unwrap();
+        let start = entry + written[entry..].find(&format!("\n{key} = ")).unwrap() + 1;
+        let end = start + written[start..].find('\n').unwrap();
+        format!("{}{key} = {value}{}", &written[..start], &written[end..])
+    };
+    let cold = refused(&with("loop_center_degc", "value", "-5e9"));
+    assert!(
+        cold.ends_with("no temperature of a rod: must lie from -273.15 to 3000 °C"),
+        "{cold}"
+    );
+    let far = refused(&with("loop_half_width_k", "value", "1e4"));
+    assert!(far.ends_with("must lie within its bounds"), "{far}");
+    let unit = refused(&with("gain", "unit", "\"furlong\""));
+    assert!(
+        unit.ends_with("unit must be \"mm\", that of the output"),
+        "{unit}"
+    );
+    // The covariance: a variance below 0, one side of a pair, a correlation of more than 1.
+    let start = written.find("matrix = [[").unwrap() + "matrix = [[".len();
+    let end = start + written[start..].find(',').unwrap();
+    let first: f64 = written[start..end].parse().unwrap();
+    for other in [-first, 1e-9 * first, f64::NAN] {
+        let text = format!("{}{other:?}{}", &written[..start], &written[end..]);
+        let said = refused(&text.replace("NaN", "nan"));
+        assert!(said.contains("positive semidefinite"), "{other}: {said}");
+    }
+    let second = end + 2;
+    let behind = second + written[second..].find(',').unwrap();
+    let text = format!("{}1.0e6{}", &written[..second], &written[behind..]);
+    assert!(refused(&text).contains("must be symmetric"));
+    for (from, to) in [
+        ("train_rmse = ", "train_rmse = -"),
+        ("largest_drive = ", "largest_drive = -"),
+        ("sample_time_s = ", "sample_time_s = -"),
+    ] {
+        let said = refused(&written.replacen(from, to, 1));
+        assert!(said.contains("expected a finite number >"), "{said}");
+    }
+}
+
+#[test]
 fn a_file_without_effects_is_that_of_a_plain_model() {
     let written = saved(ROD).saved.to_toml().unwrap();
     assert!(written.starts_with("# A model identified by `sma identify`; `sma simulate` and"));

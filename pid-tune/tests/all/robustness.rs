@@ -172,9 +172,28 @@ fn a_run_of_less_than_eight_samples_has_no_end() {
 }
 
 #[test]
+fn a_drive_chatters_if_it_goes_to_and_fro_not_if_it_goes_one_way() {
+    let ending = |drive_swing, drive_travel| Ending {
+        mean_error: 0.0,
+        swing: 0.0,
+        swing_before: 0.0,
+        drift: 0.0,
+        saturated_share: 0.0,
+        travel_per_s: 0.0,
+        drive_travel,
+        drive_swing,
+    };
+    assert!(ending(0.5, 5.0).chatters(0.2));
+    assert!(!ending(0.5, 0.5).chatters(0.2));
+    assert!(!ending(0.1, 9.0).chatters(0.2));
+    assert!(!ending(f64::NAN, f64::NAN).chatters(0.2));
+}
+
+#[test]
 fn what_dies_out_drifts_or_is_small_does_not_oscillate() {
     let steady = Ending {
         travel_per_s: 0.0,
+        drive_travel: 0.0,
         drive_swing: 0.0,
         mean_error: 0.0,
         swing: 0.1,

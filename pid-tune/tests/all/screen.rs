@@ -366,3 +366,78 @@ fn requirements_that_nothing_meets_are_an_error() {
         assert!(refused.to_string().starts_with(name), "{refused}");
     }
 }
+
+#[test]
+fn an_answer_that_was_cut_has_the_margins_of_the_whole_one() {
+    // Two time constants of a slow lag: what was not recorded dies out as the end of it does.
+    let slow_s = 12.0 * TAU_S;
+    let samples = (2.0 * slow_s / CONTROLLER.dt_s) as usize;
+    let answers: Vec<f64> = (1..samples)
+        .map(|k| 3.0 * (1.0 - (-CONTROLLER.dt_s * k as f64 / slow_s).exp()))
+        .collect();
+    let cut = PlantResponse::new(CONTROLLER.dt_s, 1, &answers).unwrap();
+    assert_relative_eq!(cut.gain(), 3.0, max_relative = 1e-6);
+    assert_relative_eq!(
+        cut.first_order().unwrap().tau_s,
+        slow_s,
+        max_relative = 1e-3
+    );
+    for gains in [gains(1.0, 0.4, 0.0), gains(0.0, 0.25, 0.0)] {
+        let found = OpenLoop {
+            controller: CONTROLLER,
+            gains,
+            plant: &cut,
+        }
+        .margins();
+        let exact = LinearLoop {
+            controller: CONTROLLER,
+            gains,
+            plant_gain: 3.0,
+            tau_s: slow_s,
+            dead_time_samples: 1,
+        }
+        .margins();
+        assert_relative_eq!(
+            found.phase_margin_rad,
+            exact.phase_margin_rad,
+            max_relative = 1e-6
+        );
+    }
+}
+
+#[test]
+fn an_unstable_loop_amplifies_noise_without_end_and_a_weighed_one_follows_later() {
+    let plant = lag(1.0, 1);
+    let passage = |controller, gains| {
+        OpenLoop {
+            controller,
+            gains,
+            plant: &plant,
+        }
+        .passage()
+    };
+    let unstable = passage(CONTROLLER, gains(200.0, 0.0, 0.0));
+    assert!(unstable.noise_gain.is_infinite() && unstable.bandwidth_hz.abs() < 1e-12);
+    let pi = gains(3.0, 0.5, 0.0);
+    let whole = passage(CONTROLLER, pi);
+    let weighed = PidParams {
+        setpoint_weight: 0.3,
+        ..CONTROLLER
+    };
+    let weighed = passage(weighed, pi);
+    assert_relative_eq!(whole.noise_gain, weighed.noise_gain);
+    assert!(
+        weighed.bandwidth_hz < 0.6 * whole.bandwidth_hz,
+        "{weighed:?} {whole:?}"
+    );
+}
+
+#[test]
+fn longer_samples_than_a_rod_lasts_are_no_fault() {
+    let slow = SmallChanges {
+        dt_s: 10.0 * TAU_S,
+        ..changes()
+    };
+    let steepest = slow.steepest(&RODS, member()).unwrap();
+    assert!(steepest.iter().all(|plant| plant.gain().is_finite()));
+}

@@ -8,8 +8,8 @@ use identify::{SavedModel, Sensor};
 use missing_physics::{Member, RestoredModel, read_model};
 use pid_tune::{
     Across, AntiWindup, ClosedLoop, CostWeights, DerivativeOf, Goal, InverseRun, OpenLoop, Pace,
-    Pid, PidGains, PidParams, Plants, Reference, Requirements, Screen, Task, TuneError,
-    TunerConfig, front, robustness, second_opinion, sensitivities, tune,
+    Pid, PidGains, PidParams, PlantResponse, Plants, Reference, Requirements, Screen, Task,
+    TuneError, TunerConfig, front, robustness, second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
 
@@ -34,7 +34,7 @@ const MOST_SAMPLES: f64 = 1e6;
 /// Samples in which an integral follows a drive at its limit.
 const TRACKING_SAMPLES: f64 = 10.0;
 
-/// Rods as likely as the identified one, on which the loop has to rest as well.
+/// Rods as likely as the identified one, on which the loop has to rest as well, and for which a response is promised.
 const RESTING_RODS: usize = 50;
 
 /// Steps of a test of the rig, as shares of the way to the set point, and how long each is held, time constants.
@@ -42,8 +42,12 @@ const STEPS: [f64; 6] = [0.0, 1.0, 0.5, 1.0, 0.25, 0.75];
 /// See [`STEPS`].
 const STEP_TAUS: f64 = 15.0;
 
-/// Rods that a promise is made for, beside the identified one.
-const PROMISING_RODS: usize = 50;
+/// A controller that does nothing.
+const NO_GAINS: PidGains = PidGains {
+    kp: 0.0,
+    ki: 0.0,
+    kd: 0.0,
+};
 
 /// Periods of a sine that are followed; the errors of the last one count.
 const SINE_PERIODS: f64 = 3.0;
@@ -75,7 +79,7 @@ pub(crate) struct TuneArgs {
     /// Sample time of the controller, s [default: that of the first training recording].
     #[arg(long, value_name = "S")]
     sample_time_s: Option<f64>,
-    /// How is searched: for gains that this rig stands, or as in the paper, with an ideal sensor and nothing required.
+    /// Kind of search: for gains that this rig stands, or as in the paper, with an ideal sensor and nothing required.
     #[arg(long, value_enum, default_value_t = Preset::Default)]
     preset: Preset,
     #[command(flatten)]
@@ -94,7 +98,7 @@ pub(crate) struct TuneArgs {
     /// Rods over which is tuned: the identified one, and others as likely by the covariance of the parameters.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     rods: u16,
-    /// Which response of these rods counts.
+    /// Response that counts of these rods.
     #[arg(long, value_enum, default_value_t = Counts::Worst)]
     across: Counts,
     /// Sine to follow: frequency, Hz.
@@ -272,7 +276,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         bench: Bench {
             rig: &rig,
             pid: args.controller(&saved, &rig)?,
-            sensor: args.sensor(&saved),
+            sensor: args.sensor(&saved)?,
             dead_time_samples: args.dead_time_samples(),
             drive_step: args.real.drive_step,
             drive_dead_zone: args.real.drive_dead_zone,
@@ -282,6 +286,11 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let pid = job.bench.pid;
     // A sample time that is none would also make a run of no length.
     Pid::new(pid, &[PAPER])?;
+    // Before the long run: what is wrong with files and numbers is found out now.
+    if let Some(gains) = args.own_gains() {
+        Pid::new(pid, &[gains])?;
+    }
+    let highest = job.highest()?;
     let reference = job.step()?;
     let n_samples = job.step_samples()?;
     let noise = job.bench.noise(n_samples);
@@ -293,7 +302,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     // Gains are found without the feed-forward: beside an exact inverse the best ones are none at all.
     let fed_back = job.bench.closed_loop(reference, n_samples, &noise, None)?;
     let fed_back = job.bench.task(fed_back)?;
-    let screen = job.screen()?;
+    let screen = job.screen(highest)?;
     let compared = job.compared(&fed_back, &screen)?;
     // Fixed beforehand: each term of the response to the controller that is compared with counts one.
     let [before] = fed_back.responses(&[(rig.member, compared[0].1)])?[..] else {
@@ -338,9 +347,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let opinion = second_opinion(&fed_back, &members, &goal, &config, &found)?;
     let mut named = vec![compared[0], ("tuned", found.gains)];
     named.extend(&compared[1..]);
-    if let Some(&[kp, ki, kd]) = args.gains.as_deref() {
-        named.push(("yours", PidGains { kp, ki, kd }));
-    }
+    named.extend(args.own_gains().map(|gains| ("yours", gains)));
     let mut candidates = Vec::with_capacity(named.len());
     for &(name, gains) in &named {
         candidates.push(candidate(name, gains, rig.member, &task, &screen, &goal)?);
@@ -391,10 +398,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         checked: None,
         candidates,
     };
-    let rods = draws
-        .iter()
-        .take(PROMISING_RODS)
-        .map(|&draw| rig.of_rod(draw));
+    let rods = resting.iter().map(|&rod| rig.of_rod(rod));
     let rods: Vec<Rig> = rods.collect::<Result<_, _>>()?;
     let promise = match script {
         Some(_) => Some(job.promise(&rig, &job.steps()?, found.gains, &rods)?),
@@ -452,13 +456,23 @@ fn candidate(
     })
 }
 
-/// Loops over frequencies where the rig is steepest in the end.
+/// Loops over frequencies where the phase margin of the last controller is least.
 fn pictures(
     screen: &Screen,
     controller: PidParams,
     named: &[(&'static str, PidGains)],
 ) -> Vec<LoopPicture> {
-    let Some(plant) = screen.plants().first() else {
+    let tuned = named.last().map_or(NO_GAINS, |&(_, gains)| gains);
+    let lag_rad = |plant: &PlantResponse| {
+        let open = OpenLoop {
+            controller,
+            gains: tuned,
+            plant,
+        };
+        open.margins().phase_margin_rad
+    };
+    let plants = screen.plants().iter();
+    let Some(plant) = plants.min_by(|a, b| lag_rad(a).total_cmp(&lag_rad(b))) else {
         return Vec::new();
     };
     let picture = |&(name, gains): &(&'static str, PidGains)| LoopPicture {
@@ -510,23 +524,44 @@ impl TuneArgs {
         })
     }
 
+    /// Gains that the user gave.
+    fn own_gains(&self) -> Option<PidGains> {
+        let &[kp, ki, kd] = self.gains.as_deref()? else {
+            return None;
+        };
+        Some(PidGains { kp, ki, kd })
+    }
+
     /// True if sensor and delay are ideal, as in the paper or a textbook.
     fn is_ideal(&self) -> bool {
         self.real.ideal || self.preset == Preset::Sadeghi
     }
 
-    fn sensor(&self, saved: &SavedModel) -> Sensor {
+    fn sensor(&self, saved: &SavedModel) -> Result<Sensor, RigError> {
         let recorded = if self.is_ideal() {
             None
         } else {
             saved.sensor()
         };
         let recorded = recorded.unwrap_or(Sensor::IDEAL);
-        Sensor {
+        for (name, given) in [
+            ("--quantization-step", self.real.quantization_step),
+            ("--noise", self.real.noise),
+        ] {
+            if let Some(value) = given.filter(|value| !(*value >= 0.0 && value.is_finite())) {
+                let accepted = "must be finite and >= 0";
+                return Err(RigError::Value {
+                    name,
+                    value,
+                    accepted,
+                });
+            }
+        }
+        Ok(Sensor {
             step: self.real.quantization_step.unwrap_or(recorded.step),
             noise: self.real.noise.unwrap_or(recorded.noise),
             ..recorded
-        }
+        })
     }
 
     fn dead_time_samples(&self) -> usize {
@@ -585,13 +620,35 @@ impl Job<'_> {
         Ok(Some(bench.forward(reference, n_samples)?))
     }
 
-    /// Requirements, wherever the rig is steepest up to the highest output that is asked for.
-    fn screen(&self) -> anyhow::Result<Screen> {
+    /// The highest output that is asked for, as the controller sees it: of the step, of a sine, of files.
+    fn highest(&self) -> anyhow::Result<f64> {
         let (args, rig) = (self.args, self.bench.rig);
         let mut highest = rig.signed(args.step_output);
         if let (Some(bias), Some(amplitude)) = (args.sine_bias, args.sine_amplitude) {
-            highest = highest.max(rig.signed(bias) + amplitude.abs());
+            for end in [bias - amplitude, bias + amplitude] {
+                rig.check_set_point(end)?;
+                highest = highest.max(rig.signed(end));
+            }
         }
+        for path in args.reference.iter().chain(&args.check) {
+            let file = self.read_reference(path)?;
+            let is_checked = args.check.as_ref() == Some(path);
+            if is_checked && !file.has_output {
+                return Err(RigError::Missing {
+                    what: "the output",
+                    why: "--check compares what the rig did with what was promised",
+                }
+                .into());
+            }
+            let levels = file.recording.drive().iter();
+            highest = levels.fold(highest, |highest, &level| highest.max(rig.signed(level)));
+        }
+        Ok(highest)
+    }
+
+    /// Requirements, wherever the rig is steepest up to the highest output that is asked for.
+    fn screen(&self, highest: f64) -> anyhow::Result<Screen> {
+        let args = self.args;
         let requirements = Requirements {
             gain_margin: args.required.gain_margin,
             phase_margin_rad: args.required.phase_margin_deg.to_radians(),
@@ -618,10 +675,6 @@ impl Job<'_> {
         let set_point = rig.signed(self.args.step_output);
         let by_relay = self.bench.relay(set_point, screen)?;
         compared.extend(by_relay.map(|gains| ("relay test", gains)));
-        // Of a rig whose output does not answer the drive nothing can be compared.
-        if compared.is_empty() {
-            return Err(TuneError::Unmet.into());
-        }
         if rig.drive_unit == "A" && rig.output_unit == "mm" {
             compared.push(("paper", PAPER));
         }
@@ -633,6 +686,10 @@ impl Job<'_> {
         let responses = task.responses(&cases)?;
         let mut sound = responses.iter().map(|one| one.terms.mse.is_finite());
         compared.retain(|_| sound.next().unwrap_or(false));
+        if compared.is_empty() {
+            // The output does not answer the drive, or so that no rule keeps what is required.
+            return Err(TuneError::Unmet.into());
+        }
         Ok(compared)
     }
 
@@ -664,6 +721,13 @@ impl Job<'_> {
             notes.push(format!(
                 "{} does not say what the sensor does by itself: identify once more, or give --quantization-step and --noise",
                 self.args.model.display()
+            ));
+        }
+        let left_out = self.saved.draws(1, self.args.seed).left_out;
+        if !left_out.is_empty() {
+            notes.push(format!(
+                "rods as likely as the identified one all have its {}: the recordings leave no finite variance to draw it from",
+                left_out.join(", ")
             ));
         }
         notes
@@ -740,9 +804,6 @@ impl Job<'_> {
         else {
             return Ok(Vec::new());
         };
-        for end in [bias - amplitude, bias + amplitude] {
-            self.bench.rig.check_set_point(end)?;
-        }
         let reference = Reference::Sine {
             bias: self.bench.rig.signed(bias),
             amplitude: self.bench.rig.signed(amplitude),
@@ -785,13 +846,6 @@ impl Job<'_> {
     fn checked(&self, path: &Path, gains: PidGains, rods: &[Rig]) -> anyhow::Result<Checked> {
         let file = self.read_reference(path)?;
         let recording = &file.recording;
-        if !file.has_output {
-            return Err(RigError::Missing {
-                what: "the output",
-                why: "--check compares what the rig did with what was promised",
-            }
-            .into());
-        }
         let levels = self.held(recording)?;
         let rig = self.bench.rig.resting_at(recording.output()[0])?;
         let rods = rods.iter().map(|rod| rod.resting_at(recording.output()[0]));

@@ -4,6 +4,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use assert_cmd::Command;
 
@@ -15,6 +16,26 @@ fn demo(threads: &str, folder: &Path) -> (String, String) {
     let said = String::from_utf8(run.get_output().stdout.clone()).unwrap();
     let report = fs::read_to_string(folder.join("sma-demo/report.html")).unwrap();
     (said, report)
+}
+
+/// One run for all tests that need its folder or its text.
+pub(crate) struct Demonstrated {
+    pub(crate) folder: tempfile::TempDir,
+    pub(crate) said: String,
+    report: String,
+}
+
+pub(crate) fn demonstrated() -> &'static Demonstrated {
+    static ONCE: OnceLock<Demonstrated> = OnceLock::new();
+    ONCE.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let (said, report) = demo("1", folder.path());
+        Demonstrated {
+            folder,
+            said,
+            report,
+        }
+    })
 }
 
 /// The number before ` ± `, and that behind it, in the line that begins so.
@@ -31,13 +52,16 @@ fn estimate(said: &str, beginning: &str) -> [f64; 2] {
 
 #[test]
 fn what_is_concealed_is_named_and_pays_at_the_controller() {
-    let folder = tempfile::tempdir().unwrap();
-    let (said, report) = demo("1", folder.path());
+    let Demonstrated {
+        folder,
+        said,
+        report,
+    } = demonstrated();
     for (beginning, concealed) in [
         ("Latent heat is missing: ", 15.0),
         ("Dead time is missing: ", 0.8),
     ] {
-        let [value, half] = estimate(&said, beginning);
+        let [value, half] = estimate(said, beginning);
         assert!(
             (value - concealed).abs() <= 2.0 * half,
             "{beginning}{value} ± {half}"
@@ -82,7 +106,7 @@ fn what_is_concealed_is_named_and_pays_at_the_controller() {
             .skip_while(|line| !line.starts_with("Latent heat is missing"));
         lines.take(4).map(ToOwned::to_owned).collect::<Vec<_>>()
     };
-    assert_eq!(verdict(&again), verdict(&said));
+    assert_eq!(verdict(&again), verdict(said));
 
     let other = tempfile::tempdir().unwrap();
     let at = |page: &str| {
@@ -91,8 +115,8 @@ fn what_is_concealed_is_named_and_pays_at_the_controller() {
             .map(ToOwned::to_owned)
     };
     let (said_again, report_again) = demo("3", other.path());
-    assert_eq!(said_again, said, "the same on any number of threads");
-    assert_eq!(at(&report_again), at(&report));
+    assert_eq!(&said_again, said, "the same on any number of threads");
+    assert_eq!(at(&report_again), at(report));
 }
 
 #[test]

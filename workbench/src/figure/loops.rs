@@ -23,8 +23,7 @@ pub fn loops(tuned: &TunedReport<'_>) -> Vec<Figure> {
                 let value = of(response.magnitude(), response.angle_rad());
                 [hz.log10(), value]
             });
-            let shown = points.filter(|[_, value]| *value >= LOWEST_DB.min(-180.0));
-            Series::new(format!("{} gains", picture.name), style(picture), shown)
+            Series::new(format!("{} gains", picture.name), style(picture), points)
         });
         Figure {
             name,
@@ -105,8 +104,8 @@ fn nyquist(tuned: &TunedReport<'_>) -> Figure {
     let minus_one = Series::new("-1", Style::Unseen, cross.map(|[re, im]| [-1.0 + re, im]));
     Figure {
         name: "nyquist",
-        caption: "Nyquist: a loop that passes -1 on its right is stable; where it crosses -1/N the first harmonic \
-                  foresees a limit cycle"
+        caption: "Nyquist: a loop that passes -1 on its right is stable; where the plain part's loop crosses -1/N the \
+                  first harmonic foresees a limit cycle"
             .to_owned(),
         across: "real part of L".to_owned(),
         up: "imaginary part of L".to_owned(),

@@ -20,7 +20,7 @@ pub fn tuned(tuned: &TunedReport<'_>) -> Result<Page, WorkbenchError> {
     page.table(&tuned.tracks_table());
     page.section("The response to the step, by the terms of the cost (weighted)");
     page.table(&tuned.terms_table());
-    page.section("Whether the loop rests");
+    page.section("Rest at the set point");
     page.table(&tuned.rest_table());
     page.section("How near the loop is to instability, where it is steepest");
     for figure in loops(tuned) {

@@ -57,6 +57,8 @@ impl<'a> Bench<'a> {
             return Vec::new();
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        // Not the stream of the rods that are drawn.
+        rng.set_stream(1);
         let kept = (-self.pid.dt_s / self.sensor.correlation_s).exp();
         let new = (1.0 - kept * kept).sqrt();
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };

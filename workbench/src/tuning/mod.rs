@@ -8,7 +8,7 @@ pub use bench::Bench;
 pub use promise::{Kept, Promise};
 pub use rest::{Approaches, CHATTER, End, Rest, Side};
 
-use pid_tune::{AntiWindup, DerivativeOf, DriveLimits, PidGains, PidParams, Requirements};
+use pid_tune::{AntiWindup, DerivativeOf, DriveLimits, PidGains, PidParams};
 
 use crate::rig::Rig;
 
@@ -21,18 +21,6 @@ pub const PAPER: PidGains = PidGains {
 
 /// Time constant of the derivative's filter, in samples: short beside the rod, long beside the noise.
 pub const FILTER_SAMPLES: f64 = 4.0;
-
-/// Requirements unless the user says otherwise, for a sensor that jumps by so much: the usual margins
-/// `[Astrom2006]`, and a drive that one jump moves by a twentieth of its range.
-#[must_use]
-pub fn usual_requirements(sensor_step: f64) -> Requirements {
-    Requirements {
-        gain_margin: 2.0,
-        phase_margin_rad: 45.0_f64.to_radians(),
-        sensor_step,
-        largest_kick: 0.05,
-    }
-}
 
 /// All of a rig's controller but its gains.
 #[must_use]

@@ -22,6 +22,8 @@ pub struct Promise {
     pub upper: Vec<f64>,
     /// Rods in it.
     pub n_rods: usize,
+    /// Drive to be added, and output to be aimed at, if there is a feed-forward.
+    pub forward: Option<InverseRun>,
 }
 
 /// A recording beside its promise.
@@ -87,6 +89,7 @@ impl Bench<'_> {
             lower,
             upper,
             n_rods: 1 + rods.len(),
+            forward: forward.cloned(),
         })
     }
 }
@@ -124,8 +127,12 @@ impl Promise {
     pub fn csv(&self, output_unit: &str) -> String {
         use std::fmt::Write;
         let mut text = format!(
-            "time_s,reference_{output_unit},expected_{output_unit},lower_{output_unit},upper_{output_unit},drive\n"
+            "time_s,reference_{output_unit},expected_{output_unit},lower_{output_unit},upper_{output_unit},drive"
         );
+        if self.forward.is_some() {
+            let _ = write!(text, ",feed_forward,aim_{output_unit}");
+        }
+        text.push('\n');
         let Track {
             time_s,
             setpoint,
@@ -135,11 +142,15 @@ impl Promise {
         } = &self.expected;
         for k in 0..time_s.len() {
             // Writing to a string does not fail.
-            let _ = writeln!(
+            let _ = write!(
                 text,
                 "{},{},{},{},{},{}",
                 time_s[k], setpoint[k], output[k], self.lower[k], self.upper[k], drive[k]
             );
+            if let Some(forward) = &self.forward {
+                let _ = write!(text, ",{},{}", forward.drive[k], forward.output[k]);
+            }
+            text.push('\n');
         }
         text
     }

@@ -216,9 +216,9 @@ impl Bench<'_> {
     }
 
     fn end(&self, ending: &Ending, height: f64) -> End {
-        if ending.oscillates(height) {
+        if !ending.swing.is_finite() || ending.oscillates(height) {
             End::Swings
-        } else if ending.drive_swing > CHATTER * self.drive_range() {
+        } else if ending.chatters(CHATTER * self.drive_range()) {
             End::Chatters
         } else if ending.mean_error.abs() > BAND * height.abs() {
             End::Off

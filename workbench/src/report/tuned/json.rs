@@ -6,7 +6,7 @@ use pid_tune::{
 };
 use serde_json::{Value, json};
 
-use super::{Candidate, TunedReport, weights};
+use super::{Candidate, MISSES, TunedReport, weights};
 use crate::Rest;
 
 impl TunedReport<'_> {
@@ -31,8 +31,8 @@ impl TunedReport<'_> {
             json!({
                 "start": gains_json(&one.start),
                 "gains": gains_json(&one.gains),
-                "cost": one.cost,
-                "ratio": finite(one.ratio),
+                "cost": (one.ratio < MISSES).then_some(one.cost),
+                "ratio": finite(one.ratio).filter(|ratio| *ratio < MISSES),
             })
         });
         json!({

@@ -18,6 +18,9 @@ use crate::rig::Rig;
 use crate::track::Track;
 use crate::{Kept, Rest};
 
+/// Ratio of costs from which gains miss what is required: far beyond that of any response.
+pub(super) const MISSES: f64 = 1e12;
+
 /// Names of the gains.
 const GAINS: [&str; 3] = ["kp", "ki", "kd"];
 
@@ -196,6 +199,12 @@ impl TunedReport<'_> {
         let [from_optimum, from_elsewhere] =
             [self.opinion.from_optimum, self.opinion.from_elsewhere];
         for (opinion, start) in [(from_optimum, "there"), (from_elsewhere, "elsewhere")] {
+            if opinion.ratio >= MISSES {
+                notes.push(format!(
+                    "argmin's simplex, from {start}, ends at gains that miss what is required"
+                ));
+                continue;
+            }
             notes.push(format!(
                 "argmin's simplex, from {start}, ends {} ({} times the cost)",
                 match opinion.verdict {

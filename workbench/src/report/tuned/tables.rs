@@ -95,9 +95,11 @@ impl TunedReport<'_> {
             &format!("{drive}/{output}"),
             &passage(|passage| passage.noise_gain),
         );
-        row("drive moved by one sensor step", "of its range", &|one| {
-            percent(one.kick)
-        });
+        row(
+            "drive moved by a jump of the sensor",
+            "of its range",
+            &|one| percent(one.kick),
+        );
         table
     }
 
@@ -105,7 +107,7 @@ impl TunedReport<'_> {
     #[must_use]
     pub fn rest_table(&self) -> Table {
         let mut table = table([
-            "the loop in the end",
+            "end of the loop",
             "from",
             "simulated: all effects, sensor, delay",
             "foreseen of the plain part",
@@ -134,7 +136,7 @@ impl TunedReport<'_> {
     pub(super) fn ending(&self, rest: &Rest) -> String {
         let unit = &self.rig.output_unit;
         match rest.end {
-            End::Rests => format!("rest, drive within {}", percent(rest.drive_swing)),
+            End::Rests => format!("rest, drive swings by {}", percent(rest.drive_swing)),
             End::Swings => format!("SWINGS by {} {unit}", significant(rest.output_swing)),
             End::Chatters => format!(
                 "CHATTERS: the drive swings by {}",
@@ -194,7 +196,7 @@ impl TunedReport<'_> {
     /// The spread over rods as likely as the identified one.
     pub fn robust_table(&self) -> Table {
         let mut table = table([
-            "what the tuned gains stand",
+            "response of the tuned gains",
             "rise time (s)",
             "settling time (s)",
             "overshoot",

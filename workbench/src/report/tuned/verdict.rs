@@ -76,9 +76,6 @@ impl TunedReport<'_> {
                 percent(step.unsettled_share)
             );
         }
-        if self.found.rest_on == 0 && self.requirements.is_some() {
-            text += "\nNO gains that were found rest on all of the rods that they were tried on: larger margins would.";
-        }
         text + "\n"
     }
 
@@ -157,8 +154,8 @@ impl TunedReport<'_> {
                 .map(|rest| rest.drive_swing)
                 .fold(0.0, f64::max);
             return format!(
-                "The loop comes to rest, from cold, from hot and from near the set point. There the drive stays within {} of \
-                 its range.",
+                "The loop comes to rest, from cold, from hot and from near the set point. There the drive swings by at most {} \
+                 of its range.",
                 percent(most)
             );
         }
@@ -173,9 +170,17 @@ impl TunedReport<'_> {
         } else if any(End::Swings) {
             "Larger margins (--gain-margin, --phase-margin-deg) or a gentler --pace would calm it."
         } else {
-            "A longer run (--duration-s) shows whether it gets there; a drive at its limit does not."
+            "The drive is at a limit, or the integral is too slow for twelve time constants."
         };
-        format!("THE LOOP DOES NOT REST: {}. {advice}", ends.join(", "))
+        let only_off = rests
+            .iter()
+            .all(|rest| matches!(rest.end, End::Rests | End::Off));
+        let what = if only_off {
+            "REACH THE SET POINT"
+        } else {
+            "REST"
+        };
+        format!("THE LOOP DOES NOT {what}: {}. {advice}", ends.join(", "))
     }
 
     /// The controller as one would write it down for firmware.
@@ -206,7 +211,7 @@ impl TunedReport<'_> {
             DerivativeOf::Error => "error",
         };
         let forward = if self.feed_forward {
-            ", the model's inverse added to the drive"
+            ", the model's inverse added to the drive and its output aimed at; margins and rest are those of the feedback"
         } else {
             ""
         };
