@@ -38,7 +38,7 @@ fn flicker(n: usize, seed: u64) -> Vec<f64> {
 fn noise_without_a_level_gives_no_names() {
     let clean = clean();
     let mut named = Vec::new();
-    for seed in 0..12 {
+    for seed in 0..8 {
         let noise = flicker(clean.len(), seed);
         let output = clean
             .iter()
@@ -52,7 +52,7 @@ fn noise_without_a_level_gives_no_names() {
             named.push(format!("{seed}: {:?}", common::found(&found)));
         }
     }
-    assert!(named.len() <= 1, "{named:?}");
+    assert!(named.is_empty(), "{named:?}");
 }
 
 #[test]

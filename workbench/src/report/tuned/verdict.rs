@@ -10,6 +10,11 @@ use crate::End;
 use crate::report::number::{percent, significant};
 use crate::rig::BEYOND;
 
+/// Ratio to a requirement below which it holds gains back.
+const NEARLY: f64 = 1.03;
+/// Share of the cost from which it is said that a requirement has a price.
+const WORTH_SAYING: f64 = 0.002;
+
 impl TunedReport<'_> {
     /// The gains and what they do, in sentences.
     #[must_use]
@@ -65,6 +70,9 @@ impl TunedReport<'_> {
         let _ = writeln!(text, "{}", self.margins_sentence());
         let _ = writeln!(text, "{}", self.sensor_sentence());
         text += &self.rest_sentence();
+        if let Some(limit) = self.limit_sentence() {
+            let _ = write!(text, "\n{limit}");
+        }
         if let Some(robust) = self.robust
             && let Some(step) = robust.step
         {
@@ -120,6 +128,41 @@ impl TunedReport<'_> {
             endless(margins.delay_margin_s),
             significant(margins.peak_sensitivity),
         )
+    }
+
+    /// Names the requirements that keep the gains from being cheaper; `None` if none does.
+    fn limit_sentence(&self) -> Option<String> {
+        let required = self.requirements?;
+        let tuned = self.tuned();
+        let mut limits = Vec::new();
+        if let Some(margins) = tuned.margins {
+            if margins.gain_margin < NEARLY * required.gain_margin {
+                limits.push("the gain margin");
+            }
+            if margins.phase_margin_rad < NEARLY * required.phase_margin_rad {
+                limits.push("the phase margin");
+            }
+        }
+        if NEARLY * tuned.kick > required.largest_kick {
+            limits.push("the sensor");
+        }
+        let price = self.found.cost / self.found.lowest - 1.0;
+        if price >= WORTH_SAYING {
+            return Some(format!(
+                "Rest decides: gains that cost {} less do not rest on all of {} rods.",
+                percent(price / (1.0 + price)),
+                self.found.rest_on
+            ));
+        }
+        if limits.is_empty() {
+            return Some(
+                "No requirement holds the gains back: they are those of least cost.".to_owned(),
+            );
+        }
+        Some(format!(
+            "The gains are held back by {}.",
+            limits.join(" and ")
+        ))
     }
 
     fn sensor_sentence(&self) -> String {
