@@ -238,7 +238,15 @@ fn same_bytes_on_any_number_of_threads() {
     let on = |threads| {
         json(
             folder.path(),
-            &["--threads", threads, "--draws", "40", "--front"],
+            &[
+                "--threads",
+                threads,
+                "--draws",
+                "40",
+                "--front",
+                "--duration-s",
+                "120",
+            ],
         )
     };
     assert_eq!(on("1").to_string(), on("2").to_string());
@@ -306,7 +314,7 @@ fn what_cannot_be_tuned_is_said() {
 fn a_rig_is_held_to_what_was_promised() {
     let folder = identified();
     let at = |name: &str| folder.path().join(name);
-    let options = ["--draws", "20", "--gain-margin", "3"];
+    let options = ["--draws", "20", "--gain-margin", "3", "--duration-s", "120"];
     let script = json(
         folder.path(),
         &[&options[..], &["--test-script", "steps.csv"]].concat(),
