@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wiener::Fleet;
 
-use crate::tuner::{SAME, respond_one, unrested};
+use crate::tuner::{SAME, unrested};
 use crate::{Goal, PidGains, Task, TaskError, Terms, TuneError, Tuned, TunerConfig};
 
 /// Iterations of a simplex, at most: three coordinates take some hundred.
@@ -125,7 +125,7 @@ fn opinion<F: Fleet<Member: Sync, Error: Send> + Sync>(
     let (state, counts) = (end.state, end.problem.counts);
     let gains = problem.gains(&state.best_param.unwrap_or_else(|| start.to_vec()));
     let cost = problem.cost_of(gains)?;
-    let terms = respond_one(problem.task, problem.members[0], gains)?.terms;
+    let terms = problem.task.response(problem.members[0], gains)?.terms;
     Ok(Opinion {
         start: problem.gains(&start),
         gains,

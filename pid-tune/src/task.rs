@@ -148,6 +148,22 @@ impl<F: Fleet<Member: Sync, Error: Send> + Sync> Task<'_, F> {
         Ok(responses)
     }
 
+    /// One response.
+    ///
+    /// # Errors
+    ///
+    /// As [`Task::responses`].
+    pub fn response(
+        &self,
+        member: F::Member,
+        gains: PidGains,
+    ) -> Result<Response, TaskError<F::Error>> {
+        let Some(response) = self.responses(&[(member, gains)])?.pop() else {
+            unreachable!("one case has one response");
+        };
+        Ok(response)
+    }
+
     /// One response, sample by sample: the plant under a controller from where [`Task::responses`] starts.
     ///
     /// # Errors

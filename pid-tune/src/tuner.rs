@@ -173,20 +173,20 @@ pub fn tune<F: Fleet<Member: Sync, Error: Send> + Sync>(
     };
     let agreeing = swarms.agreeing(lowest);
     let kept = core::mem::take(&mut swarms.kept);
-    let standing = standing(task, plants.resting, goal, kept)?;
-    let has_to_stand = !plants.resting.is_empty() && goal.rest.is_some();
-    if standing.is_none() && has_to_stand {
-        return Err(TuneError::NoRest.into());
-    }
-    let (cost, gains) = standing.unwrap_or((lowest, gains));
-    let response = respond_one(task, nominal, gains)?;
+    let has_to_rest = goal.rest.is_some() && !plants.resting.is_empty();
+    let (cost, gains) = if has_to_rest {
+        resting(task, plants.resting, goal, kept)?.ok_or(TuneError::NoRest)?
+    } else {
+        (lowest, gains)
+    };
+    let response = task.response(nominal, gains)?;
     Ok(Tuned {
         gains,
         terms: response.terms,
         ending: response.ending,
         cost,
         lowest,
-        rest_on: standing.map_or(0, |_| plants.resting.len()),
+        rest_on: if has_to_rest { plants.resting.len() } else { 0 },
         agreeing,
         evaluations: swarms.evaluations(),
         rejected: swarms.swarms.iter().map(Swarm::rejected_costs).sum(),
@@ -197,19 +197,16 @@ pub fn tune<F: Fleet<Member: Sync, Error: Send> + Sync>(
     })
 }
 
-/// Of all gains that a swarm kept on its way, the cheapest whose loops rest on every one of some plants; `None` without
-/// plants, or if there are none.
+/// Of all gains that a swarm kept on its way, the cheapest whose loops rest on every one of some plants; `None` if there are
+/// none.
 ///
 /// Gains are tried one after another, each dearer than the last by at least [`DEARER`].
-fn standing<F: Fleet<Member: Sync, Error: Send> + Sync>(
+fn resting<F: Fleet<Member: Sync, Error: Send> + Sync>(
     task: &Task<'_, F>,
     plants: &[F::Member],
     goal: &Goal<'_>,
     mut kept: Vec<(f64, PidGains)>,
 ) -> Result<Option<(f64, PidGains)>, TaskError<F::Error>> {
-    if plants.is_empty() || goal.rest.is_none() {
-        return Ok(None);
-    }
     kept.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut dearer = f64::NEG_INFINITY;
     kept.retain(|&(cost, _)| {
@@ -256,18 +253,6 @@ pub(crate) fn unrested<F: Fleet<Member: Sync, Error: Send> + Sync>(
         }
     }
     Ok(unrested)
-}
-
-/// The response of one plant under one controller.
-pub(crate) fn respond_one<F: Fleet<Member: Sync, Error: Send> + Sync>(
-    task: &Task<'_, F>,
-    member: F::Member,
-    gains: PidGains,
-) -> Result<Response, TaskError<F::Error>> {
-    let Some(response) = task.responses(&[(member, gains)])?.pop() else {
-        unreachable!("one case has one response");
-    };
-    Ok(response)
 }
 
 /// Several swarms over gains that do not know of one another but are evaluated together.

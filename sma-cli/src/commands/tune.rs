@@ -305,20 +305,19 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let screen = job.screen(highest)?;
     let compared = job.compared(&fed_back, &screen)?;
     // Fixed beforehand: each term of the response to the controller that is compared with counts one.
-    let [before] = fed_back.responses(&[(rig.member, compared[0].1)])?[..] else {
-        unreachable!("one case has one response");
-    };
+    let before = fed_back.response(rig.member, compared[0].1)?;
     let balanced = args.weights(&CostWeights::balancing(&before.terms));
     let is_paper = args.preset == Preset::Sadeghi;
-    let approaches = job.bench.approaches(rig.signed(args.step_output))?;
-    let [_, from_hot, from_near] = job.bench.approaching(&approaches)?;
+    let set_point = rig.signed(args.step_output);
+    let approaches = job.bench.approaches(set_point)?;
+    let approaching = job.bench.approaching(&approaches)?;
+    let [_, from_hot, from_near] = approaching;
     let loops = [from_hot, from_near];
     let weights = Pace::new(args.pace)?.weigh(&balanced);
     let goal = if is_paper {
         Goal::of(weights)
     } else {
-        job.bench
-            .goal(weights, &screen, &loops, rig.signed(args.step_output))?
+        job.bench.goal(weights, &screen, &loops, set_point)?
     };
     let goal = Goal {
         across: match args.across {
@@ -354,9 +353,18 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     }
     let draws = rig.draws(&saved, &model, args.draws, args.seed);
     let both = [compared[0].1, found.gains];
-    let set_point = rig.signed(args.step_output);
     let [of_compared, of_tuned] = both.map(|gains| job.bench.rod_loop(gains, set_point));
     let (of_compared, of_tuned) = (of_compared?, of_tuned?);
+    let rods = resting.iter().map(|&rod| rig.of_rod(rod));
+    let rods: Vec<Rig> = rods.collect::<Result<_, _>>()?;
+    let promise = match script {
+        Some(_) => Some(job.promise(&rig, &job.steps()?, found.gains, &rods)?),
+        None => None,
+    };
+    let checked = match &args.check {
+        Some(path) => Some(job.checked(path, found.gains, &rods)?),
+        None => None,
+    };
     let report = TunedReport {
         rig: &rig,
         set_point: args.step_output,
@@ -372,8 +380,8 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         found,
         opinion,
         rests: [
-            job.bench.rests(both[0], set_point)?,
-            job.bench.rests(both[1], set_point)?,
+            job.bench.rests(both[0], set_point, approaching)?,
+            job.bench.rests(both[1], set_point, approaching)?,
         ],
         analyses: [of_compared.analyzed()?, of_tuned.analyzed()?],
         loops: pictures(&screen, pid, &named[..2]),
@@ -386,7 +394,8 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
         restless_share: if draws.is_empty() {
             0.0
         } else {
-            job.bench.restless_share(found.gains, set_point, &draws)?
+            job.bench
+                .restless_share(found.gains, set_point, approaching, &draws)?
         },
         varied: sensitivities(&task, found.gains, &rig.variations(&saved, &model))?,
         front: if args.front {
@@ -395,20 +404,9 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
             Vec::new()
         },
         tracks: job.tracks(&closed_loop, &named[..2])?,
-        checked: None,
+        checked,
         candidates,
     };
-    let rods = resting.iter().map(|&rod| rig.of_rod(rod));
-    let rods: Vec<Rig> = rods.collect::<Result<_, _>>()?;
-    let promise = match script {
-        Some(_) => Some(job.promise(&rig, &job.steps()?, found.gains, &rods)?),
-        None => None,
-    };
-    let checked = match &args.check {
-        Some(path) => Some(job.checked(path, found.gains, &rods)?),
-        None => None,
-    };
-    let report = TunedReport { checked, ..report };
     say(args.quiet, &job.notes())?;
     say(args.quiet, &report.notes())?;
     let mut delivery = Delivery::default();
@@ -441,9 +439,7 @@ fn candidate(
     screen: &Screen,
     goal: &Goal<'_>,
 ) -> anyhow::Result<Candidate> {
-    let [response] = task.responses(&[(member, gains)])?[..] else {
-        unreachable!("one case has one response");
-    };
+    let response = task.response(member, gains)?;
     Ok(Candidate {
         name,
         gains,

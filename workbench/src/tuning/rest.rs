@@ -150,14 +150,18 @@ impl Bench<'_> {
         Ok([around(0)?, around(1)?, around(2)?])
     }
 
-    /// Runs a controller to a set point, as it sees it, from each side.
+    /// Runs a controller to a set point, as it sees it, from each side; the loops are those of [`Bench::approaching`].
     ///
     /// # Errors
     ///
     /// [`WorkbenchError`] naming what is refused.
-    pub fn rests(&self, gains: PidGains, set_point: f64) -> Result<[Rest; 3], WorkbenchError> {
-        let approaches = self.approaches(set_point)?;
-        let [cold, hot, near] = self.approaching(&approaches)?;
+    pub fn rests(
+        &self,
+        gains: PidGains,
+        set_point: f64,
+        approaching: [ClosedLoop<'_>; 3],
+    ) -> Result<[Rest; 3], WorkbenchError> {
+        let [cold, hot, near] = approaching;
         let height = set_point - self.rig.rest_output()?;
         let rest = |side, closed_loop| self.ended(side, height, gains, closed_loop);
         Ok([
@@ -177,13 +181,13 @@ impl Bench<'_> {
         &self,
         gains: PidGains,
         set_point: f64,
+        approaching: [ClosedLoop<'_>; 3],
         rods: &[Member],
     ) -> Result<f64, WorkbenchError> {
-        let approaches = self.approaches(set_point)?;
         let height = set_point - self.rig.rest_output()?;
         let cases: Vec<_> = rods.iter().map(|&rod| (rod, gains)).collect();
         let mut restless = vec![false; rods.len()];
-        for closed_loop in self.approaching(&approaches)? {
+        for closed_loop in approaching {
             let responses = self.task(closed_loop)?.responses(&cases)?;
             for (restless, response) in restless.iter_mut().zip(&responses) {
                 let end = self.end(&response.ending, height);
@@ -202,10 +206,7 @@ impl Bench<'_> {
         closed_loop: ClosedLoop<'_>,
     ) -> Result<Rest, WorkbenchError> {
         let task = self.task(closed_loop)?;
-        let [response] = task.responses(&[(self.rig.member, gains)])?[..] else {
-            unreachable!("one case has one response");
-        };
-        let ending = response.ending;
+        let ending = task.response(self.rig.member, gains)?.ending;
         Ok(Rest {
             side,
             end: self.end(&ending, height),
