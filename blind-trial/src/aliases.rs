@@ -16,7 +16,7 @@ pub(crate) const ALIKE: [&[&str]; 3] = [
 ];
 
 /// Effects that cannot be told from one in this recording, without it: the like ones above, and those whose traces,
-/// freed of what refitting the plain model hides, have a cosine above 0.9 with its own.
+/// freed of what refitting the baseline model hides, have a cosine above 0.9 with its own.
 pub(crate) fn aliases(
     case: CaseId,
     files: &Opened,

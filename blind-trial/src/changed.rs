@@ -31,7 +31,7 @@ const SAMPLES: usize = 3_000;
 /// Sizes of changes, over their usual ones: in turn, as those of the trial.
 const SIZES: [f64; 3] = [1.0, 0.5, 2.0];
 
-/// Loops, in turn: the plain model's and two that it can only come near.
+/// Loops, in turn: the baseline model's and two that it can only come near.
 const LOOPS: [(FamilyKind, &str); 3] = [
     (FamilyKind::L2p, "l2p"),
     (FamilyKind::Preisach, "preisach"),
@@ -307,11 +307,11 @@ impl ChangedRig {
         Ok([reference, today])
     }
 
-    /// The plain model of the rig and the settings of its diagnosis.
+    /// The baseline model of the rig and the settings of its diagnosis.
     ///
     /// # Errors
     ///
-    /// Errors of the rod file and of the plain model.
+    /// Errors of the rod file and of the baseline model.
     pub fn model(
         &self,
         reference: &[Recording],

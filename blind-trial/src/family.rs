@@ -25,7 +25,7 @@ pub enum Family {
     HardNoise,
     /// Two effects of the catalogue.
     Pair,
-    /// One effect, and a loop that is not of the plain model's family.
+    /// One effect, and a loop that is not of the baseline model's family.
     OtherLoop,
     /// Such a loop alone.
     OtherLoopClean,
@@ -71,7 +71,7 @@ impl Family {
         }
     }
 
-    /// True if its loops are of another family than the plain model's, whatever the plant.
+    /// True if its loops are of another family than the baseline model's, whatever the plant.
     fn has_other_loop(self) -> bool {
         matches!(self, Self::OtherLoop | Self::OtherLoopClean)
     }
@@ -109,7 +109,7 @@ impl Family {
         }
     }
 
-    /// True if nothing is concealed and the loop is that of the plain model.
+    /// True if nothing is concealed and the loop is that of the baseline model.
     #[must_use]
     pub fn is_clean(self) -> bool {
         matches!(
@@ -215,7 +215,7 @@ impl CaseId {
         }
     }
 
-    /// True if its loop is of another family than the plain model's: a name in the transformation is neither right nor
+    /// True if its loop is of another family than the baseline model's: a name in the transformation is neither right nor
     /// wrong there.
     pub(crate) fn has_other_loop(self) -> bool {
         self.family.has_other_loop() || self.has_second_plant()

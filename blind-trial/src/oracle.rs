@@ -19,17 +19,17 @@ const MEMORY: usize = 64;
 pub struct Oracle {
     /// Root mean square of what it changes in the output, mm.
     pub raw_mm: f64,
-    /// Root mean square of the part that the refitted plain model cannot follow, mm.
+    /// Root mean square of the part that the refitted baseline model cannot follow, mm.
     pub left_mm: f64,
     /// Score of one who knows its trace and the noise, standard deviations.
     ///
     /// ```text
-    /// t² = Δ' Σ⁻¹ Δ,   Δ = (y₁ - f(θ₁)) - (y₀ - f(θ₀))        with and without it, each with the plain model's best
+    /// t² = Δ' Σ⁻¹ Δ,   Δ = (y₁ - f(θ₁)) - (y₀ - f(θ₀))        with and without it, each with the baseline model's best
     /// ```
     pub t: f64,
 }
 
-/// Trace that an effect leaves in the training recordings after the plain model has been refitted, sample by sample.
+/// Trace that an effect leaves in the training recordings after the baseline model has been refitted, sample by sample.
 #[derive(Debug, Clone)]
 pub(crate) struct Left {
     pub(crate) oracle: Oracle,
@@ -37,7 +37,7 @@ pub(crate) struct Left {
     pub(crate) output_mm: Vec<Vec<f64>>,
 }
 
-/// How the plain model sees the training recordings.
+/// How the baseline model sees the training recordings.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Eye<'a> {
     pub(crate) base: &'a WienerModel,
@@ -75,7 +75,7 @@ impl Eye<'_> {
         })
     }
 
-    /// Residual of the plain model, refitted to quiet traces.
+    /// Residual of the baseline model, refitted to quiet traces.
     fn rest(&self, traces: &[Traces]) -> Result<Rest, IdentifyError> {
         let pairs = self.training.iter().zip(traces);
         let recordings = pairs

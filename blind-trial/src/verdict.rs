@@ -29,7 +29,7 @@ pub struct Verdict {
     pub block: Option<(String, f64)>,
     /// Stretches of the training recording with most of the mismatch, s.
     pub spans_s: Vec<[f64; 2]>,
-    /// Errors of the plain model, mm.
+    /// Errors of the baseline model, mm.
     pub plain: Errors,
     /// Errors of the model with what was found, mm.
     pub extended: Option<Errors>,

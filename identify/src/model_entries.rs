@@ -131,7 +131,7 @@ impl Reading<'_> {
             self.parameter(entry, &mut infos, n_plain, (trained, output_unit))?;
         }
         for (plain, info) in model.parameters_mut().iter_mut().zip(&infos) {
-            // Beside effects a gain was searched; that of the plain part can be solved for.
+            // Beside effects a gain was searched; that of the baseline part can be solved for.
             *plain = ParameterInfo {
                 enters: plain.enters,
                 ..info.clone()
@@ -144,7 +144,7 @@ impl Reading<'_> {
     }
 
     /// Puts what an entry says of a parameter's unit, bounds and state into what is known of it; the first
-    /// `n_plain` parameters are those of the plain part.
+    /// `n_plain` parameters are those of the baseline part.
     fn parameter(
         &self,
         entry: &Spanned<ParameterTable>,
@@ -165,7 +165,7 @@ impl Reading<'_> {
             ));
         };
         let info = &mut infos[k];
-        // Those of the plain part depend on recordings.
+        // Those of the baseline part depend on recordings.
         if k >= n_plain && info.unit != table.unit {
             return fault(format!("unit must be \"{}\"", info.unit));
         }

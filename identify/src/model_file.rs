@@ -191,7 +191,7 @@ impl From<Memory> for Rule {
 }
 
 impl SavedModel {
-    /// Reads the file of a plain model.
+    /// Reads the file of a baseline model.
     ///
     /// # Errors
     ///
@@ -211,14 +211,14 @@ impl SavedModel {
         Self::parse_with(&file, &text, known)
     }
 
-    /// Reads the text of the file of a plain model; `file` is its name for errors.
+    /// Reads the text of the file of a baseline model; `file` is its name for errors.
     ///
     /// # Errors
     ///
     /// As [`SavedModel::parse_with`]; any effect is refused.
     pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
         Self::parse_with(file, text, &|_| {
-            Err("must be empty: only plain models are read here".to_owned())
+            Err("must be empty: only baseline models are read here".to_owned())
         })
     }
 

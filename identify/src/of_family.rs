@@ -7,7 +7,7 @@ use crate::{Bounds, ParameterInfo, Scale};
 /// Name of the tails of a loop of relays.
 pub(crate) const RELAY_TAILS: &str = "relay_tails";
 
-/// Parameters of a family that the paper's loop does not have, behind those of the plain model: of relays their tails, see
+/// Parameters of a family that the paper's loop does not have, behind those of the baseline model: of relays their tails, see
 /// [`LoopFamily::Relays`]. None where a model file of an earlier version says nothing of them: they are 0 there.
 #[must_use]
 pub fn parameters_of_family(family: LoopFamily) -> Vec<ParameterInfo> {

@@ -9,7 +9,7 @@ use crate::{
     ThermalModel, WienerModel,
 };
 
-/// The plain model of a rig.
+/// The baseline model of a rig.
 #[derive(Debug, Clone)]
 pub enum RigModel {
     /// A rod heated by its drive.

@@ -22,7 +22,7 @@ pub(crate) const LOOP_SHAPE: &str = "loop-shape";
 /// It holds the tables of the rod file it came from, every parameter with its interval, their covariance, how
 /// well it met which recordings, and how it was made. A written model is read back as it was.
 ///
-/// A model may have effects beyond its plain part. This crate keeps their ids and parameters, those of the plain
+/// A model may have effects beyond its baseline part. This crate keeps their ids and parameters, those of the plain
 /// part first; what they do others know.
 #[derive(Debug, Clone)]
 pub struct SavedModel {
@@ -39,7 +39,7 @@ pub struct SavedModel {
     pub(crate) provenance: Provenance,
 }
 
-/// Extension of a saved model beyond its plain part: effects, a loop of another family, or both, and the solver
+/// Extension of a saved model beyond its baseline part: effects, a loop of another family, or both, and the solver
 /// settings of its samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SavedEffects {
@@ -144,13 +144,13 @@ pub struct InputFile {
 pub struct Identification<'a> {
     /// Known properties of the rig.
     pub rod: &'a Rod,
-    /// The model that was fitted; with effects its plain part.
+    /// The model that was fitted; with effects its baseline part.
     pub model: &'a RigModel,
-    /// Effects of the model beyond it; `None` for the plain model.
+    /// Effects of the model beyond it; `None` for the baseline model.
     pub effects: Option<SavedEffects>,
     /// Rule of its memory.
     pub rule: Rule,
-    /// The fit; parameters of effects stand behind those of the plain part, effect after effect.
+    /// The fit; parameters of effects stand behind those of the baseline part, effect after effect.
     pub fit: &'a Fit,
     /// The recordings that were fitted.
     pub training: &'a [Recording],
@@ -214,13 +214,13 @@ impl SavedModel {
         &self.rod
     }
 
-    /// The model; with effects its plain part.
+    /// The model; with effects its baseline part.
     #[must_use]
     pub fn model(&self) -> &RigModel {
         &self.model
     }
 
-    /// Effects beyond the plain part; `None` for a plain model.
+    /// Effects beyond the baseline part; `None` for a baseline model.
     #[must_use]
     pub fn effects(&self) -> Option<&SavedEffects> {
         self.effects.as_ref()
@@ -238,7 +238,7 @@ impl SavedModel {
         &self.output_unit
     }
 
-    /// The parameters: those of the plain part in its order, then those of each effect.
+    /// The parameters: those of the baseline part in its order, then those of each effect.
     #[must_use]
     pub fn parameters(&self) -> &[FittedParameter] {
         &self.parameters
@@ -294,7 +294,7 @@ impl SavedModel {
         point(&self.parameters, recording)
     }
 
-    /// Predicts a recording by the plain part, as [`validate`](crate::validate()) does after the fit.
+    /// Predicts a recording by the baseline part, as [`validate`](crate::validate()) does after the fit.
     ///
     /// # Errors
     ///
@@ -330,7 +330,7 @@ impl SavedModel {
         self.model.wiener_params(&self.point(0))
     }
 
-    /// Coordinates from which a fit of the same plain model to other recordings can start: shared values as they
+    /// Coordinates from which a fit of the same baseline model to other recordings can start: shared values as they
     /// are, those of a recording where it has been fitted before, under the same name. Effects are left out.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The plain model with what belongs to each recording left open.
+//! The baseline model with what belongs to each recording left open.
 
 use std::ops::ControlFlow;
 
@@ -13,13 +13,13 @@ use crate::config::DiagnoseConfig;
 use crate::model::case::prior;
 use crate::watch::{Caller, Watched};
 
-/// Error of the plain model with what belongs to the recordings left open, over that without, from which they do not ask for it.
+/// Error of the baseline model with what belongs to the recordings left open, over that without, from which they do not ask for it.
 const ASKED_FOR: f64 = 0.95;
 
-/// Starts of that fit, beside the place where the plain model ended.
+/// Starts of that fit, beside the place where the baseline model ended.
 const FEW_STARTS: u64 = 4;
 
-/// The plain model with what belongs to each recording left open, fitted from where it ended without and from elsewhere; as
+/// The baseline model with what belongs to each recording left open, fitted from where it ended without and from elsewhere; as
 /// it was, where nothing is open or the recordings do not ask for it.
 pub(crate) fn with_unknowns(
     base: &WienerModel,
@@ -55,7 +55,7 @@ pub(crate) fn with_unknowns(
 /// Least share of the mean square difference between runs of the same drive that run states must explain before they are opened.
 const OF_STATES: f64 = 0.5;
 
-/// The plain model with what differs from run to run left open, within what is ordinary, where recordings of the same drive differ by
+/// The baseline model with what differs from run to run left open, within what is ordinary, where recordings of the same drive differ by
 /// more than noise makes, and by what states of theirs account for; as it was where they repeat, or no drive is repeated. `repeats` are of
 /// all recordings, those of the training first.
 pub(crate) fn with_state_of_runs(
@@ -82,7 +82,7 @@ pub(crate) fn with_state_of_runs(
     opened(base, &plain, training, (config, caller))
 }
 
-/// The plain model with what differs from run to run left open, within what is ordinary, fitted from where it ended without.
+/// The baseline model with what differs from run to run left open, within what is ordinary, fitted from where it ended without.
 pub(crate) fn opened(
     base: &WienerModel,
     plain: &Fit,

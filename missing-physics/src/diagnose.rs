@@ -37,7 +37,7 @@ use crate::{Candidate, CandidateSet};
 /// Gap between what is fitted and what is left out, time constants.
 const GAP: f64 = 5.0;
 
-/// Says which physics the plain model of a rig leaves out.
+/// Says which physics the baseline model of a rig leaves out.
 ///
 /// The training recordings decide; the unseen ones are opened once, at the end. `progress` is told how far it is, by any
 /// thread but by one at a time, and may end it: then no simulation is begun any more.
@@ -57,7 +57,7 @@ pub fn diagnose<'p>(
     from_baseline(base, plain, [training, unseen], config, &caller)
 }
 
-/// The plain model fitted as it is.
+/// The baseline model fitted as it is.
 fn plain_fit(
     base: &WienerModel,
     training: &[Recording],
@@ -118,7 +118,7 @@ fn from_baseline(
     opened.diagnosed([training, unseen], config, caller)
 }
 
-/// Diagnosis of runs that may differ from one another as runs of a rig ordinarily do. It is returned with the plain model in
+/// Diagnosis of runs that may differ from one another as runs of a rig ordinarily do. It is returned with the baseline model in
 /// which these differences are left open.
 pub(crate) fn diagnose_runs<'p>(
     base: &WienerModel,
@@ -141,7 +141,7 @@ pub(crate) fn diagnose_runs<'p>(
     Ok((base, diagnosis))
 }
 
-/// A plain model with what belongs to runs open as far as it is asked for.
+/// A baseline model with what belongs to runs open as far as it is asked for.
 struct Opened<'a> {
     base: &'a WienerModel,
     plain: &'a Fit,

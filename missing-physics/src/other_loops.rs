@@ -15,7 +15,7 @@ const OF_ONE_SIZE: f64 = 2.0;
 /// Starts of a fit, beside the place where the paper's loop ended.
 const STARTS: u64 = 1;
 
-/// A fit of the plain model with a loop of another family.
+/// A fit of the baseline model with a loop of another family.
 #[derive(Debug, Clone)]
 pub struct OtherLoop {
     /// Curves of its branches.
@@ -24,7 +24,7 @@ pub struct OtherLoop {
     pub fit: Fit,
 }
 
-/// Fits of the plain model with loops of the other families that leave errors of the size of that in `fit`, or smaller ones; to as
+/// Fits of the baseline model with loops of the other families that leave errors of the size of that in `fit`, or smaller ones; to as
 /// many samples as tell about as much as all.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use identify::RigModel;
 use missing_physics::read_model;
 use recording::Recording;
 
-/// Where a fit of the plain model starts besides its own searches, and what to say of it.
+/// Where a fit of the baseline model starts besides its own searches, and what to say of it.
 #[derive(Debug, Default)]
 pub(crate) struct Earlier {
     /// As [`FitConfig::from`](identify::FitConfig::from) takes it.
@@ -15,7 +15,7 @@ pub(crate) struct Earlier {
 }
 
 impl Earlier {
-    /// Takes the plain part of a model file, if one is given.
+    /// Takes the baseline part of a model file, if one is given.
     pub(crate) fn read(
         path: Option<&Path>,
         model: &RigModel,
@@ -29,7 +29,7 @@ impl Earlier {
             from: vec![saved.coordinates(model, training)?],
             note: saved.effects().map(|effects| {
                 format!(
-                    "{} has effects ({}): its plain part is the start, the plain model is fitted",
+                    "{} has effects ({}): its baseline part is the start, the baseline model is fitted",
                     path.display(),
                     effects.names().join(", ")
                 )

@@ -19,6 +19,42 @@ pub(crate) fn bar(quiet: bool, length: u64, template: &str) -> ProgressBar {
     bar
 }
 
+/// Progress of a long search: a bar on a terminal; elsewhere a line on stderr for each stage, so that a log does not stand still.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    quiet: bool,
+    stage: &'static str,
+}
+
+impl Progress {
+    pub(crate) fn new(quiet: bool, length: u64, template: &str) -> Self {
+        Self {
+            bar: bar(quiet, length, template),
+            quiet,
+            stage: "",
+        }
+    }
+
+    /// A stage has begun or goes on, with so many of its parts done and a word on how far it is.
+    pub(crate) fn show(&mut self, stage: &'static str, done: Option<[u64; 2]>, how_far: &str) {
+        if let Some([done, of]) = done {
+            self.bar.set_length(of);
+            self.bar.set_position(done);
+        }
+        self.bar.set_message(format!("{stage}{how_far}"));
+        if self.bar.is_hidden() && !self.quiet && self.stage != stage {
+            // Progress that cannot be written is no reason to stop.
+            let _ = writeln!(io::stderr(), "{stage} …");
+        }
+        self.stage = stage;
+    }
+
+    pub(crate) fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 /// A text without what commands a terminal: names of files may hold escape sequences.
 pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
     let commands = |c: char| c.is_control() && c != '\n' && c != '\t';

@@ -26,6 +26,7 @@ console.error = console.warn = (...words) => faults.push(words.join(' '));</scri
 /// Uses the page as a reader would, and writes down what came of it.
 const USE: &str = r#"<script>
 addEventListener("load", () => {
+  for (const folded of document.querySelectorAll("details")) folded.open = true;
   const figures = [...document.querySelectorAll("figure")].map((figure) => {
     const svg = figure.querySelector("svg"), box = svg.getBoundingClientRect();
     const at = { clientX: box.x + 0.5 * box.width, clientY: box.y + 0.5 * box.height, bubbles: true };
@@ -39,7 +40,16 @@ addEventListener("load", () => {
     svg.dispatchEvent(new PointerEvent("pointerup", { ...at, clientX: box.x + 0.7 * box.width }));
     const zoomed = svg.innerHTML !== before;
     svg.dispatchEvent(new MouseEvent("dblclick", at));
+    const press = (key) => svg.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+    const said = () => figure.querySelector("output")?.textContent ?? null;
+    const first = said();
+    press("ArrowRight");
+    const moved = said() !== first, whole = svg.innerHTML;
+    press("+");
+    const enlarged = svg.innerHTML !== whole;
+    press("Escape");
     return {
+      keyboard: moved && enlarged && svg.getAttribute("tabindex") === "0",
       plot: figure.dataset.plot ? JSON.parse(figure.dataset.plot).labels.length : null,
       curves: curves.length,
       said: figure.querySelector("output")?.textContent ?? null,
@@ -183,6 +193,7 @@ fn every_report_can_be_read_and_used() {
                     "{case}"
                 );
                 assert_eq!(figure["zoomed"], true, "{case}");
+                assert_eq!(figure["keyboard"], true, "{case}");
             }
         }
     }

@@ -32,7 +32,7 @@ pub struct EffectInfo {
     /// the temperature, delays, slow shifts of the loop. Symmetrical and transitive: groups.
     pub acts_like: &'static [EffectId],
     /// Occurrences that the recordings must contain. If any one of them is missing, the effect does nothing, or acts as
-    /// parameters of the plain model do, whatever its size. An occurrence without which the effect is merely faint is not
+    /// parameters of the baseline model do, whatever its size. An occurrence without which the effect is merely faint is not
     /// listed, because the smallest detectable size shows that.
     pub needs_in_recording: &'static [Occurrence],
     /// True if a simulation takes ten times as long, because the rod has several zones.
@@ -42,7 +42,7 @@ pub struct EffectInfo {
     /// True if a recorded temperature of the surroundings already contains it, so that a thermometer beside the rod settles
     /// it.
     pub settled_by_ambient_record: bool,
-    /// Change of the plain model that acts as its mean over the recording: the part that cannot be distinguished from the
+    /// Change of the baseline model that acts as its mean over the recording: the part that cannot be distinguished from the
     /// rig.
     pub mean_acts_as: Option<ActsAs>,
 }
@@ -259,7 +259,7 @@ impl Occurrence {
     }
 }
 
-/// Change of a parameter of the plain model that acts as an effect of size 1.
+/// Change of a parameter of the baseline model that acts as an effect of size 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActsAs {
     /// Name of that parameter.

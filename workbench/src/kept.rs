@@ -10,9 +10,9 @@ use wiener::hysteresis::Rule;
 pub struct Diagnosed<'a> {
     /// The rod file.
     pub rod: &'a Rod,
-    /// The plain model.
+    /// The baseline model.
     pub plain: &'a RigModel,
-    /// Which reversals the plain model remembers.
+    /// Which reversals the baseline model remembers.
     pub rule: Rule,
     /// Setting that all plants of the diagnosis share.
     pub setting: &'a Setting,
@@ -56,9 +56,9 @@ impl Kept {
         };
         let note = match &effects {
             None if diagnosis.verdict == Verdict::NotConverged => {
-                "the plain model is saved, NOT CONVERGED".to_owned()
+                "the baseline model is saved, NOT CONVERGED".to_owned()
             }
-            None => "the plain model is saved: no effect was found".to_owned(),
+            None => "the baseline model is saved: no effect was found".to_owned(),
             Some(effects) => {
                 let findings = diagnosis.findings.iter();
                 let found: Vec<&str> = findings.map(|one| one.effect.id()).collect();

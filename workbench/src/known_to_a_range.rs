@@ -79,7 +79,7 @@ struct Uncertain {
 }
 
 impl Uncertain {
-    /// Widens what a diagnosis says; `of_plain` what is the plain model's in the extended fit.
+    /// Widens what a diagnosis says; `of_plain` what is the baseline model's in the extended fit.
     fn carry(&self, diagnosis: &mut Diagnosis, of_plain: impl Fn(&mut Fit)) {
         if let Some(extended) = &mut diagnosis.extended {
             of_plain(&mut extended.stage.fit);

@@ -26,7 +26,7 @@ pub struct Rig {
     pub fleet: Turned,
     /// The rod at rest; its signs are not turned.
     pub member: Member,
-    /// The plain part, its signs turned.
+    /// The baseline part, its signs turned.
     pub params: WienerParams,
     /// Ids of the effects beyond it that count here.
     pub effects: Vec<String>,
@@ -326,7 +326,7 @@ impl Rig {
         Ok(shown.displacement[0])
     }
 
-    /// Time constant of the plain part, s.
+    /// Time constant of the baseline part, s.
     #[must_use]
     pub fn tau_s(&self) -> f64 {
         self.params.heat.heat_capacity_j_per_m_k / self.params.heat.conductance_w_per_m_k

@@ -1,4 +1,4 @@
-//! A black box beside the plain model.
+//! A black box beside the baseline model.
 
 use identify::{IdentifyError, OffsetSource};
 use missing_physics::Stage;
@@ -19,13 +19,13 @@ const DEGREES: [usize; 2] = [3, 2];
 /// Share of the range of the temperature by which it must turn back before the direction changes.
 const TURN: f64 = 1e-3;
 
-/// Error on the unseen recordings of the plain model and a black box, mm; `None` without any.
+/// Error on the unseen recordings of the baseline model and a black box, mm; `None` without any.
 ///
 /// ```text
 /// g(x) = Σ a_i Π P_(d_ij)(x_j) + s Σ b_i Π P_(d_ij)(x_j),   degrees up to 3, and up to 2
 /// ```
 ///
-/// P are Legendre's polynomials, x_j what the plain model shows (see [`variables`]), each between -1 and 1 over the
+/// P are Legendre's polynomials, x_j what the baseline model shows (see [`variables`]), each between -1 and 1 over the
 /// training and held there beyond it, s = ±1 for heating and cooling. The coefficients are those of a ridge regression of the
 /// training residual. The offset of an unseen recording is read where validation reads it, with the black box in place.
 pub(super) fn unseen_mm(
@@ -122,7 +122,7 @@ impl BlackBox {
         }
     }
 
-    /// Contribution of the black box to the plain model's output, mm, up to an offset.
+    /// Contribution of the black box to the baseline model's output, mm, up to an offset.
     fn shown(&self, seen: &Seen<'_>) -> Vec<f64> {
         let mut shown = vec![0.0; seen.residual.len()];
         let columns = self.columns(&variables(seen, self.tau_s)).into_iter();
@@ -174,7 +174,7 @@ struct Variables {
 }
 
 /// Inputs that have acted by the time that an output is read: the drive of the sample before, the temperature and output
-/// of the plain model and the temperature's rate, and the drive through first-order lags.
+/// of the baseline model and the temperature's rate, and the drive through first-order lags.
 fn variables(seen: &Seen<'_>, tau_s: f64) -> Variables {
     let time_s = seen.recording.time_s();
     let n = time_s.len();

@@ -106,7 +106,7 @@ impl<'a> Bench<'a> {
             .fold(config.catalogue, EffectSet::without))
     }
 
-    /// The plain model, its gain searched as that of the others is.
+    /// The baseline model, its gain searched as that of the others is.
     fn plain(&self) -> Result<Fitted, IdentifyError> {
         let model = self.model(EffectSet::EMPTY);
         let vector = ParameterVector::new(model.parameters(), self.files.training.len());
@@ -249,7 +249,7 @@ impl Fitted {
     }
 }
 
-/// The effect and the number of its parameter that a parameter of a model is; `None` for the plain model's.
+/// The effect and the number of its parameter that a parameter of a model is; `None` for the baseline model's.
 fn slot(model: &ExtendedModel, parameter: usize) -> Option<(EffectId, usize)> {
     model.active().effects().iter().find_map(|effect| {
         let index = parameter.checked_sub(model.first_parameter(effect)?)?;

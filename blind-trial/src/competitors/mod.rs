@@ -24,10 +24,10 @@ pub struct Competitors {
     pub whiteness: Whiteness,
     /// Effects by forward selection.
     pub forward: Forward,
-    /// Error on the unseen recording of the plain model corrected by a black box, mm: root mean square of
+    /// Error on the unseen recording of the baseline model corrected by a black box, mm: root mean square of
     ///
     /// ```text
-    /// y - f(θ) - g(x),   x what the plain model shows, g a polynomial fitted to the training residual
+    /// y - f(θ) - g(x),   x what the baseline model shows, g a polynomial fitted to the training residual
     /// ```
     ///
     /// `None` without an unseen recording.

@@ -1,4 +1,4 @@
-//! Output of the plain model for a recording, and its residual.
+//! Output of the baseline model for a recording, and its residual.
 
 use identify::{IdentifyError, Prediction, predict};
 use missing_physics::Stage;
@@ -6,7 +6,7 @@ use recording::Recording;
 
 use crate::verdict::Opened;
 
-/// A recording as the plain model sees it.
+/// A recording as the baseline model sees it.
 #[derive(Debug)]
 pub(super) struct Seen<'a> {
     pub(super) recording: &'a Recording,

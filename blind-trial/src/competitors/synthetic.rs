@@ -1,4 +1,4 @@
-//! A case with its files read and the plain model fitted, for tests.
+//! A case with its files read and the baseline model fitted, for tests.
 
 use std::ops::ControlFlow;
 

@@ -14,7 +14,7 @@ const CHI_SQUARED_99: f64 = 44.3141;
 /// Standard errors of a 99 % band.
 const NORMAL_99: f64 = 2.5758;
 
-/// Tests of the correlations of the plain model's residual. They show that something is wrong, never what.
+/// Tests of the correlations of the baseline model's residual. They show that something is wrong, never what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Whiteness {

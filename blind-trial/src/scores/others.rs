@@ -110,7 +110,7 @@ impl Method {
     }
 }
 
-/// Share of the explainable error of the unseen recording; 0 where the plain model leaves only noise.
+/// Share of the explainable error of the unseen recording; 0 where the baseline model leaves only noise.
 fn explained(line: &CaseLine, unseen_mm: Option<f64>) -> Option<f64> {
     let plain = line.verdict.plain.unseen?.powi(2);
     let explainable = plain - line.opened.noise_mm.powi(2);

@@ -68,7 +68,7 @@ impl CaseLine {
     }
 
     /// True if a name is right; `None` if it is neither right nor wrong, in the transformation of a loop that is not of the
-    /// plain model's family.
+    /// baseline model's family.
     pub(super) fn is_right(&self, effect: &str) -> Option<bool> {
         let is_right = self.truths().any(|truth| truth == effect);
         let is_of_the_loop = block_of(effect) == Some(EffectBlock::Transformation);
@@ -91,7 +91,7 @@ impl CaseLine {
         self.verdict.findings.iter().any(wrong)
     }
 
-    /// True if the plain model misses the training recordings by many times the noise.
+    /// True if the baseline model misses the training recordings by many times the noise.
     pub(super) fn misfits(&self) -> bool {
         self.verdict.plain.train >= MISFIT * self.opened.noise_mm
     }

@@ -32,7 +32,7 @@ fn three_recordings_are_met_together() {
     .unwrap();
     assert!(fit.train_rmse <= 0.37, "{}", fit.train_rmse);
     assert!(fit.termination.is_minimum());
-    // The plain model leaves physics out, and it shows on the unseen run.
+    // The baseline model leaves physics out, and it shows on the unseen run.
     let unseen = read(bologna::UNSEEN).unwrap();
     let validated = validate(&model, &fit, &unseen).unwrap();
     assert!((0.5..1.5).contains(&validated.rmse), "{}", validated.rmse);

@@ -188,7 +188,7 @@ fn what_a_model_file_may_not_say() {
             "effects = []",
             "effects = [\"latent-heat\"]",
             format!(
-                "model.toml:{}:12: effects: \"latent-heat\": must be empty: only plain models are read here",
+                "model.toml:{}:12: effects: \"latent-heat\": must be empty: only baseline models are read here",
                 line_of("effects")
             ),
         ),

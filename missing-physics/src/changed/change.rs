@@ -35,7 +35,7 @@ pub enum Changing {
     Appeared(Candidate),
     /// An effect that the reference has is of another size.
     Grown(Candidate),
-    /// A parameter of the plain model is another.
+    /// A parameter of the baseline model is another.
     Law(&'static str),
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Known {
     pub(crate) catalogue: CandidateSet,
     /// Candidates that could not be tried, because an input that they need is missing.
     pub(crate) untried: CandidateSet,
-    /// Share of what the size of the plain model's residual varies by that the state of the rig predicts, if that is beyond chance.
+    /// Share of what the size of the baseline model's residual varies by that the state of the rig predicts, if that is beyond chance.
     pub(crate) disturbed: f64,
     /// Tone of what the leading model leaves, standard deviations.
     pub(crate) tone: f64,

@@ -1,7 +1,7 @@
 //! The model that is judged: the most credible one, without what may be only the error of another effect's formula.
 
 use crate::Candidate;
-use crate::decide::rules::{RuleId, rule};
+use crate::decide::rules::RuleId;
 use crate::evidence::{Model, Population};
 use crate::model::elsewhere::is_drift;
 
@@ -18,7 +18,7 @@ pub(crate) fn leading(population: &Population) -> &Model {
         let idle = model.names.iter().filter_map(|name| {
             let less = population.without(model, name);
             let share = population.share(model.evidence.squares(), less.evidence.squares());
-            let is_small = !rule(RuleId::Form).passes(share);
+            let is_small = !RuleId::Form.rule().passes(share);
             let is_told =
                 is_whole && model.is_rigid() || does_without_a_drift(population, model, name);
             (is_small && !is_told).then_some((share, less))

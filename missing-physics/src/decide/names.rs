@@ -132,7 +132,7 @@ fn alternatives(
         .iter()
         .filter(|&other| !leading.names.contains(other))
         .collect();
-    while covered < crate::decide::rules::rule(RuleId::Set).threshold {
+    while covered < RuleId::Set.rule().threshold {
         let wider = rivals.iter().filter(|&&other| !set.contains(other));
         let best = wider
             .map(|&other| (belief.any(set.with(other)) - covered, other))

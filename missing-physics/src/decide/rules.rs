@@ -35,6 +35,18 @@ pub enum RuleId {
     UnseenShare,
 }
 
+impl RuleId {
+    /// The rule of this number.
+    #[must_use]
+    pub fn rule(self) -> &'static Rule {
+        let found = RULES.iter().find(|rule| rule.id == self);
+        let Some(found) = found else {
+            unreachable!("each has a row");
+        };
+        found
+    }
+}
+
 /// How a statistic is compared with a threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Comparison {
@@ -92,7 +104,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Describes,
         name: "describes",
-        statistic: "share of the output's variance that is predicted on blocks left out: by the plain model if nothing is named, else by the best without drifts",
+        statistic: "share of the output's variance that is predicted on blocks left out: by the baseline model if nothing is named, else by the best without drifts",
         comparison: Comparison::AtLeast,
         threshold: 0.8,
         basis: Basis::Chosen,
@@ -101,7 +113,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Missing,
         name: "missing",
-        statistic: "probability of the plain model against all names and the anonymous curve",
+        statistic: "probability of the baseline model against all names and the anonymous curve",
         comparison: Comparison::AtMost,
         threshold: 0.05,
         basis: Basis::Odds,
@@ -225,12 +237,3 @@ pub const RULES: [Rule; 15] = [
         reason: "what is explained is explained on recordings that were not used",
     },
 ];
-
-/// The rule of a number.
-pub(crate) fn rule(id: RuleId) -> &'static Rule {
-    let found = RULES.iter().find(|rule| rule.id == id);
-    let Some(found) = found else {
-        unreachable!("each has a row");
-    };
-    found
-}

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::known::Known;
-use super::rules::{RULES, RuleId, rule};
+use super::rules::{RULES, RuleId};
 use super::said::Verdict;
 use super::verdict::{Decided, decide};
 use crate::evidence::{Anonymous, Audit, Evidence, Model, Population};
@@ -191,7 +191,7 @@ fn what_does_not_go_with_the_recordings_has_no_name() {
 fn around(population: &Population, id: RuleId, set: impl Fn(&mut Known, f64)) -> [Verdict; 2] {
     [0.98, 1.02].map(|factor| {
         let mut known = known();
-        set(&mut known, factor * rule(id).threshold);
+        set(&mut known, factor * id.rule().threshold);
         decide(population, &known).verdict
     })
 }
@@ -259,7 +259,7 @@ fn each_rule_has_one_row_and_there_are_fifteen_at_most() {
     assert!(RULES.len() <= 15);
     for row in RULES {
         assert_eq!(RULES.iter().filter(|other| other.id == row.id).count(), 1);
-        assert_eq!(rule(row.id).name, row.name);
+        assert_eq!(row.id.rule().name, row.name);
         assert!(!row.passes(f64::NAN));
     }
 }

@@ -1,6 +1,6 @@
 //! Which rules were asked, of what, and what they said.
 
-use crate::decide::rules::{Rule, RuleId, rule};
+use crate::decide::rules::{Rule, RuleId};
 
 /// A rule that was asked.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,7 @@ pub(crate) struct Traces(pub(crate) Vec<Trace>);
 impl Traces {
     /// Asks a rule, and remembers what it said.
     pub(crate) fn ask(&mut self, id: RuleId, of: &str, value: f64) -> bool {
-        let rule = rule(id);
+        let rule = id.rule();
         let passed = rule.passes(value);
         self.0.push(Trace {
             rule,

@@ -3,7 +3,7 @@
 use crate::decide::known::Known;
 use crate::decide::leading::leading;
 use crate::decide::names::{Belief, Named, names};
-use crate::decide::rules::{RuleId, rule};
+use crate::decide::rules::RuleId;
 use crate::decide::said::Verdict;
 use crate::decide::trace::Traces;
 use crate::evidence::{Audit, Model, Population, UNLISTED, masses};
@@ -13,7 +13,7 @@ use crate::model::elsewhere::is_drift;
 #[derive(Debug, Clone)]
 pub(crate) struct Decided {
     pub(crate) verdict: Verdict,
-    /// Verdict on the plain model, without names.
+    /// Verdict on the baseline model, without names.
     pub(crate) nameless: Verdict,
     pub(crate) named: Vec<Named>,
     /// Names that help and do not hold.
@@ -77,14 +77,16 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     if verdict == Verdict::Unexplained {
         suspects.append(&mut named);
     }
-    // Of the plain model, asked aside: these are no steps to the verdict.
+    // Of the baseline model, asked aside: these are no steps to the verdict.
     let plain_is_left = is_left(
         population,
         population.plain(),
         known,
         &mut Traces::default(),
     );
-    let plain_describes = rule(RuleId::Describes).passes(described_plainly(population, known));
+    let plain_describes = RuleId::Describes
+        .rule()
+        .passes(described_plainly(population, known));
     let nameless = if !plain_describes || plain_is_left || is_odd {
         Verdict::Unexplained
     } else {
@@ -127,7 +129,7 @@ fn described(population: &Population, known: &Known) -> f64 {
     share_described(squares.fold(f64::INFINITY, f64::min), known)
 }
 
-/// Share of the output's variance that the plain model predicts on blocks which were left out: if nothing is named, that
+/// Share of the output's variance that the baseline model predicts on blocks which were left out: if nothing is named, that
 /// model is said to describe the rig.
 fn described_plainly(population: &Population, known: &Known) -> f64 {
     share_described(population.plain().evidence.squares()[0], known)
@@ -141,7 +143,7 @@ fn share_described(left: f64, known: &Known) -> f64 {
     }
 }
 
-/// Probability of the plain model.
+/// Probability of the baseline model.
 fn plain(population: &Population, model: &Model, belief: &Belief, seed: u64) -> f64 {
     if !model.names.is_empty() {
         return belief.plain();

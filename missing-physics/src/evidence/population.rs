@@ -17,7 +17,7 @@ pub(crate) struct Model {
     pub(crate) family: LoopFamily,
     /// Its effects.
     pub(crate) effects: CandidateSet,
-    /// Its names beyond the plain model: a loop of another family counts as another shape of the loop.
+    /// Its names beyond the baseline model: a loop of another family counts as another shape of the loop.
     pub(crate) names: CandidateSet,
     /// Logarithm of its prior: whether such effects are there, and of that size.
     pub(crate) ln_prior: f64,
@@ -68,7 +68,7 @@ pub(crate) struct Population {
 }
 
 impl Population {
-    /// The plain model.
+    /// The baseline model.
     pub(crate) fn plain(&self) -> &Model {
         &self.models[0]
     }

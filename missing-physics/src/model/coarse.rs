@@ -18,9 +18,9 @@ const FEWEST: usize = 50;
 const SWING_K: f64 = 0.25;
 
 /// Each recording with every n-th sample and those where the temperature turns back: driven by the power between that takes the rod
-/// to the same temperature, and with the mean of what a fitted plain model leaves around each.
+/// to the same temperature, and with the mean of what a fitted baseline model leaves around each.
 ///
-/// Between turns the loop knows temperatures and no time: on the same temperatures the plain model shows the same, however long a step
+/// Between turns the loop knows temperatures and no time: on the same temperatures the baseline model shows the same, however long a step
 /// is. It leaves of the result the means of what it leaves of the recordings; what another model does otherwise is off only by what
 /// of that difference bends from one sample to the next.
 ///

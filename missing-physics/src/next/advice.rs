@@ -1,7 +1,7 @@
 //! Advice on the next experiment, in words.
 
 use crate::Candidate;
-use crate::next::drives::{seconds, short};
+use crate::next::drives::{REST_S, seconds, short};
 use crate::next::run::{NextExperiment, Run};
 
 fn names(effects: &[Candidate]) -> String {
@@ -14,9 +14,10 @@ fn names(effects: &[Candidate]) -> String {
 
 pub(crate) fn play(run: &Run, separates: &[Candidate]) -> String {
     format!(
-        "Play this run of {} from rest (--save-next next.csv writes it), and diagnose again with its recording as one more \
-         of the training: {}. It should tell {} apart ({} standard deviations; these recordings again: {}).",
+        "Play this run of {} (--save-next next.csv writes it), and diagnose again with its recording as one more of the training: \
+         {} at rest, then {}. It should tell {} apart: {} standard deviations ({} if these recordings are repeated).",
         seconds(run.duration_s()),
+        seconds(REST_S),
         run.name,
         names(separates),
         short(run.separation),

@@ -2,6 +2,9 @@
 
 use crate::next::bench::{Bench, Levels};
 
+/// Rest before a run, s: it tells the offset and the noise, and that the rod is cold.
+pub(crate) const REST_S: f64 = 10.0;
+
 /// Fewest samples of half a period.
 const FEWEST_SAMPLES: f64 = 2.0;
 
@@ -115,7 +118,8 @@ impl Plan {
         let (name, legs) = (levels.high > levels.low)
             .then(|| self.kind.legs(bench, levels))
             .flatten()?;
-        let drive = sampled(&legs, bench.dt_s);
+        let mut drive = vec![0.0; (REST_S / bench.dt_s).round() as usize];
+        drive.extend(sampled(&legs, bench.dt_s));
         (drive.len() <= bench.most_samples() && drive.len() > 1).then_some(Played { name, drive })
     }
 }

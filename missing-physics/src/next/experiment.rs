@@ -293,7 +293,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use recording::RecordingParts;
 
-    /// The slow recording alone, with one effect, and the plain model fitted to it.
+    /// The slow recording alone, with one effect, and the baseline model fitted to it.
     struct Slow {
         synthetic: Synthetic,
         fit: Fit,

@@ -20,16 +20,16 @@ pub struct Diagnosis {
     pub noise_floor: Floor,
     /// Difference between recordings of the same drive, training and unseen; `None` if no drive is repeated.
     pub repeats: Option<RepeatFloor>,
-    /// The plain model.
+    /// The baseline model.
     pub baseline: Stage,
     /// The model with what was found; that with the suspects, where there is no finding but some; `None` if
     /// there is neither.
     pub extended: Option<ExtendedStage>,
-    /// From the plain model to the extended one, an effect at a time.
+    /// From the baseline model to the extended one, an effect at a time.
     pub ladder: Vec<Rung>,
     /// How much of what could be explained is; `None` without an extended model.
     pub explained: Option<Explained>,
-    /// Where the plain model and the recordings part.
+    /// Where the baseline model and the recordings part.
     pub mismatch: Mismatch,
     /// Effects that are missing, the strongest first.
     pub findings: Vec<Finding>,
@@ -52,7 +52,7 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Diagnosis where no two starts of the plain model agree.
+    /// Diagnosis where no two starts of the baseline model agree.
     pub(crate) fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Self {
         Self {
             verdict: Verdict::NotConverged,
@@ -105,7 +105,7 @@ pub struct ExtendedStage {
 }
 
 impl ExtendedStage {
-    /// Ids of what it has beyond the plain model: a loop of another family is another shape of the loop.
+    /// Ids of what it has beyond the baseline model: a loop of another family is another shape of the loop.
     #[must_use]
     pub fn names(&self) -> Vec<&'static str> {
         let is_other = self.model.loop_family() != LoopFamily::Proximity;
@@ -118,7 +118,7 @@ impl ExtendedStage {
 /// A model on the way from the plain to the extended one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// Effects that it has beyond the model before: one; none in the plain model; several where none of them can be
+    /// Effects that it has beyond the model before: one; none in the baseline model; several where none of them can be
     /// fitted without the others.
     pub added: Vec<Candidate>,
     /// Error on the training recordings, in the unit of the output.
@@ -144,7 +144,7 @@ pub struct Explained {
     pub validate_interval: Option<[f64; 2]>,
 }
 
-/// An effect that is missing from the plain model.
+/// An effect that is missing from the baseline model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// The effect.
@@ -184,7 +184,7 @@ pub struct Estimate {
 pub struct Remainder {
     /// Root mean square of it beyond the noise, in the unit of the output.
     pub rms: f64,
-    /// Share of the explainable error of the plain model.
+    /// Share of the explainable error of the baseline model.
     pub share: f64,
     /// Where it is.
     pub mismatch: Mismatch,
@@ -199,9 +199,9 @@ pub struct Entry {
     pub effect: Candidate,
     /// Status of the effect.
     pub status: Status,
-    /// Its score at the plain model, standard deviations; `None` if it cannot be computed.
+    /// Its score at the baseline model, standard deviations; `None` if it cannot be computed.
     pub t: Option<f64>,
-    /// Share of its trace's square that refitting the plain model hides.
+    /// Share of its trace's square that refitting the baseline model hides.
     pub absorption: Option<f64>,
     /// Smallest size that these recordings would have shown in 95 % of cases, in the unit of the size.
     pub minimum_detectable: Option<f64>,

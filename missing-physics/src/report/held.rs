@@ -15,7 +15,7 @@ use crate::{Candidate, CandidateSet, LoopFamily, Role};
 /// Standard deviations up to which an error may be the parameters' uncertainty.
 const TWICE: f64 = 2.0;
 
-/// Error on unseen recordings up to which a model does as well there, over that on the training's, and over the plain model's.
+/// Error on unseen recordings up to which a model does as well there, over that on the training's, and over the baseline model's.
 const AS_NEAR: f64 = 1.2;
 
 /// Standard error of the share of a change that comes true, from which it says nothing.
@@ -123,7 +123,7 @@ pub(crate) fn held_to(
     let is_explained = decided.traces.ask(RuleId::UnseenShare, "", share)
         || with.squares() < AS_NEAR.powi(2) * before.squares() && is_as_near(extended, unseen)?;
     if decided.named.is_empty() {
-        // They made these recordings worse: what is left to say is what the plain model leaves.
+        // They made these recordings worse: what is left to say is what the baseline model leaves.
         decided.verdict = decided.nameless;
     } else if !is_explained && share > 0.5 {
         decided.verdict = Verdict::ExplainedInPart;

@@ -33,13 +33,13 @@ impl Rung {
         }
     }
 
-    /// The plain model.
+    /// The baseline model.
     pub(crate) fn plain(stage: &Stage) -> Self {
         Self::of_stage(CandidateSet::EMPTY, stage)
     }
 }
 
-/// The plain model, and the effects of the extended one in the order in which each adds most to those before.
+/// The baseline model, and the effects of the extended one in the order in which each adds most to those before.
 pub(crate) fn ladder(
     search: &mut Search<'_>,
     plain: &Stage,

@@ -98,7 +98,7 @@ pub struct RestoredModel<'a> {
     parameters: Vec<ParameterInfo>,
     /// The cascade that has effects.
     base: Option<&'a WienerModel>,
-    /// Effect and number of the parameter, for each parameter after those of the plain part.
+    /// Effect and number of the parameter, for each parameter after those of the baseline part.
     slots: Vec<(EffectId, usize)>,
     fleet: Extended,
 }

@@ -101,7 +101,12 @@ pub(crate) fn finding(info: &EffectInfo, estimates: &[Estimate]) -> String {
         text = text.replace("{value}", &quantity(&said));
         if let Some([lower, upper]) = size.literature {
             let ends = [lower, upper].map(|end| short(said.factor * end));
-            let _ = write!(text, " (literature {}-{})", ends[0], ends[1]);
+            let unit = if said.unit.is_empty() || said.unit.starts_with('·') {
+                said.unit
+            } else {
+                format!(" {}", said.unit)
+            };
+            let _ = write!(text, " (literature {} to {}{unit})", ends[0], ends[1]);
         }
         let beyond = size.unit.strip_prefix(parameter.unit);
         if let Some(condition) = beyond.and_then(|rest| rest.strip_prefix(" at ")) {

@@ -16,16 +16,16 @@ use crate::{Candidate, CandidateSet, EffectBlock, LoopFamily};
 /// Families beside the paper's.
 const OTHERS: [LoopFamily; 2] = [LoopFamily::Relays, LoopFamily::Kinetics];
 
-/// Starts of the fit of a plain model of another family, beside the place where the paper's ended.
+/// Starts of the fit of a baseline model of another family, beside the place where the paper's ended.
 const STARTS: u64 = 4;
 
-/// Error of a plain model over that of the nearest family's up to which a family is tried, too.
+/// Error of a baseline model over that of the nearest family's up to which a family is tried, too.
 const NEARLY: f64 = 4.0;
 
 /// Mean square of what is left over that of another loop from which a search with the first is in vain.
 const IN_VAIN: f64 = 2.0;
 
-/// Plain models of all other families, each fitted from so many starts beside the place where the paper's ended, the nearest
+/// Baseline models of all other families, each fitted from so many starts beside the place where the paper's ended, the nearest
 /// first.
 pub(crate) fn plain_fits(
     case: &Case<'_>,
@@ -97,7 +97,7 @@ pub(crate) fn grow(searches: &mut [Search<'_>]) -> Result<(), IdentifyError> {
     Ok(())
 }
 
-/// True if there is anything to explain: something has a name, or a curve finds more than the plain model has.
+/// True if there is anything to explain: something has a name, or a curve finds more than the baseline model has.
 pub(crate) fn is_anything(population: &Population) -> bool {
     let model = leading(population);
     !model.names.is_empty() || !model.is_whole()

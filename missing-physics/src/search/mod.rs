@@ -1,4 +1,4 @@
-//! The roads from the plain model to models with effects.
+//! The roads from the baseline model to models with effects.
 
 pub(crate) mod complete;
 pub(crate) mod credit;

@@ -59,7 +59,7 @@ pub(crate) fn promoted<'c>(
     Ok((fine, judged))
 }
 
-/// A search on all samples that begins with the plain model of another's loop.
+/// A search on all samples that begins with the baseline model of another's loop.
 fn begun<'c>(
     case: &'c Case<'c>,
     coarse: &Search<'_>,

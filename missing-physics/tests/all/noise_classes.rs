@@ -13,7 +13,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// The plain model's output, mm.
+/// The baseline model's output, mm.
 fn clean() -> Vec<f64> {
     output_mm(setting(), EffectValues::default())
 }

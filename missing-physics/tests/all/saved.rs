@@ -199,7 +199,7 @@ fn a_model_that_is_read_does_what_the_fitted_one_did() {
         let squares: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
         let rmse = (squares / recording.len() as f64).sqrt();
         assert!((rmse - fit.recordings[r].rmse).abs() < 1e-9, "{rmse}");
-        // The plain part alone is another model.
+        // The baseline part alone is another model.
         let plain = predict(saved.model(), &saved.point(r), recording).unwrap();
         assert!((plain.output[100] - predicted.output[100]).abs() > 1e-3);
     }
@@ -226,7 +226,7 @@ fn a_loop_of_another_family_is_kept() {
         let fit = &made.stage.stage.fit;
         let by_fit = predict(&made.stage.model, &fit.point(0), recording).unwrap();
         assert_eq!(predicted, by_fit);
-        // Who reads plain models alone says so; and no family is guessed.
+        // Who reads baseline models alone says so; and no family is guessed.
         let refused = SavedModel::parse("model.toml", &text.replace("\"latent-heat\"", ""));
         assert!(refused.is_err());
         let unknown = text.replace("\"relays\"", "\"duhem\"");
@@ -432,7 +432,7 @@ fn effects_that_cannot_be_are_named_with_their_place() {
     assert_eq!(
         refused.to_string(),
         format!(
-            "model.toml:{effects}:12: effects: \"latent-heat\": must be empty: only plain models are read here"
+            "model.toml:{effects}:12: effects: \"latent-heat\": must be empty: only baseline models are read here"
         )
     );
 }

@@ -14,21 +14,20 @@ use pid_tune::{
 };
 use truth_plant::{Shape, Traces, TruthPlant};
 
-use crate::commands::diagnose::{Rig as Files, before_and_after, implausible, show};
+use crate::commands::diagnose::{Rig as Files, all_predicted, implausible, show};
 use crate::commands::on_threads;
 use crate::demo_rig::{self, DT_S};
 use crate::memory::Memory;
 use crate::outcome::Outcome;
 use crate::provenance::provenance;
 use crate::sink::Outputs;
-use crate::terminal::{bar, write_stdout};
+use crate::terminal::{Progress, write_stdout};
 use workbench::figure::{Drawn, Figure, Series, Style};
 use workbench::kept::{self, Kept};
 use workbench::page::{self, Page};
-use workbench::report::diagnosed::Diagnosed;
+use workbench::report::diagnosed::{Depth, Diagnosed};
 use workbench::report::number::spoken;
 use workbench::report::table::{right, table, unpadded};
-use workbench::report::verdict::verdict;
 use workbench::{PAPER, Rig, Turned, controller, read_all};
 
 /// The paper's memory of reversals, which the wire has.
@@ -52,9 +51,9 @@ const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Show all of it on a rig that conceals something: identify, diagnose, tune, compare, report.
 ///
-/// Simulates a wire with physics that the plain model does not have, by other equations than the models', and records
-/// it twice. Does with the files what you would do with yours. Then tunes a controller on the plain model and one on the
-/// mended model, and runs both on the simulated wire.
+/// Simulates a wire with physics that the baseline model does not have, by other equations than the models', and records
+/// it twice. Does with the files what you would do with yours. Then tunes a controller on the baseline model and one on the
+/// extended model, and runs both on the simulated wire.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma demo\n\n\
@@ -88,7 +87,8 @@ fn demo(args: &DemoArgs) -> anyhow::Result<Outcome> {
     ))?;
     let known = Known::read(&paths)?;
     let diagnosis = known.diagnosed(args.quiet)?;
-    write_stdout(&format!("\n{}", verdict(&diagnosis)))?;
+    let diagnosed = known.said(&diagnosis)?;
+    write_stdout(&format!("\n{}", diagnosed.text(Depth::Verdict)))?;
     let made = provenance(known.config.seed, &paths.inputs())?;
     let runs = known.controlled(&diagnosis, &made, &truth)?;
     write_stdout(&format!(
@@ -96,7 +96,7 @@ fn demo(args: &DemoArgs) -> anyhow::Result<Outcome> {
         Worth::INTRODUCTION,
         unpadded(&Worth(&runs).table().to_string())
     ))?;
-    report.write(&known.page(&diagnosis, &Worth(&runs))?.made_by(&made))?;
+    report.write(&known.page(&diagnosed, &Worth(&runs))?.made_by(&made))?;
     write_stdout(&format!(
         "\nAll of it with figures: {}\nTry it yourself:\n  sma diagnose {} --train {} --validate {}\n",
         paths.report.display(),
@@ -186,17 +186,17 @@ impl Known {
             training, unseen, ..
         } = &self.files;
         let config = &self.config;
-        let bar = bar(quiet, config.baseline.starts, "diagnose {bar:20}  {msg}");
+        let mut shown = Progress::new(quiet, config.baseline.starts, "diagnose {bar:20}  {msg}");
         let progress = &mut |progress| {
-            show(&bar, &progress);
+            show(&mut shown, &progress);
             ControlFlow::Continue(())
         };
         let diagnosis = diagnose(self.plain(), training, unseen, config, progress)?;
-        bar.finish_and_clear();
+        shown.end();
         Ok(diagnosis)
     }
 
-    /// The true rig under a controller tuned on the plain model, and under one tuned on the mended model.
+    /// The true rig under a controller tuned on the baseline model, and under one tuned on the extended model.
     fn controlled(
         &self,
         diagnosis: &Diagnosis,
@@ -234,9 +234,9 @@ impl Known {
             },
             made.clone(),
         );
-        let mut jobs = vec![("plain model", Style::Plain, Job::of(&plain)?)];
+        let mut jobs = vec![("baseline model", Style::Plain, Job::of(&plain)?)];
         if let Some(mended) = &mended.model {
-            jobs.push(("mended model", Style::Extended, Job::of(mended)?));
+            jobs.push(("extended model", Style::Extended, Job::of(mended)?));
         }
         let (_, _, of_plain) = &jobs[0];
         let paper = of_plain.task.evaluate(&[(of_plain.rig.member, PAPER)])?;
@@ -256,9 +256,8 @@ impl Known {
             .collect()
     }
 
-    /// The diagnosis, and what the mended model is worth.
-    fn page(&self, diagnosis: &Diagnosis, worth: &Worth<'_>) -> anyhow::Result<Page> {
-        let diagnosed = Diagnosed {
+    fn said<'a>(&self, diagnosis: &'a Diagnosis) -> anyhow::Result<Diagnosed<'a>> {
+        Ok(Diagnosed {
             diagnosis,
             without: &[],
             specific_heat: None,
@@ -267,12 +266,20 @@ impl Known {
             missing_for_temperature: Vec::new(),
             implausible: implausible(&self.files, self.plain(), diagnosis)?,
             input_notes: vec![demo_rig::CONCEALED.to_owned()],
-        };
-        let (recording, models) = before_and_after(self.plain(), diagnosis, &self.files)?;
-        let name = diagnosed.label(recording.name());
-        let drawn = Drawn::new(diagnosis, (recording, name), &models);
-        let mut page = page::diagnosed(&diagnosed, Some(&drawn))?;
-        page.section("What the mended model is worth: controllers on the true wire");
+        })
+    }
+
+    /// The diagnosis, and what the extended model is worth.
+    fn page(&self, diagnosed: &Diagnosed<'_>, worth: &Worth<'_>) -> anyhow::Result<Page> {
+        let diagnosis = diagnosed.diagnosis;
+        let predicted = all_predicted(self.plain(), diagnosis, &self.files)?;
+        let named = predicted.iter().map(|(recording, models)| {
+            let name = diagnosed.label(recording.name());
+            (*recording, name, models.as_slice())
+        });
+        let drawn = Drawn::new(diagnosis, named);
+        let mut page = page::diagnosed(diagnosed, Some(&drawn))?;
+        page.section("What the extended model is worth: controllers on the true wire");
         page.paragraphs(Worth::INTRODUCTION);
         page.figure(&worth.figure())?;
         page.table(&worth.table());
@@ -365,7 +372,7 @@ impl Run {
     }
 }
 
-/// Benefit of the mended model for control: runs of the controllers tuned on each model.
+/// Benefit of the extended model for control: runs of the controllers tuned on each model.
 #[derive(Debug)]
 struct Worth<'a>(&'a [Run]);
 
@@ -418,7 +425,7 @@ impl Worth<'_> {
         Figure {
             name: "controllers",
             caption:
-                "The true wire under a controller tuned on the plain model, and on the mended one"
+                "The true wire under a controller tuned on the baseline model, and on the extended one"
                     .to_owned(),
             across: "time, s".to_owned(),
             up: "displacement, mm".to_owned(),

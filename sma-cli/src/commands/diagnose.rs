@@ -1,4 +1,4 @@
-//! `sma diagnose`: recordings in, the physics that the plain model leaves out.
+//! `sma diagnose`: recordings in, the physics that the baseline model leaves out.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -8,14 +8,14 @@ use identify::{
     FitConfig, FitProgress, IdentifyError, RigModel, Rod, WienerModel, early_output, predict,
     static_effects,
 };
-use indicatif::ProgressBar;
 use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Hypothesis, Setting, Verdict,
-    diagnose, setting_of_rod,
+    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Hypothesis, Setting, Stage,
+    Verdict, diagnose, setting_of_rod,
 };
 use recording::Recording;
 
 use crate::commands::on_threads;
+use crate::commands::pictures::Pictures;
 use crate::commands::since::since_reference;
 use crate::commands::used::UseArgs;
 use crate::earlier::Earlier;
@@ -24,12 +24,12 @@ use crate::outcome::Outcome;
 use crate::provenance::provenance;
 use crate::resume::Starts;
 use crate::sink::{Delivery, Outputs, Sink, deliver};
-use crate::terminal::{bar, say};
-use workbench::figure::{Drawn, Gallery, figures};
+use crate::terminal::{Progress, say};
+use workbench::figure::{Drawn, Gallery, figures, series};
 use workbench::kept::{self, Kept};
 use workbench::next_run;
 use workbench::page;
-use workbench::report::diagnosed::Diagnosed;
+use workbench::report::diagnosed::{Depth, Diagnosed};
 use workbench::report::plot::{self, Left};
 use workbench::report::static_diagnosed::StaticDiagnosed;
 use workbench::sanity::{Facts, Implausible};
@@ -38,18 +38,18 @@ use workbench::{
     read_all,
 };
 
-/// Say which physics the plain model of a rig leaves out, or that it leaves out nothing that shows.
+/// Say which physics the baseline model of a rig leaves out, or that it leaves out nothing that shows.
 ///
-/// Fits the plain model to the training recordings, looks for what it leaves among known effects, refits with
+/// Fits the baseline model to the training recordings, looks for what it leaves among known effects, refits with
 /// what is found, and checks both on recordings that it has not seen. It also says where model and recordings
 /// part, which effects these recordings exclude, and which they cannot test. Static recordings
 /// (kind = "temperature") are tested for stress coupling, phase-dependent resistance and functional fatigue.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     sma diagnose rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-next next.csv\n\n\
-    The first lines are the verdict:\n  \
-    Latent heat is missing: the rod takes up 15 ± 2 kJ/kg while transforming, and gives it back on cooling (literature 4-37).\n  \
-    Error on the unseen recording 0.92 → 0.33 mm; 87 % (80 % to 92 %) of what could be explained is.\n\
+    The first line is the verdict:\n  \
+    EXPLAINED: latent heat is missing from the baseline model. With it the error on the unseen recording falls from 0.92\n  \
+    to 0.33 mm RMS, 1.1 times the noise.\n\
     Then record what next.csv drives, and give it as one more training recording. To see what is said if an effect\n\
     were not known, leave it out: --without latent-heat. To try an effect that is not known, write it down:\n\n  \
     [[hypothesis]]\n  \
@@ -63,7 +63,7 @@ use workbench::{
     Effects: supply-limit supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
     end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the plain model did not converge, or is implausible, 130 interrupted")]
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the baseline model did not converge, or is implausible, 130 interrupted")]
 pub(crate) struct DiagnoseArgs {
     /// Rod file: known properties of the rig.
     rod: PathBuf,
@@ -79,7 +79,7 @@ pub(crate) struct DiagnoseArgs {
     validate: Vec<PathBuf>,
     #[command(flatten)]
     used: UseArgs,
-    /// Which reversals the hysteresis of the plain model remembers.
+    /// Which reversals the hysteresis of the baseline model remembers.
     #[arg(long, value_enum, default_value_t = Memory::LastReversal)]
     pub(crate) memory: Memory,
     /// Effects that are not to be found.
@@ -88,7 +88,7 @@ pub(crate) struct DiagnoseArgs {
     /// Hypotheses of your own that compete with the known effects, TOML: an expression at a place of the cascade.
     #[arg(long, value_name = "FILE")]
     hypothesis: Option<PathBuf>,
-    /// Start one more search of the plain model from an earlier one, or from the plain part of one with effects.
+    /// Start one more search of the baseline model from an earlier one, or from the baseline part of one with effects.
     #[arg(long, value_name = "MODEL")]
     from_model: Option<PathBuf>,
     /// Write the model to a file, with what was found: for `sma simulate`, `sma tune`, and --from-model.
@@ -103,9 +103,11 @@ pub(crate) struct DiagnoseArgs {
     /// Write the result as one HTML page with figures, to read and to mail.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// No pictures of the recording that is met worst in the terminal.
-    #[arg(long)]
-    no_plot: bool,
+    /// Say the evidence as well: parameters, regimes, the catalogue with its limits, curves.
+    #[arg(long, short)]
+    verbose: bool,
+    #[command(flatten)]
+    pictures: Pictures,
     /// Seed: same seed and inputs, same result.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
@@ -208,7 +210,7 @@ fn with_time(
     let made = provenance(args.seed, &args.inputs())?;
     let starts = Starts::open(args.resume.as_deref(), "diagnose", &made)?;
     config.baseline.ended = starts.ended();
-    let bar = bar(
+    let mut shown = Progress::new(
         args.quiet,
         config.baseline.starts,
         "diagnose {bar:20}  {msg}",
@@ -219,14 +221,14 @@ fn with_time(
         &rig.unseen,
         &config,
         &mut |progress| {
-            show(&bar, &progress);
+            show(&mut shown, &progress);
             if let DiagnoseProgress::Baseline(so_far) = &progress {
                 starts.keep(&so_far.ended);
             }
             ControlFlow::Continue(())
         },
     )?;
-    bar.finish_and_clear();
+    shown.end();
     let specific_heat = carry_specific_heat(&rig.rod, plain, &mut diagnosis);
     let resistivity = carry_resistivity(&rig.rod, &mut diagnosis);
     let run = diagnosis
@@ -275,22 +277,32 @@ fn with_time(
     if let Some((sink, run)) = places.next.zip(run) {
         delivery.of(|| sink.write(&next_run::csv(run, &rig.rod)));
     }
-    let mut text = diagnosed.text();
+    let mut text = diagnosed.text(if args.verbose {
+        Depth::Evidence
+    } else {
+        Depth::Verdict
+    });
     let has_converged = diagnosis.verdict != Verdict::NotConverged;
-    let worst = has_converged
-        .then(|| before_and_after(plain, &diagnosis, &rig))
+    let predicted = has_converged
+        .then(|| all_predicted(plain, &diagnosis, &rig))
         .transpose()?;
-    let drawn = worst.as_ref().map(|(recording, models)| {
-        let name = diagnosed.label(recording.name());
-        Drawn::new(&diagnosis, (recording, name), models)
+    let drawn = predicted.as_ref().map(|predicted| {
+        let named = predicted.iter().map(|(recording, models)| {
+            let name = diagnosed.label(recording.name());
+            (*recording, name, models.as_slice())
+        });
+        Drawn::new(&diagnosis, named)
     });
     if let Some(drawn) = &drawn {
-        if !args.no_plot {
-            let shown = &drawn.compared;
-            text += &plot::what_is_left(shown.name, shown.recording, shown.models);
-        }
+        text += &args.pictures.of(args.quiet, || {
+            let worst = &drawn.compared[0];
+            plot::what_is_left(worst.name, worst.recording, worst.models)
+        })?;
         if let Some(gallery) = &places.plots {
-            delivery.of(|| Ok(gallery.hang(&figures(drawn))?));
+            delivery.of(|| {
+                gallery.hang(&figures(drawn))?;
+                Ok(gallery.keep(&series(drawn))?)
+            });
         }
     }
     if let Some(sink) = places.report {
@@ -343,19 +355,19 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         ended: starts.ended(),
         ..FitConfig::default()
     };
-    let bar = bar(args.quiet, config.starts, "diagnose {bar:20}  {msg}");
+    let mut shown = Progress::new(args.quiet, config.starts, "diagnose {bar:20}  {msg}");
     let effects = static_effects(
         &rig.rod,
         args.memory.rule(),
         &rig.training,
         &config,
         &mut |progress| {
-            fitting(&bar, progress);
+            fitting(&mut shown, progress);
             starts.keep(&progress.ended);
             ControlFlow::Continue(())
         },
     )?;
-    bar.finish_and_clear();
+    shown.end();
     let mut notes = rig.notes;
     let unused: Vec<&str> = [
         ("--validate", !args.validate.is_empty()),
@@ -436,55 +448,58 @@ impl DiagnoseArgs {
     }
 }
 
-pub(crate) fn show(bar: &ProgressBar, progress: &DiagnoseProgress) {
+pub(crate) fn show(shown: &mut Progress, progress: &DiagnoseProgress) {
     match progress {
-        DiagnoseProgress::Baseline(so_far) => fitting(bar, so_far),
-        DiagnoseProgress::Search { simulations: 0 } => bar.set_message("trying effects"),
+        DiagnoseProgress::Baseline(so_far) => fitting(shown, so_far),
+        DiagnoseProgress::Search { simulations: 0 } => shown.show("trying effects", None, ""),
         DiagnoseProgress::Search { simulations } => {
-            bar.set_message(format!("trying effects, {simulations} simulations"));
+            let how_far = format!(", {simulations} simulations");
+            shown.show("trying effects", None, &how_far);
         }
-        DiagnoseProgress::Refit => bar.set_message("refitting with what was found"),
-        DiagnoseProgress::Locate => bar.set_message("locating the mismatch"),
+        DiagnoseProgress::Refit => shown.show("refitting with what was found", None, ""),
+        DiagnoseProgress::Locate => shown.show("locating the error", None, ""),
     }
 }
 
-fn fitting(bar: &ProgressBar, progress: &FitProgress) {
-    bar.set_length(progress.of);
-    bar.set_position(progress.starts);
-    bar.set_message(format!("plain model, RMSE {:.4}", progress.lowest_rmse));
+fn fitting(shown: &mut Progress, progress: &FitProgress) {
+    let how_far = format!(", RMSE {:.4}", progress.lowest_rmse);
+    let done = [progress.starts, progress.of];
+    shown.show("fitting the baseline model", Some(done), &how_far);
 }
 
-/// The recording that the plain model meets worst, with what it and the model with effects say of it.
-pub(crate) fn before_and_after<'a>(
+/// Every recording with the predictions of the baseline and the extended model; the one that the baseline model meets worst first,
+/// the others in their order.
+pub(crate) fn all_predicted<'a>(
     plain: &WienerModel,
     diagnosis: &Diagnosis,
     rig: &'a Rig,
-) -> anyhow::Result<(&'a Recording, Vec<Left>)> {
-    let (fit, validated) = (&diagnosis.baseline.fit, &diagnosis.baseline.validated);
-    let errors = fit.recordings.iter().map(|one| one.rmse);
-    let errors: Vec<f64> = errors.chain(validated.iter().map(|one| one.rmse)).collect();
-    let worst = (0..errors.len())
-        .max_by(|&a, &b| errors[a].total_cmp(&errors[b]))
-        .unwrap_or(0);
-    let n_trained = rig.training.len();
-    let (recording, point) = match worst.checked_sub(n_trained) {
-        None => (&rig.training[worst], fit.point(worst)),
-        Some(k) => (&rig.unseen[k], validated[k].point.clone()),
+) -> anyhow::Result<Vec<(&'a Recording, Vec<Left>)>> {
+    let baseline = &diagnosis.baseline;
+    let point = |stage: &Stage, k: usize| match k.checked_sub(rig.training.len()) {
+        None => stage.fit.point(k),
+        Some(unseen) => stage.validated[unseen].point.clone(),
     };
-    let mut models = vec![Left {
-        model: "plain",
-        prediction: predict(plain, &point, recording)?,
-    }];
-    if let Some(extended) = &diagnosis.extended {
-        let stage = &extended.stage;
-        let point = match worst.checked_sub(n_trained) {
-            None => stage.fit.point(worst),
-            Some(k) => stage.validated[k].point.clone(),
-        };
-        models.push(Left {
-            model: "extended",
-            prediction: predict(&extended.model, &point, recording)?,
-        });
-    }
-    Ok((recording, models))
+    let recordings = rig.training.iter().chain(&rig.unseen).enumerate();
+    let mut predicted = recordings
+        .map(|(k, recording)| {
+            let mut models = vec![Left {
+                model: "baseline",
+                prediction: predict(plain, &point(baseline, k), recording)?,
+            }];
+            if let Some(extended) = &diagnosis.extended {
+                models.push(Left {
+                    model: "extended",
+                    prediction: predict(&extended.model, &point(&extended.stage, k), recording)?,
+                });
+            }
+            Ok((recording, models))
+        })
+        .collect::<Result<Vec<_>, IdentifyError>>()?;
+    let trained = baseline.fit.recordings.iter().map(|one| one.rmse);
+    let errors: Vec<f64> = trained
+        .chain(baseline.validated.iter().map(|one| one.rmse))
+        .collect();
+    let worst = (0..errors.len()).max_by(|&a, &b| errors[a].total_cmp(&errors[b]));
+    predicted[..=worst.unwrap_or(0)].rotate_right(1);
+    Ok(predicted)
 }

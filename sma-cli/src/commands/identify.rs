@@ -12,6 +12,7 @@ use missing_physics::{carry_loop_shape, other_loops, setting_of_rod};
 use recording::{Recording, has_one_rate, repeat_floor};
 
 use crate::commands::on_threads;
+use crate::commands::pictures::Pictures;
 use crate::commands::used::UseArgs;
 use crate::earlier::Earlier;
 use crate::memory::Memory;
@@ -59,7 +60,7 @@ pub(crate) struct IdentifyArgs {
     /// Independent starts of the search [default: 4; with --preset sadeghi 1].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     starts: Option<u64>,
-    /// Start one more search from an earlier model; of one with effects from its plain part.
+    /// Start one more search from an earlier model; of one with effects from its baseline part.
     #[arg(long, value_name = "MODEL")]
     from_model: Option<PathBuf>,
     /// Give the same cost to argmin's optimizers and say where they end.
@@ -71,9 +72,8 @@ pub(crate) struct IdentifyArgs {
     /// Write the result as one HTML page with figures, to read and to mail.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// No picture of the recording that is met worst.
-    #[arg(long)]
-    no_plot: bool,
+    #[command(flatten)]
+    pictures: Pictures,
     /// Seed: same seed and inputs, same result.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -209,13 +209,13 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         delivery.of(|| sink.write(&SavedModel::of(&identification, made.clone()).to_toml()?));
     }
     let mut text = identified.text();
-    if !args.no_plot || report.is_some() {
+    if args.pictures.plot || report.is_some() {
         let (recording, point) = met_worst(&fit, &training, &validated, &unseen);
         let name = identified.label(recording.name());
         let prediction = predict(&model, &point, recording)?;
-        if !args.no_plot {
-            text += &plot::pictures(name, recording, &prediction);
-        }
+        text += &args
+            .pictures
+            .of(args.quiet, || plot::pictures(name, recording, &prediction))?;
         if let Some(sink) = report {
             let worst = Compared {
                 recording,

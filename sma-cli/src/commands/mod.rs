@@ -7,6 +7,7 @@ pub(crate) mod diagnose;
 pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
+mod pictures;
 pub(crate) mod shell;
 pub(crate) mod simulate;
 mod since;

@@ -160,7 +160,7 @@ fn effects(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
         return Vec::new();
     };
     let mut notes = vec![format!(
-        "the plain model with {} is simulated",
+        "the baseline model with {} is simulated",
         effects.names().join(", ")
     )];
     let drifts: Vec<&str> = model.drifts().map(EffectId::id).collect();

@@ -10,7 +10,7 @@ use workbench::{WorkbenchError, read_all};
 use super::diagnose::{DiagnoseArgs, Rig, show};
 use crate::outcome::Outcome;
 use crate::sink::{Sink, deliver};
-use crate::terminal::{bar, say};
+use crate::terminal::{Progress, say};
 
 /// Fits the laws of the reference, and asks of the training recordings what has changed.
 pub(crate) fn since_reference(
@@ -37,18 +37,18 @@ pub(crate) fn since_reference(
         .into());
     };
     let config = args.config(Vec::new(), &rig)?;
-    let bar = bar(
+    let mut shown = Progress::new(
         args.quiet,
         config.baseline.starts,
         "reference {bar:20}  {msg}",
     );
     let healthy = Reference::of(plain, &reference, &config, &mut |progress| {
-        show(&bar, &progress);
+        show(&mut shown, &progress);
         ControlFlow::Continue(())
     })?;
-    bar.set_message("asking what has changed");
+    shown.show("asking what has changed", None, "");
     let change = healthy.changed(&rig.training)?;
-    bar.finish_and_clear();
+    shown.end();
     let since = SinceReference {
         change: &change,
         seed: args.seed,

@@ -168,7 +168,7 @@ struct Structure {
     /// Share of the set point that the proportional term sees: below 1, steps of it kick less.
     #[arg(long, default_value_t = 1.0, value_name = "0..1")]
     setpoint_weight: f64,
-    /// Add the inverse of the plain model to the drive: loop and heat balance turned around.
+    /// Add the inverse of the baseline model to the drive: loop and heat balance turned around.
     #[arg(long)]
     feed_forward: bool,
 }
@@ -602,7 +602,7 @@ impl Job<'_> {
         self.n_samples("--duration-s", duration_s)
     }
 
-    /// Inverse of the plain model along a reference; none unless asked for.
+    /// Inverse of the baseline model along a reference; none unless asked for.
     fn forward(
         &self,
         rig: &Rig,

@@ -106,13 +106,13 @@ fn how_far_runs_repeat_and_what_differs_is_said() {
                 --plots figures";
     let (code, text, said) = sma(folder, call);
     assert_eq!(code, 0, "{said}");
-    assert!(text.starts_with("Nothing is missing"), "{text}");
+    assert!(text.starts_with("ADEQUATE: nothing is missing"), "{text}");
     assert!(
         text.contains("Relative to a.csv, runs differ by up to "),
         "{text}"
     );
     assert!(
-        text.contains("\nFrom run to run, over the first\n recording "),
+        text.contains("\nDifferences from run to run, relative to the first\n recording "),
         "{text}"
     );
     let json: Value =
@@ -141,7 +141,7 @@ fn how_far_runs_repeat_and_what_differs_is_said() {
     assert!(predicted > 5.0 * calibrated, "{predicted} {calibrated}");
     assert!(folder.join("figures/same-drive.svg").is_file());
     let page = fs::read_to_string(folder.join("page.html")).unwrap();
-    assert!(page.contains("From run to run, over the first"));
+    assert!(page.contains("Differences from run to run, relative to the first"));
 }
 
 #[test]
@@ -185,7 +185,9 @@ fn what_has_changed_since_a_reference_is_said() {
     let (code, text, said) = sma(folder, call);
     assert_eq!(code, 0, "{said}");
     assert!(
-        text.starts_with("Nothing has changed since the reference that these runs could show"),
+        text.starts_with(
+            "UNCHANGED: nothing has changed since the reference that these runs could show"
+        ),
         "{text}"
     );
     assert!(text.contains("\nRuns of the reference, each met by laws from the others\n"));

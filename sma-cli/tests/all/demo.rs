@@ -58,8 +58,8 @@ fn what_is_concealed_is_named_and_pays_at_the_controller() {
         report,
     } = demonstrated();
     for (beginning, concealed) in [
-        ("Latent heat is missing: ", 15.0),
-        ("Dead time is missing: ", 0.8),
+        ("1. Latent heat (probability > 99.9 %): ", 15.0),
+        ("2. Dead time (probability > 99.9 %): ", 0.8),
     ] {
         let [value, half] = estimate(said, beginning);
         assert!(
@@ -68,17 +68,17 @@ fn what_is_concealed_is_named_and_pays_at_the_controller() {
         );
         assert!(half < 0.05 * concealed, "{beginning}{value} ± {half}");
     }
-    // The controller of the plain model never rests; that of the mended one comes to every set point.
+    // The controller of the baseline model never rests; that of the extended one comes to every set point.
     let of = |model: &str| {
         said.lines()
             .find(|line| line.trim_start().starts_with(model))
             .unwrap()
     };
     assert!(
-        of("plain model").contains("never, never, never, never"),
+        of("baseline model").contains("never, never, never, never"),
         "{said}"
     );
-    assert!(!of("mended model").contains("never"), "{said}");
+    assert!(!of("extended model").contains("never"), "{said}");
     let tree = roxmltree::Document::parse(report.trim_start_matches("<!DOCTYPE html>")).unwrap();
     let sections: Vec<&str> = tree
         .descendants()
@@ -86,7 +86,7 @@ fn what_is_concealed_is_named_and_pays_at_the_controller() {
         .filter_map(|heading| heading.text())
         .collect();
     assert!(
-        sections.contains(&"What the mended model is worth: controllers on the true wire"),
+        sections.contains(&"What the extended model is worth: controllers on the true wire"),
         "{sections:?}"
     );
 
@@ -103,8 +103,8 @@ fn what_is_concealed_is_named_and_pays_at_the_controller() {
     let verdict = |said: &str| {
         let lines = said
             .lines()
-            .skip_while(|line| !line.starts_with("Latent heat is missing"));
-        lines.take(4).map(ToOwned::to_owned).collect::<Vec<_>>()
+            .skip_while(|line| !line.starts_with("EXPLAINED: latent heat"));
+        lines.take(20).map(ToOwned::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(verdict(&again), verdict(said));
 

@@ -68,7 +68,7 @@ fn the_tutorial_can_be_followed() {
         }
     }
     assert!(n_commands >= 6, "{n_commands}");
-    for name in ["mended.toml", "diagnosis.html", "predicted.csv"] {
+    for name in ["extended.toml", "diagnosis.html", "predicted.csv"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
 }

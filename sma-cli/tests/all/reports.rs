@@ -71,9 +71,11 @@ fn an_identified_model_shows_what_it_meets_worst() {
     assert_eq!(
         captions,
         [
-            "validate.csv: recorded, and what the model says",
-            "validate.csv: what the model leaves; where nothing is missing that is noise, without shape",
-            "validate.csv: the loop over the temperature that the identified model computes",
+            "validate.csv: the identified model should lie on the recording, the broad gray line.",
+            "validate.csv: the residual. Of a model that lacks nothing it is noise, without a shape.",
+            "validate.csv: the drive.",
+            "validate.csv: the output over the temperature that the identified model computes. The branches of the recording should lie on \
+             those of the model.",
         ]
     );
     assert!(page.contains("and what it has not seen to 0.00"));

@@ -1,64 +1,82 @@
 //! The figures of a diagnosis.
 
 use missing_physics::{Diagnosis, Rung};
-use recording::{Recording, RepeatFloor};
+use recording::Recording;
 
 use super::{Compared, Figure, Series, Style};
 use crate::report::plot::Left;
 use crate::report::repeated::both;
-use crate::report::verdict::named;
 
-/// A diagnosis, and the recording that the plain model meets worst with what the models say of it.
+/// A diagnosis, and its recordings with what the models say of them.
 #[derive(Debug)]
 pub struct Drawn<'a> {
     /// Result of the diagnosis.
     pub diagnosis: &'a Diagnosis,
-    /// The recording that is met worst, and the models on it.
-    pub compared: Compared<'a>,
+    /// The recordings and the models on them: first the one that the baseline model meets worst.
+    pub compared: Vec<Compared<'a>>,
 }
 
 impl<'a> Drawn<'a> {
-    /// The figures of a diagnosis, with a recording under the name that it is given, and what each model leaves of it.
+    /// A diagnosis and its recordings, each with its name for people and the models on it; at least one, the worst first.
     #[must_use]
     pub fn new(
         diagnosis: &'a Diagnosis,
-        (recording, name): (&'a Recording, &'a str),
-        models: &'a [Left],
+        recordings: impl IntoIterator<Item = (&'a Recording, &'a str, &'a [Left])>,
     ) -> Self {
-        let spans = diagnosis.mismatch.spans.iter();
-        let own = spans.filter(|span| span.recording == recording.name());
-        Self {
-            diagnosis,
-            compared: Compared {
+        let compared = recordings.into_iter().map(|(recording, name, models)| {
+            let spans = diagnosis.mismatch.spans.iter();
+            let own = spans.filter(|span| span.recording == recording.name());
+            Compared {
                 recording,
                 name,
                 models,
                 spans_s: own.map(|span| [span.start_s, span.end_s]).collect(),
-            },
+            }
+        });
+        Self {
+            diagnosis,
+            compared: compared.collect(),
         }
     }
 }
 
-/// Recording and models over time, what they leave, the loop, two runs of the same drive where there are any, and the errors down to
-/// the noise.
+/// The recording that is met worst and the models on it over time, their residuals, the drive, the loops, two runs of the same
+/// drive where there are any, and the errors down to the noise.
 #[must_use]
 pub fn figures(drawn: &Drawn<'_>) -> Vec<Figure> {
-    let mut figures = drawn.compared.figures();
-    let repeats = drawn.diagnosis.repeats.as_ref();
-    figures.extend(repeats.and_then(same_drive));
-    figures.push(drawn.ladder());
+    let worst = drawn.compared.first();
+    let mut figures = worst.map_or(Vec::new(), Compared::figures);
+    figures.extend(same_drive(drawn));
+    figures.push(ladder(drawn));
     figures
 }
 
+/// All recordings with the models on them as CSV, a file each: name of the file and text.
+#[must_use]
+pub fn series(drawn: &Drawn<'_>) -> Vec<(String, String)> {
+    let numbered = drawn.compared.iter().enumerate();
+    numbered
+        .map(|(k, one)| {
+            let stem = one.name.rsplit_once('.').map_or(one.name, |(stem, _)| stem);
+            let safe = |c: char| if c.is_alphanumeric() { c } else { '-' };
+            let stem: String = stem.chars().map(safe).collect();
+            (format!("series-{}-{stem}.csv", k + 1), one.csv())
+        })
+        .collect()
+}
+
 /// Difference between the longest two runs of the same drive.
-fn same_drive(floor: &RepeatFloor) -> Option<Figure> {
+#[must_use]
+pub fn same_drive(drawn: &Drawn<'_>) -> Option<Figure> {
+    let floor = drawn.diagnosis.repeats.as_ref()?;
     let pair = floor.pairs.first()?;
     let outputs = pair.apart.outputs.iter();
     let apart = outputs.map(|[t, first, second]| [*t, second - first]);
     Some(Figure {
         name: "same-drive",
         caption: format!(
-            "What two runs of the same drive differ by, an offset taken out: {}",
+            "Two runs of the same drive: their difference, without an offset. No model with the same parameters in both can follow \
+             it. {}.",
             both(pair, floor)
         ),
         across: "time, s".to_owned(),
@@ -68,51 +86,47 @@ fn same_drive(floor: &RepeatFloor) -> Option<Figure> {
     })
 }
 
-impl Drawn<'_> {
-    /// Errors from the plain model down to the noise, an effect at a time.
-    fn ladder(&self) -> Figure {
-        let rungs = &self.diagnosis.ladder;
-        let over = |of: fn(&Rung) -> Option<f64>| -> Vec<[f64; 2]> {
-            let errors = rungs.iter().map(of).enumerate();
-            errors
-                .filter_map(|(k, error)| Some([k as f64, error?]))
-                .collect()
-        };
-        let training = over(|rung| Some(rung.train_rmse));
-        let unseen = over(|rung| rung.unseen_rmse);
-        let noise = self.diagnosis.noise_floor;
-        let floor = noise.upper.unwrap_or(noise.lower);
-        let mut words = vec!["plain model".to_owned()];
-        words.extend((1..rungs.len()).map(|number| format!("+ {number}")));
-        let added = rungs.iter().enumerate().skip(1);
-        let names: Vec<String> = added
-            .map(|(number, rung)| format!("{number} {}", named(&rung.added, "and")))
-            .collect();
-        let mut caption = "Error of the plain model".to_owned();
-        if !names.is_empty() {
-            caption += &format!(", and with {}", names.join(", "));
-        }
-        if names.len() > 1 {
-            caption += ": each beside those before";
-        }
-        let end = rungs.len() as f64 - 0.5;
-        let mut all = vec![Series::new("training", Style::Training, training)];
-        if !unseen.is_empty() {
-            all.push(Series::new("unseen", Style::Unseen, unseen));
-        }
-        all.push(Series::new(
-            "noise",
-            Style::Noise,
-            [[-0.5, floor], [end, floor]],
-        ));
-        Figure {
-            name: "ladder",
-            caption,
-            across: String::new(),
-            up: format!("RMSE, {}", self.compared.recording.output_unit()),
-            series: all,
-            words,
-            ..Figure::default()
-        }
+/// Errors from the baseline model down to the noise, an effect at a time.
+#[must_use]
+pub fn ladder(drawn: &Drawn<'_>) -> Figure {
+    let diagnosis = drawn.diagnosis;
+    let rungs = &diagnosis.ladder;
+    let over = |of: fn(&Rung) -> Option<f64>| -> Vec<[f64; 2]> {
+        let errors = rungs.iter().map(of).enumerate();
+        errors
+            .filter_map(|(k, error)| Some([k as f64, error?]))
+            .collect()
+    };
+    let training = over(|rung| Some(rung.train_rmse));
+    let unseen = over(|rung| rung.unseen_rmse);
+    let noise = diagnosis.noise_floor;
+    let floor = noise.upper.unwrap_or(noise.lower);
+    let mut words = vec!["baseline".to_owned()];
+    words.extend(rungs.iter().skip(1).map(|rung| {
+        let ids: Vec<&str> = rung.added.iter().map(|effect| effect.id()).collect();
+        format!("+ {}", ids.join(", "))
+    }));
+    let end = rungs.len() as f64 - 0.5;
+    let mut all = vec![Series::new("training", Style::Training, training)];
+    if !unseen.is_empty() {
+        all.push(Series::new("unseen, calibrated", Style::Unseen, unseen));
+    }
+    all.push(Series::new(
+        "noise level",
+        Style::Noise,
+        [[-0.5, floor], [end, floor]],
+    ));
+    let unit = &diagnosis.baseline.fit.output_unit;
+    Figure {
+        name: "ladder",
+        caption: "RMS error of the baseline model, and with each effect beside those before it: a bar at the line is noise alone. \
+                  The scale is logarithmic."
+            .to_owned(),
+        across: String::new(),
+        up: format!("RMS error, {unit}"),
+        series: all,
+        words,
+        log_up: true,
+        ..Figure::default()
     }
 }

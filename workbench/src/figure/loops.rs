@@ -104,7 +104,7 @@ fn nyquist(tuned: &TunedReport<'_>) -> Figure {
     let minus_one = Series::new("-1", Style::Unseen, cross.map(|[re, im]| [-1.0 + re, im]));
     Figure {
         name: "nyquist",
-        caption: "Nyquist: a loop that passes -1 on its right is stable; where the plain part's loop crosses -1/N the \
+        caption: "Nyquist: a loop that passes -1 on its right is stable; where the baseline part's loop crosses -1/N the \
                   first harmonic foresees a limit cycle"
             .to_owned(),
         across: "real part of L".to_owned(),

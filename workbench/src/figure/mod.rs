@@ -11,7 +11,7 @@ use std::fs::create_dir;
 use std::path::{Path, PathBuf};
 
 pub use compared::Compared;
-pub use diagnosed::{Drawn, figures};
+pub use diagnosed::{Drawn, figures, ladder, same_drive, series};
 pub use loops::loops;
 pub use svg::inline;
 pub use tracks::tracks;
@@ -33,6 +33,8 @@ pub struct Figure {
     pub series: Vec<Series>,
     /// Stretches across that are shaded.
     pub shaded: Vec<[f64; 2]>,
+    /// True if the vertical axis is logarithmic; then all values are > 0.
+    pub log_up: bool,
     /// Words for 0, 1, 2, … across, where the curves are bars; empty for numbers.
     pub words: Vec<String>,
 }
@@ -73,7 +75,7 @@ impl Series {
 pub enum Style {
     /// A broad gray line, beneath the others.
     Recorded,
-    /// The plain model's color.
+    /// The baseline model's color.
     Plain,
     /// That of the model with effects.
     Extended,
@@ -147,6 +149,25 @@ impl Gallery {
     ///
     /// [`WorkbenchError`] if a figure cannot be drawn, or a file written.
     pub fn hang(&self, figures: &[Figure]) -> Result<(), WorkbenchError> {
+        for figure in figures {
+            self.write(&format!("{}.svg", figure.name), &svg::svg(figure)?)?;
+            self.write(&format!("{}.csv", figure.name), &figure.csv())?;
+        }
+        Ok(())
+    }
+
+    /// Writes tables: the name of each file, and its text.
+    ///
+    /// # Errors
+    ///
+    /// [`WorkbenchError`] if a file cannot be written.
+    pub fn keep(&self, tables: &[(String, String)]) -> Result<(), WorkbenchError> {
+        tables
+            .iter()
+            .try_for_each(|(name, text)| self.write(name, text))
+    }
+
+    fn write(&self, name: &str, text: &str) -> Result<(), WorkbenchError> {
         let Self(folder) = self;
         if !folder.is_dir() {
             create_dir(folder).map_err(|source| WorkbenchError::Make {
@@ -154,11 +175,6 @@ impl Gallery {
                 source,
             })?;
         }
-        for figure in figures {
-            let file = |ending: &str| folder.join(figure.name).with_extension(ending);
-            Place::open(&file("svg"), &[])?.write(&svg::svg(figure)?)?;
-            Place::open(&file("csv"), &[])?.write(&figure.csv())?;
-        }
-        Ok(())
+        Place::open(&folder.join(name), &[])?.write(text)
     }
 }

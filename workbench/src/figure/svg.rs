@@ -126,6 +126,9 @@ fn draw(
     let [across, up] = [range(figure, 0), range(figure, 1)];
     let margin = MARGIN * (up[1] - up[0]);
     let up = [up[0] - margin, up[1] + margin];
+    let place_up = |value: f64| {
+        if figure.log_up { value.log10() } else { value }
+    };
     let mut chart = ChartBuilder::on(&area)
         .margin(MARGIN_PX)
         .x_label_area_size(canvas.below)
@@ -141,6 +144,9 @@ fn draw(
         .light_line_style(TRANSPARENT)
         .bold_line_style(RGBColor(230, 230, 230));
     mesh.x_label_formatter(&tick).y_label_formatter(&tick);
+    if figure.log_up {
+        mesh.y_label_formatter(&power_tick);
+    }
     if !figure.words.is_empty() {
         mesh.x_label_formatter(&words)
             .x_labels(2 * figure.words.len() + 1);
@@ -153,6 +159,7 @@ fn draw(
     chart.draw_series(shaded)?;
     let is_bar = |series: &&Series| !figure.words.is_empty() && series.style != Style::Noise;
     let n_bars = figure.series.iter().filter(is_bar).count();
+    let bottom = if figure.log_up { up[0] } else { 0.0 };
     for (number, series) in figure.series.iter().enumerate() {
         let color = color(series.style);
         let points = thinned(series);
@@ -160,11 +167,13 @@ fn draw(
             let (width, first) = (BARS / n_bars as f64, number as f64 - 0.5 * n_bars as f64);
             let bars = points.into_iter().map(|(x, y)| {
                 let left = x + width * first;
-                Rectangle::new([(left, 0.0), (left + 0.9 * width, y)], color.filled())
+                let ends = [(left, bottom), (left + 0.9 * width, place_up(y))];
+                Rectangle::new(ends, color.filled())
             });
             chart.draw_series(bars)?;
         } else {
             let stroke = color.stroke_width(width(series.style));
+            let points = points.into_iter().map(|(x, y)| (x, place_up(y)));
             chart.draw_series(LineSeries::new(points, stroke))?;
         }
     }
@@ -232,13 +241,19 @@ fn width(style: Style) -> u32 {
     }
 }
 
-/// The lowest and the highest of one coordinate, some room where there is no range; bars stand on 0.
+/// The lowest and the highest of one coordinate, some room where there is no range; bars stand on 0, on a logarithmic axis on the
+/// power of ten below.
 fn range(figure: &Figure, coordinate: usize) -> [f64; 2] {
     let points = figure.series.iter().flat_map(|series| &series.points);
     let values = points.map(|point| point[coordinate]);
     let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(value), high.max(value)]
     });
+    if figure.log_up && coordinate == 1 {
+        let [low, high] = [low, high].map(f64::log10);
+        // A bar as high as the lowest is still seen.
+        return [(low - 0.3).floor(), high];
+    }
     match (figure.words.is_empty(), coordinate) {
         (false, 0) => [-0.5, figure.words.len() as f64 - 0.5],
         (false, _) => [0.0, high],
@@ -265,6 +280,13 @@ fn tick(at: &f64) -> String {
         "-0" => "0".to_owned(),
         text => text.to_owned(),
     }
+}
+
+/// A value on a logarithmic axis.
+fn power_tick(at: &f64) -> String {
+    let value = 10.0_f64.powf(*at);
+    let decimals = (1.0 - at.floor()).clamp(0.0, 9.0) as usize;
+    tick(&format!("{value:.decimals$}").parse().unwrap_or(value))
 }
 
 /// Not all of a long curve.

@@ -1,5 +1,6 @@
 // A cursor on each figure that says the values under it; a stretch that is dragged over fills the figure, a double click
-// takes it back. Without this script the figures stand as they are.
+// takes it back. With the keyboard the arrows move the cursor, + and - enlarge around it, Escape takes it back. Without this script
+// the figures stand as they are.
 "use strict";
 for (const figure of document.querySelectorAll("figure[data-plot]")) {
   const { left, right, top, bottom, across, up, labels, axes } = JSON.parse(figure.dataset.plot);
@@ -25,7 +26,8 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
   }
   const dots = lines.map((line) => make("circle", { r: 4, fill: line.getAttribute("stroke"), opacity: 0 }, svg));
   const brush = make("rect", { y: top, height: bottom - top, width: 0, fill: "var(--ink)", opacity: 0.12 }, svg);
-  let scale = 1, shift = 0, start = null;
+  let scale = 1, shift = 0, start = null, cursor = (left + right) / 2;
+  svg.setAttribute("tabindex", 0);
   const value = (x) => across[0] + ((x - shift) / scale - left) / (right - left) * (across[1] - across[0]);
   const height = (y) => up[0] + (bottom - y) / (bottom - top) * (up[1] - up[0]);
   const place = (event) => new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
@@ -36,12 +38,8 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
       tick.textContent = scale === 1 ? first[k] : show(value(+tick.getAttribute("x")));
     });
   };
-  svg.addEventListener("pointermove", (event) => {
-    const at = place(event);
-    if (start !== null) {
-      brush.setAttribute("x", Math.min(start, at.x));
-      brush.setAttribute("width", Math.abs(at.x - start));
-    }
+  const read = (at) => {
+    cursor = at.x;
     const words = lines.map((line, k) => {
       let best = null, least = Infinity;
       for (const point of line.points) {
@@ -54,6 +52,23 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
       return `${labels[k]} ${show(height(best.y))}`;
     });
     said.textContent = `${axes[0]} ${show(value(at.x))}: ${words.join(", ")}`;
+  };
+  const fill = (from, to) => {
+    scale = (right - left) / (to - from);
+    shift = left - from * scale;
+    draw();
+  };
+  const whole = () => {
+    [scale, shift] = [1, 0];
+    draw();
+  };
+  svg.addEventListener("pointermove", (event) => {
+    const at = place(event);
+    if (start !== null) {
+      brush.setAttribute("x", Math.min(start, at.x));
+      brush.setAttribute("width", Math.abs(at.x - start));
+    }
+    read(at);
   });
   svg.addEventListener("pointerdown", (event) => {
     start = place(event).x;
@@ -64,13 +79,22 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
     start = null;
     brush.setAttribute("width", 0);
     if (8 > high - low) return;
-    const [from, to] = [(low - shift) / scale, (high - shift) / scale];
-    scale = (right - left) / (to - from);
-    shift = left - from * scale;
-    draw();
+    fill((low - shift) / scale, (high - shift) / scale);
   });
-  svg.addEventListener("dblclick", () => {
-    [scale, shift] = [1, 0];
-    draw();
+  svg.addEventListener("dblclick", whole);
+  svg.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    const zoom = { "+": 2, "-": 0.5 }[event.key];
+    if (step) {
+      const x = Math.min(right, Math.max(left, cursor + step * (right - left) / 100));
+      read({ x, y: (top + bottom) / 2 });
+    } else if (zoom) {
+      const middle = (cursor - shift) / scale;
+      const half = Math.min((right - left) / 2, (right - left) / (2 * scale * zoom));
+      const from = Math.min(right - 2 * half, Math.max(left, middle - half));
+      fill(from, from + 2 * half);
+    } else if (event.key === "Escape") whole();
+    else return;
+    event.preventDefault();
   });
 }

@@ -4,10 +4,13 @@ use missing_physics::{EffectBlock, Finding, Mismatch, Run};
 
 use super::{Page, escaped};
 use crate::WorkbenchError;
-use crate::figure::{Drawn, Figure, Series, Style, figures};
-use crate::report::diagnosed::{Diagnosed, FROM_RUN_TO_RUN, found, in_frequency, regimes};
+use crate::figure::{Drawn, Figure, Series, Style, ladder, same_drive};
+use crate::report::diagnosed::{
+    Diagnosed, FROM_RUN_TO_RUN, HOW_TO_READ_CATALOGUE, HOW_TO_READ_REGIMES, WHERE, found,
+    in_frequency, regimes, what,
+};
 use crate::report::number::spoken_percent;
-use crate::report::verdict::{block_name, what};
+use crate::report::words::block_name;
 
 /// Probability from which a block is marked.
 const GUILTY: f64 = 0.5;
@@ -24,19 +27,32 @@ pub fn diagnosed(
     let diagnosis = diagnosed.diagnosis;
     let mut page = Page::new("Diagnosis of an SMA actuator", &diagnosed.verdict());
     if let Some(drawn) = drawn {
-        let figures = figures(drawn);
-        let (over_time, errors) = figures.split_at(figures.len() - 1);
-        page.section("How far it is off, before and after");
-        for figure in errors {
-            page.figure(figure)?;
-        }
+        page.section("Error before and after");
+        page.note(diagnosed.how_to_read_ladder());
+        page.figure(&ladder(drawn))?;
         page.table(&diagnosed.ladder());
-        page.section("What was recorded, and what the models say");
+        page.section("Recordings and models");
         page.how_to_read();
-        for figure in over_time {
-            page.figure(figure)?;
+        if let Some(figure) = same_drive(drawn) {
+            page.figure(&figure)?;
         }
-        page.section("Where the plain model and the recordings part");
+        for (k, compared) in drawn.compared.iter().enumerate() {
+            if k == 0 {
+                for figure in compared.figures() {
+                    page.figure(&figure)?;
+                }
+                continue;
+            }
+            page.line(&format!(
+                "<details><summary>{}</summary>",
+                escaped(compared.name)
+            ));
+            for figure in compared.over_time() {
+                page.figure(&figure)?;
+            }
+            page.line("</details>");
+        }
+        page.section(WHERE);
         page.line(&blocks(&diagnosis.mismatch, &diagnosis.findings));
         where_it_is(&mut page, diagnosed, &diagnosis.mismatch);
         for (title, findings, estimates) in found(diagnosis) {
@@ -46,17 +62,18 @@ pub fn diagnosed(
         }
         if let Some(runs) = diagnosed.runs() {
             page.section(FROM_RUN_TO_RUN);
-            page.line(
-                "<p class=\"soft\">Runs of the same drive do not repeat: what differs is left open in each, held by priors of what is \
-                 ordinary in a laboratory.</p>",
+            page.note(
+                "Runs of the same drive do not repeat: what differs is left open in each, held by priors of what is ordinary in a \
+                 laboratory.",
             );
             page.table(&runs);
         }
         if let Some(left) = &diagnosis.remainder {
-            page.section("What remains");
+            page.section("Where the rest of the error lies");
             where_it_is(&mut page, diagnosed, &left.mismatch);
         }
         page.section("The catalogue: what these recordings say of each effect");
+        page.note(HOW_TO_READ_CATALOGUE);
         page.table(&diagnosed.catalogue());
     }
     if let Some(next) = &diagnosis.next_experiment {
@@ -121,10 +138,7 @@ fn equation(text: &str) -> String {
 fn where_it_is(page: &mut Page, diagnosed: &Diagnosed<'_>, mismatch: &Mismatch) {
     let tables = [regimes(mismatch), diagnosed.stretches(mismatch)];
     if tables.iter().any(Option::is_some) {
-        page.line(
-            "<p class=\"soft\">On the training recordings. Regimes overlap, so that shares add up to more than 100 %; p: how \
-             often noise alone gathers as much in one of them.</p>",
-        );
+        page.note(HOW_TO_READ_REGIMES);
     }
     for table in tables.iter().flatten() {
         page.table(table);

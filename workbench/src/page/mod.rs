@@ -51,16 +51,27 @@ impl Page {
         self.line(&format!("<h2>{}</h2>", escaped(title)));
     }
 
-    /// Lines of text, a paragraph each.
+    /// Lines of text, a paragraph each; those that begin with a blank are remarks on the one before.
     pub fn paragraphs(&mut self, text: &str) {
         for line in text.lines().filter(|line| !line.trim().is_empty()) {
-            self.line(&format!("<p>{}</p>", escaped(line)));
+            let class = if line.starts_with(' ') {
+                " class=\"soft remark\""
+            } else {
+                ""
+            };
+            self.line(&format!("<p{class}>{}</p>", escaped(line.trim())));
         }
+    }
+
+    /// A remark in a softer color, such as how to read the table below it.
+    pub fn note(&mut self, text: &str) {
+        self.line(&format!("<p class=\"soft\">{}</p>", escaped(text)));
     }
 
     /// Instructions for reading the figures.
     pub fn how_to_read(&mut self) {
-        self.line("<p class=\"soft\">Move over a figure to read values; drag to enlarge, double-click to return.</p>");
+        self.note("Move over a figure to read values; drag to enlarge, double-click to return. With the keyboard: Tab to a figure, arrows to move, + and - to enlarge, \
+             Escape to return.");
     }
 
     /// A line of HTML markup, not escaped.
@@ -74,7 +85,9 @@ impl Page {
         self.text += "<div class=\"scroll\"><table>\n";
         if let Some(header) = table.header() {
             let cells = header.cell_iter().map(|cell| escaped(&cell.content()));
-            let cells: Vec<String> = cells.map(|cell| format!("<th>{cell}</th>")).collect();
+            let cells: Vec<String> = cells
+                .map(|cell| format!("<th scope=\"col\">{cell}</th>"))
+                .collect();
             self.line(&format!("<thead><tr>{}</tr></thead>", cells.concat()));
         }
         self.text += "<tbody>\n";
@@ -92,7 +105,7 @@ impl Page {
         self.text += "</tbody></table></div>\n";
     }
 
-    /// A figure with its caption below, and a cursor where the page may run its script.
+    /// A figure with its caption above, and a cursor where the page may run its script.
     ///
     /// # Errors
     ///
@@ -109,10 +122,10 @@ impl Page {
             "<output></output>"
         };
         self.line(&format!(
-            "<figure id=\"figure-{}\"{plot}>{}{output}\n<figcaption>{}</figcaption></figure>",
+            "<figure id=\"figure-{}\"{plot}><figcaption>{}</figcaption>\n{}{output}</figure>",
             self.n_figures,
-            inline.svg,
-            escaped(&figure.caption)
+            escaped(&figure.caption),
+            inline.svg
         ));
         Ok(())
     }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::label::label;
 use super::number::{behind, percent, significant, spoken};
 use super::table::{right, table, unpadded};
+use super::words::{capitalized, wrapped};
 
 /// Changes that a person reads; JSON has all.
 const ROWS: usize = 6;
@@ -31,7 +32,9 @@ impl SinceReference<'_> {
     /// For people.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut text = self.verdict() + "\n" + &self.errors() + "\n";
+        let class = self.change.verdict.id().replace('_', " ").to_uppercase();
+        let verdict = format!("{class}: {}", self.verdict());
+        let mut text = wrapped(&verdict) + "\n" + &wrapped(&self.errors()) + "\n";
         if self.change.verdict != ChangeVerdict::ReferenceTooShort {
             let _ = write!(
                 text,
@@ -58,13 +61,13 @@ impl SinceReference<'_> {
                     format!(", and the likeliest change, {}, to {share}", name(one.what))
                 });
                 format!(
-                    "Nothing has changed since the reference that these runs could show: no change is probable to {}{}.",
+                    "nothing has changed since the reference that these runs could show: no change is probable to {}{}.",
                     probability(change.unchanged),
                     likeliest.unwrap_or_default()
                 )
             }
             (ChangeVerdict::ReferenceTooShort, _) => format!(
-                "The reference is too short for a name: it has {} of at least {FEWEST_RUNS} runs, and cools {} of at least {FEWEST_COOLINGS} \
+                "no name can be given. The reference has {} of at least {FEWEST_RUNS} runs, and cools {} of at least {FEWEST_COOLINGS} \
                  times through the loop. Record more runs of the rig as it should be, each with a slow cooling.",
                 change.left_out.len().max(1),
                 change.coolings
@@ -83,7 +86,7 @@ impl SinceReference<'_> {
                 said
             }
             _ => format!(
-                "Something has changed since the reference, and no single effect or law accounts for it: these runs leave {} times \
+                "something has changed since the reference, and no single effect or law accounts for it: these runs leave {} times \
                  what a run of the reference left at most. Or they go where the reference did not: record runs of the same drive.",
                 spoken(change.excess[0])
             ),
@@ -190,7 +193,7 @@ impl SinceReference<'_> {
             let mut found = considered(&finding.leading);
             let others = finding.could_also_be.iter();
             found["could_also_be"] = others.map(|other| what(*other)).collect();
-            found["sentence"] = json!(said(&finding.leading));
+            found["sentence"] = json!(capitalized(&said(&finding.leading)));
             found
         });
         let left_out = change.left_out.iter();
@@ -233,7 +236,7 @@ fn said(one: &Considered) -> String {
         Changing::Law(_) => "is another",
     };
     format!(
-        "Since the reference, {} {verb}: {} by {size}{unit} (probability {}).",
+        "since the reference, {} {verb}: {} by {size}{unit} (probability {}).",
         name(one.what),
         one.parameter,
         probability(one.probability)

@@ -2,16 +2,14 @@
 
 pub mod changed;
 pub mod diagnosed;
-pub mod diagnosed_json;
 pub mod identified;
 pub mod inspected;
 pub mod label;
 pub mod number;
 pub mod plot;
 pub mod repeated;
-pub mod runs;
 pub mod static_diagnosed;
 pub mod table;
 pub mod trial;
 pub mod tuned;
-pub mod verdict;
+pub mod words;

@@ -53,6 +53,19 @@ pub fn spoken_percent(share: f64) -> String {
     }
 }
 
+/// Probability that is not told from certainty.
+const CERTAIN: f64 = 0.9995;
+
+/// A probability in percent, never 100.
+#[must_use]
+pub fn probability(value: f64) -> String {
+    if value > CERTAIN {
+        "> 99.9 %".to_owned()
+    } else {
+        spoken_percent(value)
+    }
+}
+
 /// A share as a percentage with one decimal.
 #[must_use]
 pub fn percent(share: f64) -> String {
@@ -75,7 +88,7 @@ pub fn count(value: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{count, percent, significant, spoken, spoken_percent};
+    use super::{count, percent, probability, significant, spoken, spoken_percent};
 
     #[test]
     fn numbers_keep_four_digits() {
@@ -98,6 +111,10 @@ mod tests {
         assert_eq!(
             [0.874, 0.998, 0.9998, 0.004, 1.0, -0.31].map(spoken_percent),
             ["87 %", "99.8 %", "100 %", "0.4 %", "100 %", "-31 %"]
+        );
+        assert_eq!(
+            [0.51, 0.9961, 1.0].map(probability),
+            ["51 %", "99.6 %", "> 99.9 %"]
         );
         assert_eq!(
             [999, 1000, 1_234_567].map(count),

@@ -77,7 +77,7 @@ pub fn what_is_left(name: &str, recording: &Recording, models: &[Left]) -> Strin
         .collect();
     let curves: Vec<Curve<'_>> = lefts.iter().map(|left| Curve::Line(left)).collect();
     let range = range(&curves);
-    let mut text = format!("\nMet worst by the plain model: {name}\n");
+    let mut text = format!("\nMet worst by the baseline model: {name}\n");
     for (one, curve) in models.iter().zip(curves) {
         let picture = picture(STRIP_HEIGHT, &time, &[curve], range);
         let _ = write!(

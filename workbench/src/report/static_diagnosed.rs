@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::number::{percent, significant, spoken};
 use super::table::{folding, right, table, unpadded};
+use super::words::listed;
 
 /// Reason why static recordings cannot test any other effect.
 const NEEDS_TIME: &str = "needs time";
@@ -69,17 +70,24 @@ impl StaticDiagnosed<'_> {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = match self.verdict() {
-            None => "These static recordings test no effect; nothing can be said of what the loop leaves out.\n".to_owned(),
+            None => "UNTESTED: these static recordings test no effect, and nothing can be said of what the loop leaves out.\n".to_owned(),
             Some(Verdict::NotConverged) => {
                 "NOT CONVERGED: the loop is not fitted, and nothing can be said of what it leaves out. Try another --seed.\n".to_owned()
             }
             Some(Verdict::Adequate) => {
-                "Nothing is missing that these static recordings could show.\n".to_owned()
+                "ADEQUATE: nothing is missing that these static recordings could show.\n".to_owned()
             }
             Some(_) => {
-                let found = self.tested().filter(|one| one.is_found());
-                let said: String = found.map(|one| sentence(one) + "\n").collect();
-                said + "Whether something else is left these recordings cannot say: without time nothing tells their noise.\n"
+                let found: Vec<&StaticEffect> =
+                    self.tested().filter(|one| one.is_found()).collect();
+                let names: Vec<String> = found.iter().map(|one| one.effect.replace('-', " ")).collect();
+                let verb = if names.len() == 1 { "is" } else { "are" };
+                let said: String = found.into_iter().map(|one| sentence(one) + "\n").collect();
+                format!(
+                    "EXPLAINED IN PART: {} {verb} missing from the loop.\n{said}Without time nothing tells the noise: these recordings \
+                     cannot say if something else is left.\n",
+                    listed(&names, "and")
+                )
             }
         };
         if self.tested().next().is_some() {

@@ -101,7 +101,7 @@ impl<'a> Bench<'a> {
         })?)
     }
 
-    /// Inverse of the plain model along a reference.
+    /// Inverse of the baseline model along a reference.
     ///
     /// # Errors
     ///
@@ -218,7 +218,7 @@ impl<'a> Bench<'a> {
         Ok(cycle.and_then(|cycle| screen.relay(&cycle)))
     }
 
-    /// The plain part under gains, for what is foreseen of limit cycles.
+    /// The baseline part under gains, for what is foreseen of limit cycles.
     ///
     /// # Errors
     ///

@@ -111,7 +111,7 @@ pub(crate) fn steps(samples: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The plain model of a rod file, and its fit from the default settings.
+/// The baseline model of a rod file, and its fit from the default settings.
 pub(crate) fn fitted(text: &str, training: &[Recording]) -> (WienerModel, Fit) {
     let model = WienerModel::new(&rod(text), Rule::LastReversal, training).unwrap();
     let go_on = &mut |_: &_| ControlFlow::Continue(());

@@ -1,4 +1,4 @@
-//! A made-up wire: its plain model, a drive, and a diagnosis of what it does.
+//! A made-up wire: its baseline model, a drive, and a diagnosis of what it does.
 
 #![allow(dead_code, reason = "each test uses what it needs")]
 
@@ -54,7 +54,7 @@ pub(crate) fn setting() -> Setting {
     setting_of_rod(&Rod::parse("rod.toml", ROD).unwrap(), "mm")
 }
 
-/// The plain model of the wire.
+/// The baseline model of the wire.
 pub(crate) fn params() -> WienerParams {
     let rod = RodParams {
         diameter_m: 0.75e-3,

@@ -39,7 +39,7 @@ pub struct TunedReport<'a> {
     pub dead_time_samples: usize,
     /// Requirements that the gains meet; `None` if nothing is required.
     pub requirements: Option<Requirements>,
-    /// True if the inverse of the plain model is added to the drive.
+    /// True if the inverse of the baseline model is added to the drive.
     pub feed_forward: bool,
     /// Rods over which the worst response counts, the identified one among them.
     pub n_rods: usize,
@@ -57,11 +57,11 @@ pub struct TunedReport<'a> {
     pub candidates: Vec<Candidate>,
     /// How the first two end, from each side.
     pub rests: [[Rest; 3]; 2],
-    /// Limit cycles of the plain part under the first two.
+    /// Limit cycles of the baseline part under the first two.
     pub analyses: [LoopAnalysis; 2],
     /// Loops of the first two over frequencies, for a picture.
     pub loops: Vec<LoopPicture>,
-    /// -1/N of the plain part's hysteresis, beside the loops.
+    /// -1/N of the baseline part's hysteresis, beside the loops.
     pub describing_curve: Vec<(f64, Complex)>,
     /// Performance of the gains on rods as likely as the identified one; `None` if that was not asked for.
     pub robust: Option<Robustness>,

@@ -103,15 +103,15 @@ impl TunedReport<'_> {
         table
     }
 
-    /// How loops end, from each side: as all of it is, and as it was foreseen of the plain part.
+    /// How loops end, from each side: as all of it is, and as it was foreseen of the baseline part.
     #[must_use]
     pub fn rest_table(&self) -> Table {
         let mut table = table([
             "end of the loop",
             "from",
             "simulated: all effects, sensor, delay",
-            "foreseen of the plain part",
-            "simulated plain part",
+            "foreseen of the baseline part",
+            "simulated baseline part",
         ]);
         let compared = self.compared();
         for (name, (rests, analysis)) in compared.iter().zip(self.rests.iter().zip(&self.analyses))

@@ -7,9 +7,10 @@ use missing_physics::{
 };
 use serde_json::{Value, json};
 
-use super::diagnosed::{Diagnosed, literature};
-use super::identified::parameters_json;
-use super::{repeated, runs};
+use super::findings::literature;
+use super::{Diagnosed, runs};
+use crate::report::identified::parameters_json;
+use crate::report::repeated;
 use crate::sanity;
 
 fn trace(trace: &Trace) -> Value {

@@ -5,9 +5,10 @@ use identify::{FittedParameter, ParameterState, RUN_PARAMETERS};
 use missing_physics::{Diagnosis, Stage};
 use serde_json::{Value, json};
 
-use super::label::label;
-use super::number::{percent, spoken};
-use super::table::{right, table};
+use super::headline::last;
+use crate::report::label::label;
+use crate::report::number::{percent, spoken};
+use crate::report::table::{right, table};
 
 /// A quantity that may differ from run to run.
 struct Column {
@@ -45,7 +46,7 @@ const COLUMNS: [Column; 3] = [SURROUNDINGS, HEAT_LOSS, STROKE];
 
 /// By how much recordings differ, in a sentence; `None` where all runs are taken for alike.
 #[must_use]
-pub fn said(diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn said(diagnosis: &Diagnosis) -> Option<String> {
     let last = last(diagnosis);
     if !differ(last) {
         return None;
@@ -71,13 +72,6 @@ pub fn said(diagnosis: &Diagnosis) -> Option<String> {
     ))
 }
 
-fn last(diagnosis: &Diagnosis) -> &Stage {
-    diagnosis
-        .extended
-        .as_ref()
-        .map_or(&diagnosis.baseline, |extended| &extended.stage)
-}
-
 /// True if a parameter of the single runs is free.
 fn differ(stage: &Stage) -> bool {
     RUN_PARAMETERS
@@ -98,7 +92,10 @@ fn place(stage: &Stage, name: &str) -> Option<usize> {
 /// Differences of each recording from the first training recording, by the last model; `None` if all runs are taken for
 /// alike. `shortened` gives the name of a recording for people.
 #[must_use]
-pub fn runs<'d>(diagnosis: &'d Diagnosis, shortened: impl Fn(&'d str) -> &'d str) -> Option<Table> {
+pub(super) fn runs<'d>(
+    diagnosis: &'d Diagnosis,
+    shortened: impl Fn(&'d str) -> &'d str,
+) -> Option<Table> {
     let last = last(diagnosis);
     let infos = &last.fit.parameters;
     if !differ(last) {
@@ -152,7 +149,7 @@ fn known(parameter: &FittedParameter, r: usize, shown: fn(f64) -> String) -> Str
 
 /// For programs: what [`runs`] has; null where all runs are taken for alike.
 #[must_use]
-pub fn json(diagnosis: &Diagnosis) -> Value {
+pub(super) fn json(diagnosis: &Diagnosis) -> Value {
     let last = last(diagnosis);
     if !differ(last) {
         return Value::Null;

@@ -1,0 +1,186 @@
+//! The verdict of a diagnosis, in a sentence or two that begin with its class.
+
+use identify::Validated;
+use missing_physics::{Diagnosis, Finding, RuleId, Stage, Verdict};
+
+use super::traces::{failed, passed, value};
+use crate::report::number::{behind, percent, significant, spoken};
+use crate::report::words::{listed, recordings};
+
+/// Class of the verdict in capitals, and what it says: the heading of text and page.
+#[must_use]
+pub fn headline(diagnosis: &Diagnosis) -> String {
+    let class = diagnosis.verdict.id().replace('_', " ").to_uppercase();
+    format!("{class}: {}", said(diagnosis))
+}
+
+fn said(diagnosis: &Diagnosis) -> String {
+    match diagnosis.verdict {
+        Verdict::NotConverged => {
+            "no two starts of the baseline model end at one minimum, and nothing can be said of what it leaves out. Try \
+             another --seed, or start from an earlier model (--from-model)."
+                .to_owned()
+        }
+        Verdict::Adequate => format!(
+            "nothing is missing that these recordings could show. {}",
+            error(diagnosis)
+        ),
+        Verdict::Explained | Verdict::Ambiguous | Verdict::ExplainedInPart => {
+            format!("{} {}", missing(&diagnosis.findings), change(diagnosis))
+        }
+        Verdict::Unexplained if failed(diagnosis, RuleId::Describes).is_some() => format!(
+            "the model does not describe this recording. Of what the output does it predicts {} on stretches that it has not seen; \
+             {} are required. Do drive and output belong together?",
+            percent(value(diagnosis, RuleId::Describes).unwrap_or(0.0).max(0.0)),
+            percent(RuleId::Describes.rule().threshold),
+        ),
+        Verdict::Unexplained
+            if failed(diagnosis, RuleId::Remainder).is_some()
+                && !disturbances(diagnosis).is_empty() =>
+        {
+            format!(
+                "the error is a disturbance that neither the drive nor the noise of a sensor makes: it {}. {} Record the \
+                 surroundings, and the rest position before and after.",
+                listed(&disturbances(diagnosis), "and"),
+                error(diagnosis)
+            )
+        }
+        Verdict::Unexplained => format!(
+            "something is missing, and no effect of the catalogue accounts for it. {}",
+            error(diagnosis)
+        ),
+    }
+}
+
+/// Signs of a disturbance that are seen in the error.
+fn disturbances(diagnosis: &Diagnosis) -> Vec<&'static str> {
+    [
+        (
+            RuleId::Disturbed,
+            "grows and shrinks with the state of the rod",
+        ),
+        (RuleId::Tone, "has a tone"),
+        (RuleId::Slow, "wanders slowly"),
+        (RuleId::Slip, "slips as a mount does"),
+    ]
+    .into_iter()
+    .filter_map(|(id, does)| passed(diagnosis, id).map(|_| does))
+    .collect()
+}
+
+/// "Latent heat, and dead time or supply lag, are missing from the baseline model."
+fn missing(findings: &[Finding]) -> String {
+    let is_sure = findings.iter().all(|one| one.could_also_be.is_empty());
+    let names: Vec<String> = findings.iter().map(names).collect();
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    let cannot_tell = if is_sure {
+        ""
+    } else {
+        "; these recordings cannot tell which"
+    };
+    format!(
+        "{} {verb} missing from the baseline model{cannot_tell}.",
+        listed(&names, "and")
+    )
+}
+
+/// Name of a finding, or names: "latent heat", "either dead time or supply lag".
+pub(super) fn names(finding: &Finding) -> String {
+    let effects = std::iter::once(&finding.effect).chain(&finding.could_also_be);
+    let names: Vec<&str> = effects.map(|effect| effect.info().name).collect();
+    match names.as_slice() {
+        [one] => (*one).to_owned(),
+        [_, _] => format!("either {}", listed(&names, "or")),
+        several => format!("one of {}", listed(several, "or")),
+    }
+}
+
+/// The model with the findings; the baseline model where there are none.
+pub(super) fn last(diagnosis: &Diagnosis) -> &Stage {
+    let extended = diagnosis.extended.as_ref();
+    extended.map_or(&diagnosis.baseline, |one| &one.stage)
+}
+
+/// Unit of the output behind a number: nothing where it has none.
+#[must_use]
+pub fn unit(diagnosis: &Diagnosis) -> String {
+    behind(&diagnosis.baseline.fit.output_unit)
+}
+
+/// Error of a stage over the noise: that of unseen recordings where there are any.
+fn over_noise(diagnosis: &Diagnosis, stage: &Stage) -> String {
+    let error = Validated::rmse_of_all(&stage.validated).unwrap_or(stage.fit.train_rmse);
+    let floor = diagnosis.noise_floor;
+    let at_most = if floor.upper.is_some() {
+        ""
+    } else {
+        "at most "
+    };
+    format!(
+        "{at_most}{} times the noise",
+        spoken(error / floor.upper.unwrap_or(floor.lower))
+    )
+}
+
+/// Error of the baseline model.
+fn error(diagnosis: &Diagnosis) -> String {
+    let (stage, unit) = (&diagnosis.baseline, unit(diagnosis));
+    let times = over_noise(diagnosis, stage);
+    let trained = spoken(stage.fit.train_rmse);
+    match Validated::rmse_of_all(&stage.validated) {
+        Some(unseen) => format!(
+            "The error of the baseline model is {trained}{unit} RMS in training and {}{unit} on unseen {}, {times}.",
+            spoken(unseen),
+            recordings(stage.validated.len())
+        ),
+        None => format!(
+            "The error of the baseline model is {trained}{unit} RMS, {times}; not yet tested on unseen recordings (--validate)."
+        ),
+    }
+}
+
+/// Change of the error by the findings.
+fn change(diagnosis: &Diagnosis) -> String {
+    let (before, after) = (&diagnosis.baseline, last(diagnosis));
+    let unit = unit(diagnosis);
+    let times = over_noise(diagnosis, after);
+    let with = if diagnosis.findings.len() == 1 {
+        "With it"
+    } else {
+        "With them"
+    };
+    let with = if diagnosis.suspects.is_empty() {
+        with.to_owned()
+    } else {
+        format!("{with} and what is suspected")
+    };
+    let unseen =
+        Validated::rmse_of_all(&before.validated).zip(Validated::rmse_of_all(&after.validated));
+    match unseen {
+        Some((before, falls)) if falls < before => format!(
+            "{with} the error on the unseen {} falls {}{unit} RMS, {times}.",
+            recordings(after.validated.len()),
+            from_to(before, falls)
+        ),
+        Some((before, falls)) => format!(
+            "{with} the error on the unseen {} does not fall: it goes {}{unit} RMS, and the findings hold for the training recordings only.",
+            recordings(after.validated.len()),
+            from_to(before, falls)
+        ),
+        None => format!(
+            "{with} the error on the training {} falls {}{unit} RMS, {times}; not yet tested on unseen recordings (--validate).",
+            recordings(after.fit.recordings.len()),
+            from_to(before.fit.train_rmse, after.fit.train_rmse)
+        ),
+    }
+}
+
+/// From one error to another, with the digits that tell them apart.
+pub(super) fn from_to(before: f64, after: f64) -> String {
+    let shown: fn(f64) -> String = if spoken(before) == spoken(after) {
+        significant
+    } else {
+        spoken
+    };
+    format!("from {} to {}", shown(before), shown(after))
+}
