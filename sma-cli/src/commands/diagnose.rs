@@ -2,15 +2,16 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use identify::{
     FitConfig, FitProgress, IdentifyError, RigModel, Rod, WienerModel, early_output, predict,
     static_effects,
 };
 use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Hypothesis, Setting, Stage,
-    Verdict, diagnose, setting_of_rod,
+    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Effort, Hypothesis, Setting,
+    Stage, Verdict, diagnose, setting_of_rod,
 };
 use recording::Recording;
 
@@ -110,6 +111,13 @@ pub(crate) struct DiagnoseArgs {
     verbose: bool,
     #[command(flatten)]
     pictures: Pictures,
+    /// How widely is searched: quick leaves out other families of loops and other starting points, and says so; thorough tries more.
+    #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
+    effort: EffortArg,
+    /// Time after which no further part of the search is begun, s: the best so far is judged, and the parts that were left out are
+    /// listed. The result then depends on the machine.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    time_limit_s: Option<Duration>,
     /// Seed: same seed and inputs, same result.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
@@ -126,6 +134,36 @@ pub(crate) struct DiagnoseArgs {
     /// No progress and no notes.
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// Breadth of a search, as a flag.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EffortArg {
+    /// A first look.
+    Quick,
+    /// The search of the trials.
+    Normal,
+    /// More starts, more loops.
+    Thorough,
+}
+
+impl From<EffortArg> for Effort {
+    fn from(arg: EffortArg) -> Self {
+        match arg {
+            EffortArg::Quick => Self::Quick,
+            EffortArg::Normal => Self::Normal,
+            EffortArg::Thorough => Self::Thorough,
+        }
+    }
+}
+
+/// A time of at most a year.
+fn seconds(text: &str) -> Result<Duration, String> {
+    const YEAR_S: f64 = 3.2e7;
+    match text.parse::<f64>() {
+        Ok(time_s) if (0.0..=YEAR_S).contains(&time_s) => Ok(Duration::from_secs_f64(time_s)),
+        _ => Err(format!("expected a time from 0 to {YEAR_S} s")),
+    }
 }
 
 /// Places for results.
@@ -442,8 +480,11 @@ impl DiagnoseArgs {
             limits: rig.rod.limits,
             baseline: FitConfig {
                 from,
+                starts: Effort::from(self.effort).starts(),
                 ..preset.baseline.clone()
             },
+            effort: self.effort.into(),
+            time_limit: self.time_limit_s,
             seed: self.seed,
             ..preset
         })
