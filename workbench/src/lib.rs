@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod columns;
 mod error;
 pub mod figure;
 mod first_rod;
@@ -17,6 +18,7 @@ mod track;
 mod tuning;
 mod turned;
 
+pub use columns::in_columns_of;
 pub use error::WorkbenchError;
 pub use first_rod::{FirstRod, first_rod};
 pub use inputs::hashed;

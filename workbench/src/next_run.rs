@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use identify::Rod;
 use missing_physics::Run;
-use recording::{ColumnKey, ColumnSpec};
+
+use crate::columns::Column;
 
 /// Digits after the point of a time: below, a clock's own error shows.
 const TIME_DECIMALS: f64 = 1e9;
@@ -21,42 +22,6 @@ pub fn csv(run: &Run, rod: &Rod) -> String {
         let _ = writeln!(text, "{},{}", time.factor * time_s, drive.factor * value);
     }
     text
-}
-
-/// A column of the file.
-struct Column {
-    name: String,
-    /// Values in its unit over those in the base unit.
-    factor: f64,
-}
-
-impl Column {
-    fn of(spec: Option<&ColumnSpec>, default: &str) -> Self {
-        let name = match spec.map(|spec| &spec.key) {
-            Some(ColumnKey::Name(name)) => name.as_str(),
-            Some(ColumnKey::Number(_) | ColumnKey::EveryS(_)) | None => default,
-        };
-        let at_end = name
-            .trim_end_matches([')', ']'])
-            .rsplit(['_', '(', '['])
-            .next();
-        let unit = spec.and_then(|spec| spec.unit.as_deref()).or(at_end);
-        let counts = spec.and_then(|spec| spec.full_scale);
-        let factor = match unit.unwrap_or("").trim().to_lowercase().as_str() {
-            "counts" => counts.unwrap_or(1.0),
-            "ms" | "ma" => 1e3,
-            "%" | "percent" => 1e2,
-            _ => 1.0,
-        };
-        Self {
-            name: if name.contains([',', ';', '\t']) {
-                format!("\"{name}\"")
-            } else {
-                name.to_owned()
-            },
-            factor,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -55,9 +55,11 @@ const SEEDS: [u64; 3] = [1, 2, 3];
 /// it twice. Does with the files what you would do with yours. Then tunes a controller on the baseline model and one on the
 /// extended model, and runs both on the simulated wire.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
-    sma demo\n\n\
-    leaves rod.toml, train.csv, unseen.csv and report.html in the folder sma-demo.")]
+#[command(
+    before_help = "Example:\n  \
+    sma demo",
+    after_help = "leaves rod.toml, train.csv, unseen.csv and report.html in the folder sma-demo."
+)]
 pub(crate) struct DemoArgs {
     /// Folder for the rod file, the recordings and the report; files of these names in it are replaced.
     #[arg(long, default_value = "sma-demo", value_name = "DIR")]

@@ -45,9 +45,10 @@ use workbench::{
 /// part, which effects these recordings exclude, and which they cannot test. Static recordings
 /// (kind = "temperature") are tested for stress coupling, phase-dependent resistance and functional fatigue.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
-    sma diagnose rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-next next.csv\n\n\
-    The first line is the verdict:\n  \
+#[command(
+    before_help = "Example:\n  \
+    sma diagnose rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-next next.csv",
+    after_help = "The first line is the verdict:\n  \
     EXPLAINED: latent heat is missing from the baseline model. With it the error on the unseen recording falls from 0.92\n  \
     to 0.33 mm RMS, 1.1 times the noise.\n\
     Then record what next.csv drives, and give it as one more training recording. To see what is said if an effect\n\
@@ -63,7 +64,8 @@ use workbench::{
     Effects: supply-limit supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
     end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the baseline model did not converge, or is implausible, 130 interrupted")]
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the baseline model did not converge, or is implausible, 130 interrupted"
+)]
 pub(crate) struct DiagnoseArgs {
     /// Rod file: known properties of the rig.
     rod: PathBuf,

@@ -34,9 +34,11 @@ use workbench::{gap_notes, input_notes, is_trained_on, read_all};
 /// rod.toml says what is known of the rig; what it omits is identified where the data allow. Several
 /// training recordings are fitted together, each with its own offset.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
-    sma identify rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-model model.toml\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged or implausible, 130 interrupted")]
+#[command(
+    before_help = "Example:\n  \
+    sma identify rod.toml --train ramp01.csv step01.csv --validate ramp02.csv --save-model model.toml",
+    after_help = "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 done but not converged or implausible, 130 interrupted"
+)]
 pub(crate) struct IdentifyArgs {
     /// Rod file: known properties of the rig.
     rod: PathBuf,

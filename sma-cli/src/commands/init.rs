@@ -14,7 +14,7 @@ use crate::terminal::write_stdout;
 ///
 /// Guesses stand in that file with a question mark.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  sma init run1.csv run2.csv --rod rod.toml")]
+#[command(before_help = "Example:\n  sma init run1.csv run2.csv --rod rod.toml")]
 pub(crate) struct InitArgs {
     /// Recordings: anything that looks like a table. The first decides; the others must have its columns.
     #[arg(required = true, value_name = "CSV")]

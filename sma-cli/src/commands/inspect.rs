@@ -19,7 +19,7 @@ use workbench::{as_fitted, first_rod, in_its_window};
 /// Say what is in recordings: sampling, gaps, units, converter steps, noise, cycles, and what stands in
 /// the way of identification.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  sma inspect run1.csv run2.csv --rod rod.toml")]
+#[command(before_help = "Example:\n  sma inspect run1.csv run2.csv --rod rod.toml")]
 pub(crate) struct InspectArgs {
     /// Recordings, CSV.
     #[arg(required = true, value_name = "CSV")]

@@ -12,7 +12,7 @@ use crate::terminal::write_stdout;
 
 /// Write completions for a shell to stdout.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
+#[command(before_help = "Example:\n  \
     sma completions bash > ~/.local/share/bash-completion/completions/sma\n  \
     sma completions zsh > ~/.zfunc/_sma\n  \
     sma completions fish > ~/.config/fish/completions/sma.fish")]
@@ -23,7 +23,7 @@ pub(crate) struct CompletionsArgs {
 
 /// Write manual pages into a folder, one a subcommand.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
+#[command(before_help = "Example:\n  \
     sma man ~/.local/share/man/man1 && man sma-diagnose")]
 pub(crate) struct ManArgs {
     /// A folder that exists.
@@ -44,7 +44,17 @@ pub(crate) fn man(args: &ManArgs) -> anyhow::Result<Outcome> {
     if !folder.is_dir() {
         bail!("{}: no such folder; make it first", folder.display());
     }
-    clap_mangen::generate_to(Cli::command(), folder)
+    // A manual page ends with its examples, where help begins with one.
+    let command = Cli::command().mut_subcommands(|command| {
+        let texts = [command.get_before_help(), command.get_after_help()];
+        let text: Vec<String> = texts
+            .into_iter()
+            .flatten()
+            .map(ToString::to_string)
+            .collect();
+        command.after_help(text.join("\n\n"))
+    });
+    clap_mangen::generate_to(command, folder)
         .with_context(|| format!("{}: cannot be written", folder.display()))?;
     Ok(Outcome::Done)
 }

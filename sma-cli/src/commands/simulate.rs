@@ -13,14 +13,14 @@ use crate::sink::Outputs;
 use crate::terminal::say;
 use workbench::report::number::significant;
 use workbench::report::plot::left;
-use workbench::{BEYOND, as_fitted, read_perhaps_without_output};
+use workbench::{BEYOND, as_fitted, in_columns_of, read_perhaps_without_output};
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
 ///
-/// The columns of the profile are those of the model's rod file. A profile that also has the output is
-/// compared with the prediction, whose offset is then read as for unseen recordings.
+/// The columns of the profile and of the prediction are those of the model's rod file. A profile that also has the output is
+/// compared with the prediction: if the model was fitted to it, with the offset that the fit found, else with the offset of its rest.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
+#[command(before_help = "Example:\n  \
     sma simulate model.toml --drive profile.csv --output predicted.csv")]
 pub(crate) struct SimulateArgs {
     /// Model, from --save-model of `sma identify` or `sma diagnose`.
@@ -55,7 +55,8 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
         let left = left(&recording, &predict(&model, &point, &recording)?);
         let squares: f64 = left.iter().map(|value| value * value).sum();
         let met = format!(
-            "{} has an output too: with the start and the surroundings that the fit found in it, the prediction meets it to {} {} RMS",
+            "{} has an output too, and the model was fitted to it: with the offset and state that the fit found in it, the prediction meets \
+             it to {} {} RMS",
             recording.name(),
             significant((squares / left.len() as f64).sqrt()),
             saved.output_unit(),
@@ -104,7 +105,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     say(args.quiet, &notes)?;
     let mut csv = Vec::new();
     write_csv(&predicted, &mut csv)?;
-    sink.write(&String::from_utf8(csv)?)?;
+    sink.write(&in_columns_of(&rod, &String::from_utf8(csv)?))?;
     Ok(Outcome::Done)
 }
 
@@ -143,18 +144,15 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
     notes
 }
 
-/// The training recording that this is, for a heat balance, of which more than an offset is a recording's own.
+/// The training recording that this is.
 fn fitted_to(saved: &SavedModel, recording: &Recording) -> Option<usize> {
     let is_it = |one: &SavedRecording| {
         one.role == Role::Train && one.name == recording.name() && one.n_samples == recording.len()
     };
-    match saved.model() {
-        RigModel::Thermal(_) => saved.recordings().iter().position(is_it),
-        _ => None,
-    }
+    saved.recordings().iter().position(is_it)
 }
 
-/// Notes on the effects of the model beyond the plain one.
+/// Notes on the effects of the model beyond the baseline.
 fn effects(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
     let Some(effects) = saved.effects() else {
         return Vec::new();

@@ -28,16 +28,18 @@ const CASES: u64 = 60;
 /// knows, with one effect, two, none, or one that no catalogue has. The answers are sealed before the first diagnosis,
 /// which sees the files of a case alone; then the seals are opened.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
-    sma trial --cases 60 --out trial --report trial.html\n\n\
-    Before you measure: which effects could an experiment of yours reveal? A drive as CSV, and what you know of the rig:\n  \
+#[command(
+    before_help = "Example:\n  \
+    sma trial --cases 60 --out trial --report trial.html",
+    after_help = "Before you measure: which effects could an experiment of yours reveal? A drive as CSV, and what you know of the rig:\n  \
     sma trial --like rod.toml --drive my-drive.csv --out mine\n\n\
     What is in the folder is not run again: a trial may be stopped and started as one likes, spread over machines\n\
     (--shard 1/4 --out a, --shard 2/4 --out b, …), and put together (--merge a b --out whole --cases 0).\n\n\
     In the folder: seals.csv (published first), cases.jsonl (verdicts and opened answers), times.csv, runs.csv (a line a\n\
     call of the program).\n\n\
     Families: clean-white clean-ar clean-one-over-f clean-quantized clean-outliers single hard-noise pair other-loop\n\
-    other-loop-clean outside deleted")]
+    other-loop-clean outside deleted"
+)]
 pub(crate) struct TrialArgs {
     /// Folder of the trial.
     #[arg(long, default_value = "trial", value_name = "DIR")]

@@ -58,9 +58,11 @@ const SINE_PERIODS: f64 = 3.0;
 /// was recorded, a sample of delay, and margins. Beside them stand rules of thumb that meet the same, and where somebody
 /// else's optimizer ends.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  \
-    sma tune model.toml --step-output 0.5 --drive-max 2.5 --sine-hz 0.007 --sine-amplitude 0.2 --sine-bias 0.5\n\n\
-    Gains are drive per error, the error in the output's own unit.")]
+#[command(
+    before_help = "Example:\n  \
+    sma tune model.toml --step-output 0.5 --drive-max 2.5 --sine-hz 0.007 --sine-amplitude 0.2 --sine-bias 0.5",
+    after_help = "Gains are drive per error, the error in the output's own unit."
+)]
 pub(crate) struct TuneArgs {
     /// Model, from --save-model of `sma identify` or `sma diagnose`.
     model: PathBuf,

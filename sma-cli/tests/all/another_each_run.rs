@@ -102,7 +102,7 @@ fn how_far_runs_repeat_and_what_differs_is_said() {
         "{notes}"
     );
 
-    let call = "diagnose rod.toml --train a.csv b.csv --validate unseen.csv --quiet --no-plot --json found.json --report page.html \
+    let call = "diagnose rod.toml --train a.csv b.csv --validate unseen.csv --quiet -v --json found.json --report page.html \
                 --plots figures";
     let (code, text, said) = sma(folder, call);
     assert_eq!(code, 0, "{said}");

@@ -71,7 +71,7 @@ fn what_is_concealed_is_named_and_pays_at_the_controller() {
     // The controller of the baseline model never rests; that of the extended one comes to every set point.
     let of = |model: &str| {
         said.lines()
-            .find(|line| line.trim_start().starts_with(model))
+            .rfind(|line| line.trim_start().starts_with(model))
             .unwrap()
     };
     assert!(

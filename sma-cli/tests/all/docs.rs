@@ -77,6 +77,67 @@ fn the_tutorial_can_be_followed() {
     }
 }
 
+/// Asserts that a call has the flags that a line of a document gives it.
+fn has_flags(line: &str) {
+    let mut words = line.split_whitespace().skip(1);
+    let command = words.next().unwrap();
+    let mut sma = Command::cargo_bin("sma").unwrap();
+    let help = sma.args([command, "--help"]).assert().success();
+    let help = String::from_utf8_lossy(&help.get_output().stdout).into_owned();
+    for flag in words.filter(|word| word.starts_with("--")) {
+        assert!(
+            help.contains(&format!("{flag} ")),
+            "{command} {flag}: {line}"
+        );
+    }
+}
+
+#[test]
+fn the_readme_says_what_the_program_says() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    assert!(readme.lines().count() <= 200);
+    let (mut said, mut n_runs) = (String::new(), 0);
+    for (language, block) in blocks(&readme) {
+        match language {
+            "sh" => {
+                for line in block.lines() {
+                    let Some(call) = line.strip_prefix("cargo run --release -p sma-cli -- ") else {
+                        // The check of the whole project runs this one.
+                        assert_eq!(line, "cargo test --workspace");
+                        continue;
+                    };
+                    n_runs += 1;
+                    if call == "demo" {
+                        said.clone_from(&demonstrated().said);
+                        continue;
+                    }
+                    let mut sma = Command::cargo_bin("sma").unwrap();
+                    let run = sma
+                        .args(call.split(' '))
+                        .current_dir(root)
+                        .assert()
+                        .success();
+                    said = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
+                }
+            }
+            "toml" => {
+                Rod::parse("README.md", block).unwrap();
+            }
+            _ => {
+                for line in block.lines() {
+                    if line.starts_with("sma ") {
+                        has_flags(line);
+                    } else {
+                        assert!(said.contains(line), "not said: {line}\nbut:\n{said}");
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(n_runs, 2);
+}
+
 #[test]
 fn every_effect_is_explained_with_its_equation() {
     let text = document("effects.md");

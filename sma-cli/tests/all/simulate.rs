@@ -78,6 +78,21 @@ fn a_prediction_is_a_recording() {
         notes,
         "note: validate.csv has an output too: the prediction meets it to 0.005067 mm RMS\n"
     );
+    // Of what it was fitted to, the error that the fit reported.
+    let args_of_training = [
+        "simulate",
+        "model.toml",
+        "--drive",
+        "train.csv",
+        "--output",
+        "again.csv",
+    ];
+    let (_, notes) = output(&mut sma(folder.path(), &args_of_training));
+    assert_eq!(
+        notes,
+        "note: train.csv has an output too, and the model was fitted to it: with the offset and state that the fit found in it, the \
+         prediction meets it to 0.004996 mm RMS\n"
+    );
     let csv = std::fs::read_to_string(folder.path().join("predicted.csv")).unwrap();
     let header = csv.lines().next().unwrap();
     assert_eq!(header, "time_s,current_a,displacement_mm,temperature_degc");

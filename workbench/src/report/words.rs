@@ -76,7 +76,9 @@ pub fn wrapped(paragraph: &str) -> String {
         .initial_indent(&indent[..blanks])
         .subsequent_indent(&indent)
         .break_words(false);
-    textwrap::fill(text, options)
+    // A number stays with its percent sign.
+    let text = text.replace(" %", "\u{a0}%");
+    textwrap::fill(&text, options).replace('\u{a0}', " ")
 }
 
 #[cfg(test)]

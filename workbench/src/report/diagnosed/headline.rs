@@ -107,34 +107,30 @@ pub fn unit(diagnosis: &Diagnosis) -> String {
     behind(&diagnosis.baseline.fit.output_unit)
 }
 
-/// Error of a stage over the noise: that of unseen recordings where there are any.
-fn over_noise(diagnosis: &Diagnosis, stage: &Stage) -> String {
+/// Error of a stage beside the noise, that of unseen recordings where there are any: "5.6 times the noise".
+fn beside_noise(diagnosis: &Diagnosis, stage: &Stage) -> String {
     let error = Validated::rmse_of_all(&stage.validated).unwrap_or(stage.fit.train_rmse);
     let floor = diagnosis.noise_floor;
-    let at_most = if floor.upper.is_some() {
-        ""
-    } else {
-        "at most "
-    };
-    format!(
-        "{at_most}{} times the noise",
-        spoken(error / floor.upper.unwrap_or(floor.lower))
-    )
+    match floor.upper {
+        Some(upper) if error <= upper => "as much as the noise".to_owned(),
+        Some(upper) => format!("{} times the noise", spoken(error / upper)),
+        None => format!("at most {} times the noise", spoken(error / floor.lower)),
+    }
 }
 
 /// Error of the baseline model.
 fn error(diagnosis: &Diagnosis) -> String {
     let (stage, unit) = (&diagnosis.baseline, unit(diagnosis));
-    let times = over_noise(diagnosis, stage);
+    let beside = beside_noise(diagnosis, stage);
     let trained = spoken(stage.fit.train_rmse);
     match Validated::rmse_of_all(&stage.validated) {
         Some(unseen) => format!(
-            "The error of the baseline model is {trained}{unit} RMS in training and {}{unit} on unseen {}, {times}.",
+            "The error of the baseline model is {trained}{unit} RMS in training and {}{unit} on the unseen {}, {beside}.",
             spoken(unseen),
             recordings(stage.validated.len())
         ),
         None => format!(
-            "The error of the baseline model is {trained}{unit} RMS, {times}; not yet tested on unseen recordings (--validate)."
+            "The error of the baseline model is {trained}{unit} RMS, {beside}; not yet tested on unseen recordings (--validate)."
         ),
     }
 }
@@ -143,7 +139,7 @@ fn error(diagnosis: &Diagnosis) -> String {
 fn change(diagnosis: &Diagnosis) -> String {
     let (before, after) = (&diagnosis.baseline, last(diagnosis));
     let unit = unit(diagnosis);
-    let times = over_noise(diagnosis, after);
+    let beside = beside_noise(diagnosis, after);
     let with = if diagnosis.findings.len() == 1 {
         "With it"
     } else {
@@ -158,7 +154,7 @@ fn change(diagnosis: &Diagnosis) -> String {
         Validated::rmse_of_all(&before.validated).zip(Validated::rmse_of_all(&after.validated));
     match unseen {
         Some((before, falls)) if falls < before => format!(
-            "{with} the error on the unseen {} falls {}{unit} RMS, {times}.",
+            "{with} the error on the unseen {} falls {}{unit} RMS, {beside}.",
             recordings(after.validated.len()),
             from_to(before, falls)
         ),
@@ -168,7 +164,7 @@ fn change(diagnosis: &Diagnosis) -> String {
             from_to(before, falls)
         ),
         None => format!(
-            "{with} the error on the training {} falls {}{unit} RMS, {times}; not yet tested on unseen recordings (--validate).",
+            "{with} the error on the training {} falls {}{unit} RMS, {beside}; not yet tested on unseen recordings (--validate).",
             recordings(after.fit.recordings.len()),
             from_to(before.fit.train_rmse, after.fit.train_rmse)
         ),

@@ -52,6 +52,7 @@ pub(super) fn ladder(diagnosis: &Diagnosis) -> Table {
     }
     let floor = diagnosis.noise_floor;
     let size = match floor.upper {
+        Some(upper) if significant(upper) == significant(floor.lower) => significant(upper),
         Some(upper) => format!("{} … {}", significant(floor.lower), significant(upper)),
         None => format!("≥ {}", significant(floor.lower)),
     };

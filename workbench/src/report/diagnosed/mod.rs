@@ -69,33 +69,25 @@ impl Diagnosed<'_> {
     #[must_use]
     pub fn text(&self, depth: Depth) -> String {
         let diagnosis = self.diagnosis;
-        let mut text = String::new();
-        let mut say = |lines: &[String]| {
-            for line in lines {
-                text += &(wrapped(line) + "\n");
-            }
-        };
-        say(&self.first_lines());
+        let mut text = lines(&self.first_lines());
         if diagnosis.verdict == Verdict::NotConverged {
             return text;
         }
-        say(&[String::new()]);
-        say(&self.what_was_found());
-        let _ = write!(text, "\n{}\n", left::ladder(diagnosis));
-        let mut say = |lines: &[String]| {
-            for line in lines {
-                text += &(wrapped(line) + "\n");
-            }
-        };
-        say(&[
-            left::how_to_read_ladder(diagnosis).to_owned(),
-            String::new(),
-        ]);
-        say(&self.what_is_left());
+        let found = self.what_was_found();
+        if !found.is_empty() {
+            let _ = write!(text, "\n{}", lines(&found));
+        }
+        let _ = write!(
+            text,
+            "\n{}\n{}\n\n{}",
+            left::ladder(diagnosis),
+            wrapped(left::how_to_read_ladder(diagnosis)),
+            lines(&self.what_is_left())
+        );
         if depth == Depth::Evidence {
             text += &self.evidence();
         } else {
-            text += &(wrapped(&self.counted()) + "\n");
+            text += &lines(&[self.counted()]);
         }
         unpadded(&text)
     }
@@ -225,6 +217,14 @@ impl Diagnosed<'_> {
         }
         notes
     }
+}
+
+/// Paragraphs, each from a new line on.
+fn lines(paragraphs: &[String]) -> String {
+    paragraphs
+        .iter()
+        .map(|paragraph| wrapped(paragraph) + "\n")
+        .collect()
 }
 
 /// The run that would tell more.
