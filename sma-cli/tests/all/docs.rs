@@ -2,12 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
-use identify::Rod;
+use identify::{ForwardModel, RigModel, Rod};
 use missing_physics::EffectId;
+use recording::{Quantity, Recording, RecordingParts};
+use wiener::hysteresis::Rule;
 
 use crate::demo::demonstrated;
 
@@ -152,16 +155,133 @@ fn every_effect_is_explained_with_its_equation() {
     assert_eq!(text.matches("\n### `").count(), EffectId::ALL.len());
 }
 
+/// Words in backticks behind what an error of the parser of rod files expected; `wrong` is what it refused.
+fn accepted(text: &str, wrong: &str) -> BTreeSet<String> {
+    let error = Rod::parse("rod.toml", text).unwrap_err().to_string();
+    assert!(error.contains(wrong), "{error}");
+    let (_, expected) = error.split_once(wrong).unwrap();
+    let words: BTreeSet<String> = in_backticks(expected).collect();
+    assert!(!words.is_empty(), "{error}");
+    words
+}
+
+fn in_backticks(text: &str) -> impl Iterator<Item = String> {
+    text.split('`').skip(1).step_by(2).map(str::to_owned)
+}
+
+/// Keys in the first column of the tables of the section whose heading begins with `[table`.
+fn listed(page: &str, table: &str) -> BTreeSet<String> {
+    let heading = format!("\n## `[{table}");
+    assert!(page.contains(&heading), "{table}");
+    let (_, section) = page.split_once(&heading).unwrap();
+    let section = section.split("\n## ").next().unwrap();
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    rows.flat_map(|row| in_backticks(row.split('|').nth(1).unwrap()))
+        .collect()
+}
+
+/// Names of the parameters of every model that a rod file can ask for.
+fn parameters() -> BTreeSet<String> {
+    let of = |rod: &str, parts: RecordingParts| {
+        let rod = Rod::parse("rod.toml", rod).unwrap();
+        let recording = Recording::new(parts).unwrap();
+        let model = RigModel::new(&rod, Rule::LastReversal, &[recording]).unwrap();
+        let names = model.parameters().iter().map(|info| info.name.to_owned());
+        names.collect::<Vec<_>>()
+    };
+    let wave = |scale: f64| (0..100).map(|k| scale * f64::from((k / 20) % 2)).collect();
+    let run = |drive_quantity: Quantity| RecordingParts {
+        time_s: Some((0..100).map(f64::from).collect()),
+        drive_quantity,
+        drive: wave(0.5),
+        output: wave(2.0),
+        output_unit: "mm".to_owned(),
+        ..RecordingParts::default()
+    };
+    let room = "[surroundings]\nambient_degc = 22.0\n[drive]\nkind = ";
+    let mut names = Vec::new();
+    for quantity in [
+        Quantity::Current,
+        Quantity::Duty,
+        Quantity::Voltage,
+        Quantity::Power,
+    ] {
+        let rod = format!("{room}\"{}\"\n", quantity.name());
+        names.extend(of(&rod, run(quantity)));
+    }
+    let current = format!("{room}\"current\"\n");
+    let pair = RecordingParts {
+        antagonist_drive: Some(wave(0.4)),
+        ..run(Quantity::Current)
+    };
+    names.extend(of(&current, pair));
+    let thermal = RecordingParts {
+        output_unit: "degC".to_owned(),
+        ..run(Quantity::Current)
+    };
+    names.extend(of(&current, thermal));
+    for unit in ["", "V"] {
+        let looped = RecordingParts {
+            time_s: None,
+            drive_unit: unit.to_owned(),
+            ..run(Quantity::Temperature)
+        };
+        names.extend(of("drive.kind = \"temperature\"", looped));
+    }
+    names.into_iter().collect()
+}
+
+#[test]
+fn every_key_of_a_rod_file_stands_on_its_page() {
+    let page = document("rod-toml.md");
+    for (_, block) in blocks(&page)
+        .iter()
+        .filter(|(language, _)| *language == "toml")
+    {
+        Rod::parse("rod.toml", block).unwrap();
+    }
+    let field = "unknown field `wrong`, expected ";
+    let tables = accepted("wrong = 1", field);
+    for table in &tables {
+        // Where a key stands in a table of its own, its keys belong to the section, too.
+        let alone = format!("[{table}]\nwrong = 1");
+        let texts: &[&str] = match table.as_str() {
+            "columns" => &[
+                "[columns]\nwrong = 1",
+                "[columns]\ntime = { wrong = 1 }",
+                "[columns]\nresistance = { wrong = 1 }",
+            ],
+            "model" => &["[model]\ntau_s = { wrong = 1 }"],
+            "recordings" => &["[recordings.\"a.csv\"]\nwrong = 1"],
+            _ => &[&alone],
+        };
+        let mut keys: BTreeSet<String> = texts
+            .iter()
+            .flat_map(|text| accepted(text, field))
+            .collect();
+        if table == "model" {
+            keys.extend(parameters());
+        }
+        assert_eq!(listed(&page, table), keys, "[{table}]");
+    }
+    assert_eq!(tables.len(), page.matches("\n## `[").count());
+    let kinds = accepted(
+        "[drive]\nkind = \"wrong\"",
+        "unknown variant `wrong`, expected ",
+    );
+    for kind in kinds {
+        assert!(page.contains(&format!("`\"{kind}\"`")), "{kind}");
+    }
+}
+
 #[test]
 fn what_documents_link_to_is_there() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
-    for name in [
-        "tutorial.md",
-        "recording.md",
-        "effects.md",
-        "glossary.md",
-        "walk-through.md",
-    ] {
+    let files = fs::read_dir(&docs).unwrap();
+    let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
+    let pages: Vec<String> = names.filter(|name| name.ends_with(".md")).collect();
+    assert!(pages.len() >= 9, "{pages:?}");
+    for name in &pages {
         let text = document(name);
         for (_, behind) in text
             .match_indices("](")
