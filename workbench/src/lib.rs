@@ -3,6 +3,7 @@
 mod error;
 pub mod figure;
 mod first_rod;
+pub mod fleet;
 mod inputs;
 pub mod kept;
 mod known_to_a_range;

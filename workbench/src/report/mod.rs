@@ -3,6 +3,7 @@
 pub mod changed;
 pub mod diagnosed;
 pub mod diagnosed_json;
+pub mod fleet;
 pub mod identified;
 pub mod inspected;
 pub mod label;
