@@ -23,8 +23,8 @@ type Made<T> = Result<T, Box<dyn Error>>;
 
 /// Ways in which a recording is damaged.
 const DAMAGES: [&str; 10] = [
-    "no number in a cell",
-    "not a finite number",
+    "no numbers in a column",
+    "two columns of the output",
     "a line that was cut off",
     "time that falls",
     "an empty file",
@@ -125,8 +125,11 @@ pub(crate) fn damaged(recording: &str, way: usize) -> Vec<u8> {
         })
     };
     match DAMAGES[way % DAMAGES.len()] {
-        "no number in a cell" => in_line("300,-,1.5"),
-        "not a finite number" => in_line("300,nan,1.5"),
+        "no numbers in a column" => with_column(2, "-"),
+        "two columns of the output" => changed(&|k, own| match k {
+            0 => format!("{own},Displacement_mm"),
+            _ => format!("{own},1.5"),
+        }),
         "a line that was cut off" => in_line("300,2"),
         "time that falls" => in_line("0.1,2.0,1.5"),
         "an empty file" => Vec::new(),

@@ -241,8 +241,63 @@ fn link(path: &Path, name: &Path) -> io::Result<()> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 mod tests {
+    use std::process::ExitStatus;
+
     use super::*;
+
+    /// Kept result of a process that ended so, or the sentence on why there is none.
+    fn ended(status: i32, stdout: &str, stderr: &str) -> Result<Unit, String> {
+        let task = Task {
+            version: "0.1.0".to_owned(),
+            command: "diagnose".to_owned(),
+            flags: Vec::new(),
+            input: Vec::new(),
+        };
+        let output = Output {
+            status: ExitStatus::from_raw(status),
+            stdout: stdout.into(),
+            stderr: stderr.into(),
+        };
+        match ran(task, &output) {
+            Ran::Of(unit) => Ok(unit),
+            Ran::Else(said) => Err(said),
+        }
+    }
+
+    #[test]
+    fn what_would_end_so_again_is_kept_and_what_came_from_outside_is_not() {
+        for code in [0, 4] {
+            let unit = ended(code << 8, "{\"verdict\": \"adequate\"}", "").unwrap();
+            assert_eq!((unit.exit_code, unit.failure), (Some(code), None));
+            assert_eq!(unit.result["verdict"], "adequate");
+        }
+        for (status, exit_code, sentence) in [
+            (3 << 8, Some(3), "a.csv: empty"),
+            (
+                101 << 8,
+                Some(101),
+                "the program crashed (panic): a.csv: empty",
+            ),
+            (6, None, "the program crashed (signal 6): a.csv: empty"),
+            (11, None, "the program crashed (signal 11): a.csv: empty"),
+        ] {
+            let unit = ended(status, "", "sma: a.csv: empty\n").unwrap();
+            assert_eq!(unit.exit_code, exit_code);
+            assert_eq!(unit.failure.unwrap().sentence, sentence);
+        }
+        for (status, expected) in [
+            (1 << 8, "ended with code 1: no space left"),
+            (130 << 8, "ended with code 130: no space left"),
+            (0, "ended with code 0, but without a result: no space left"),
+            (9, "was killed (signal 9), perhaps because"),
+            (15, "was killed (signal 15), perhaps because"),
+        ] {
+            let said = ended(status, "", "sma: no space left").unwrap_err();
+            assert!(said.starts_with(expected), "{said}");
+        }
+    }
 
     #[test]
     fn the_message_of_a_crash_is_the_same_in_every_run() {

@@ -1,6 +1,6 @@
 //! A folder for files that are no results yet.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -10,11 +10,14 @@ use tempfile::{Builder, TempDir};
 /// Beginning of the names of such folders.
 const PREFIX: &str = ".run-";
 
-/// File that its call holds locked.
+/// File that its call holds locked; it says on which machine.
 const LOCK: &str = "lock";
 
+/// Name of this machine, where it has one.
+const MACHINE: &str = "/proc/sys/kernel/hostname";
+
 /// Folder of one call, in that of its results. It is removed at the end; that of a call that was killed is removed by the next
-/// one.
+/// one on the same machine, since not every file system tells others of its locks.
 #[derive(Debug)]
 pub(crate) struct Workplace {
     folder: TempDir,
@@ -61,7 +64,8 @@ impl Leaving {
 /// was killed.
 fn locked(folder: &Path) -> io::Result<File> {
     let opening = folder.join("opening");
-    let lock = File::create(&opening)?;
+    fs::write(&opening, machine())?;
+    let lock = to_lock(&opening)?;
     match lock.lock() {
         // Without locks nobody can say whose call was killed: its folder stays.
         Err(error) if error.kind() == io::ErrorKind::Unsupported => return Ok(lock),
@@ -71,14 +75,22 @@ fn locked(folder: &Path) -> io::Result<File> {
     Ok(lock)
 }
 
+/// Opens a file to be locked: network file systems lock only what may be written.
+fn to_lock(path: &Path) -> io::Result<File> {
+    OpenOptions::new().read(true).write(true).open(path)
+}
+
+fn machine() -> Vec<u8> {
+    fs::read(MACHINE).unwrap_or_default()
+}
+
 fn remove_left(out: &Path) -> io::Result<()> {
     for entry in fs::read_dir(out)? {
         let entry = entry?;
-        let is_one = entry.file_name().to_string_lossy().starts_with(PREFIX);
-        let lock = is_one.then(|| File::open(entry.path().join(LOCK)).ok());
-        if let Some(Some(lock)) = lock
-            && lock.try_lock().is_ok()
-        {
+        let lock = entry.path().join(LOCK);
+        let is_ours = entry.file_name().to_string_lossy().starts_with(PREFIX)
+            && fs::read(&lock).is_ok_and(|made_on| made_on == machine());
+        if is_ours && to_lock(&lock).is_ok_and(|lock| lock.try_lock().is_ok()) {
             // Another call may be removing it.
             let _ = fs::remove_dir_all(entry.path());
         }
@@ -97,11 +109,15 @@ mod tests {
         let held = Workplace::make(out.path()).unwrap();
         let left = out.path().join(".run-left");
         fs::create_dir(&left).unwrap();
-        fs::write(left.join(LOCK), "").unwrap();
+        fs::write(left.join(LOCK), machine()).unwrap();
+        let elsewhere = out.path().join(".run-elsewhere");
+        fs::create_dir(&elsewhere).unwrap();
+        fs::write(elsewhere.join(LOCK), "another machine\n").unwrap();
         let opening = out.path().join(".run-opening");
         fs::create_dir(&opening).unwrap();
         let next = Workplace::make(out.path()).unwrap();
         assert!(!left.exists());
+        assert!(elsewhere.exists(), "of another machine");
         assert!(opening.exists(), "of a call that has just begun");
         assert!(held.path().is_dir() && next.path().is_dir());
         let gone = next.path().to_owned();

@@ -99,6 +99,7 @@ fn what_documents_link_to_is_there() {
         "effects.md",
         "glossary.md",
         "walk-through.md",
+        "fleets.md",
     ] {
         let text = document(name);
         for (_, behind) in text

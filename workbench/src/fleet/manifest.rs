@@ -48,7 +48,10 @@ pub(super) fn read_csv(path: &Path) -> Result<Fleet, FleetError> {
         return Err(FleetError::Columns {
             path: path.to_owned(),
             line,
-            found: header.join(", "),
+            found: match &header[..] {
+                [] => "none".to_owned(),
+                header => header.join(", "),
+            },
         });
     };
     let validate = place("validate");

@@ -4,6 +4,8 @@ mod error;
 mod folder;
 mod listed;
 mod manifest;
+#[cfg(test)]
+mod tests;
 mod unit;
 mod units;
 

@@ -49,7 +49,7 @@ pub fn fleet(report: &FleetReport<'_>) -> Page {
 fn picture(report: &FleetReport<'_>) -> String {
     let physics = report.physics();
     let rows: Vec<&str> = physics.iter().map(|one| one.effect.as_str()).collect();
-    let last = ["nothing named", "no result"];
+    let last = ["nothing named", "no result to be used"];
     let step = (WIDTH - BESIDE) / report.rows.len() as f64;
     // Columns touch where there are many, so that a rig alone still shows.
     let width = (0.85 * step).max(1.0);
@@ -86,6 +86,11 @@ fn picture(report: &FleetReport<'_>) -> String {
 fn cells(rig: &Row, effects: &[&str]) -> Vec<(usize, &'static str, String)> {
     if rig.status != RowStatus::Done {
         return vec![(effects.len() + 1, "plain", rig.sentence().to_owned())];
+    }
+    if !rig.is_sound() {
+        let why = rig.implausible.join(", ");
+        let why = format!("{} {why}", rig.verdict.as_deref().unwrap_or_default());
+        return vec![(effects.len() + 1, "shade", why.trim_end().to_owned())];
     }
     let mut cells = Vec::new();
     for found in &rig.findings {

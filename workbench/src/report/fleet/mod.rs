@@ -47,11 +47,17 @@ impl FleetReport<'_> {
         } else {
             String::new()
         };
+        let n_done = count(RowStatus::Done);
+        let n_unsound = n_done - self.sound().count();
+        let unsound = if n_unsound > 0 {
+            format!(" ({n_unsound} not to be used)")
+        } else {
+            String::new()
+        };
         format!(
-            "{} {}: {} with a result, {} failed{open}.",
+            "{} {}: {n_done} with a result{unsound}, {} failed{open}.",
             self.rows.len(),
             if self.rows.len() == 1 { "rig" } else { "rigs" },
-            count(RowStatus::Done),
             count(RowStatus::Failed),
         )
     }
@@ -86,6 +92,11 @@ impl FleetReport<'_> {
         unpadded(&text)
     }
 
+    /// Rigs whose result is to be used.
+    pub fn sound(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(|row| row.is_sound())
+    }
+
     /// Rigs that failed or were not run.
     pub fn without_result(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.status != RowStatus::Done)
@@ -112,16 +123,16 @@ impl FleetReport<'_> {
         let mut physics = table([
             "missing physics",
             "rigs",
-            "of those with a result",
+            "of those to be used",
             "or another",
             "size: lowest … median … highest",
         ]);
-        let n_done = self.of(RowStatus::Done).count();
+        let n_sound = self.sound().count();
         for one in self.physics() {
             physics.add_row([
                 comfy_table::Cell::new(&one.effect),
                 right(one.named.to_string()),
-                right(share(one.named, n_done)),
+                right(share(one.named, n_sound)),
                 right(one.ambiguous.to_string()),
                 comfy_table::Cell::new(one.size.as_ref().map_or(String::new(), Spread::said)),
             ]);
@@ -203,6 +214,7 @@ impl FleetReport<'_> {
             "do": self.command,
             "counts": {
                 "done": self.of(RowStatus::Done).count(),
+                "to_be_used": self.sound().count(),
                 "failed": self.of(RowStatus::Failed).count(),
                 "open": self.of(RowStatus::Open).count(),
             },

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::{FleetReport, Row, RowStatus};
+use super::{FleetReport, Row};
 use crate::report::number::{behind, spoken};
 
 /// An effect, in how many rigs.
@@ -50,11 +50,11 @@ impl FleetReport<'_> {
         counts
     }
 
-    /// Effects that were found, the most frequent first.
+    /// Effects that were found in rigs whose result is to be used, the most frequent first.
     #[must_use]
     pub fn physics(&self) -> Vec<InRigs> {
         let mut physics: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
-        for found in self.rows.iter().flat_map(|row| &row.findings) {
+        for found in self.sound().flat_map(|row| &row.findings) {
             let counts = physics.entry(&found.effect).or_default();
             if found.could_also_be.is_empty() {
                 counts.0 += 1;
@@ -78,7 +78,7 @@ impl FleetReport<'_> {
         physics
     }
 
-    /// Parameters of the rigs' last models, in the order in which rigs have them.
+    /// Parameters over the rigs whose result is to be used, in the order in which rigs have them.
     #[must_use]
     pub fn spreads(&self) -> Vec<Spread> {
         self.parameter_names()
@@ -89,7 +89,7 @@ impl FleetReport<'_> {
                     own.find(|one| one.name == name && one.unit == unit)
                         .map(|one| one.value)
                 };
-                let values = self.of(RowStatus::Done).filter_map(of_rig).collect();
+                let values = self.sound().filter_map(of_rig).collect();
                 Spread::of(name, unit, values)
             })
             .collect()
@@ -108,7 +108,7 @@ impl FleetReport<'_> {
     }
 
     fn size_of(&self, effect: &str) -> Option<Spread> {
-        let findings = self.rows.iter().flat_map(|row| &row.findings);
+        let findings = self.sound().flat_map(|row| &row.findings);
         let sizes: Vec<_> = findings
             .filter(|found| found.effect == effect && found.could_also_be.is_empty())
             .filter_map(|found| found.parameters.first())

@@ -60,7 +60,7 @@ pub struct Row {
     pub noise_lower: Option<f64>,
     /// Noise of the output, at most.
     pub noise_upper: Option<f64>,
-    /// Parameters that recordings share and that were not fixed, of the plain model, or of the one with what was found.
+    /// Parameters that recordings share and that were not fixed, of the plain model and of what was found.
     pub parameters: Vec<Estimated>,
 }
 
@@ -111,11 +111,6 @@ impl Row {
             }),
         };
         let findings = each(&result["findings"], finding);
-        let last = match (is_diagnosis, findings.is_empty() || extended.is_null()) {
-            (true, false) => &extended["parameters"],
-            (true, true) => &plain["parameters"],
-            (false, _) => &result["parameters"],
-        };
         Self {
             rig: rig.to_owned(),
             unit: Some(name.to_owned()),
@@ -128,6 +123,7 @@ impl Row {
             failure: unit.failure.clone(),
             verdict,
             implausible: each(&result["implausible"], |one| text(&one["rule"])),
+            parameters: parameters(result, is_diagnosis, &findings),
             findings,
             output_unit: text(&result["output_unit"]),
             train_rmse: plain["train_rmse"].as_f64(),
@@ -136,7 +132,6 @@ impl Row {
             extended_validate_rmse: extended["validate_rmse"].as_f64(),
             noise_lower: result["noise_floor"]["lower"].as_f64(),
             noise_upper: result["noise_floor"]["upper"].as_f64(),
-            parameters: each(last, shared),
         }
     }
 
@@ -174,6 +169,12 @@ impl Row {
     #[must_use]
     pub fn said(&self) -> String {
         named(&self.rig, self.sentence())
+    }
+
+    /// True if the result is to be used: the search converged, and a rig can be like that.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.status == RowStatus::Done && self.exit_code == Some(0)
     }
 
     /// For programs.
@@ -250,6 +251,23 @@ fn finding(finding: &Value) -> Option<Found> {
         probability: finding["probability"].as_f64(),
         parameters: each(&finding["parameters"], sized),
     })
+}
+
+/// Those of the plain model and of what was found, from the model with it where there is one. What else that model has only
+/// makes room for what nobody can tell apart.
+fn parameters(result: &Value, is_diagnosis: bool, findings: &[Found]) -> Vec<Estimated> {
+    if !is_diagnosis {
+        return each(&result["parameters"], shared);
+    }
+    let plain = each(&result["baseline"]["parameters"], shared);
+    if findings.is_empty() || result["extended"].is_null() {
+        return plain;
+    }
+    let found = findings.iter().flat_map(|found| &found.parameters);
+    let names: Vec<&str> = found.chain(&plain).map(|one| one.name.as_str()).collect();
+    let mut parameters = each(&result["extended"]["parameters"], shared);
+    parameters.retain(|one| names.contains(&one.name.as_str()));
+    parameters
 }
 
 /// A parameter that all recordings of a rig share, unless it was fixed.
