@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Page, escaped};
-use crate::report::fleet::{FleetReport, Found, Row, RowStatus};
+use crate::report::fleet::{FleetReport, Found, Row, RowStatus, named};
 use crate::report::number::{behind, spoken};
 
 /// Width of the picture, its words included, in its own units.
@@ -74,7 +74,7 @@ fn picture(report: &FleetReport<'_>) -> String {
                 svg,
                 "<rect x=\"{x:.2}\" y=\"{y}\" width=\"{width:.2}\" height=\"{}\" fill=\"var(--{color})\"><title>{}</title></rect>",
                 ROW - 4.0,
-                escaped(&format!("{}: {said}", rig.rig))
+                escaped(&named(&rig.rig, &said))
             );
         }
     }

@@ -3,6 +3,8 @@
 mod csv;
 mod picture;
 mod row;
+#[cfg(test)]
+mod tests;
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! What is common in a fleet: verdicts, physics, and how parameters spread.
+//! Common traits of a fleet: verdicts, physics, and how parameters spread.
 
 use std::collections::BTreeMap;
 

@@ -50,11 +50,11 @@ pub struct Row {
     pub output_unit: Option<String>,
     /// RMS error of the plain model on the training recordings.
     pub train_rmse: Option<f64>,
-    /// The same on the unseen ones.
+    /// That on the unseen ones.
     pub validate_rmse: Option<f64>,
     /// RMS error on the training recordings of the model with what was found.
     pub extended_train_rmse: Option<f64>,
-    /// The same on the unseen ones.
+    /// That on the unseen ones.
     pub extended_validate_rmse: Option<f64>,
     /// Noise of the output, at least.
     pub noise_lower: Option<f64>,
