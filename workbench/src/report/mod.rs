@@ -2,6 +2,7 @@
 
 pub mod changed;
 pub mod diagnosed;
+pub mod fleet;
 pub mod identified;
 pub mod inspected;
 pub mod label;
