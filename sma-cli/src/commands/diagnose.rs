@@ -31,6 +31,7 @@ use workbench::next_run;
 use workbench::page;
 use workbench::report::diagnosed::Diagnosed;
 use workbench::report::plot::{self, Left};
+use workbench::report::series::{self, Series};
 use workbench::report::static_diagnosed::StaticDiagnosed;
 use workbench::sanity::{Facts, Implausible};
 use workbench::{
@@ -72,7 +73,7 @@ pub(crate) struct DiagnoseArgs {
     train: Vec<PathBuf>,
     /// Runs of the rig as it should be, CSV: says what has changed since in those of --train. Two at least, each with a slow cooling.
     #[arg(long, num_args = 1.., value_name = "CSV", conflicts_with_all = ["validate", "from_model", "save_model", "save_next", "plots",
-        "report", "resume"])]
+        "report", "series", "resume"])]
     pub(crate) reference: Vec<PathBuf>,
     /// Recordings to check the result on, CSV; opened once, at the end.
     #[arg(long, num_args = 1.., value_name = "CSV")]
@@ -103,6 +104,9 @@ pub(crate) struct DiagnoseArgs {
     /// Write the result as one HTML page with figures, to read and to mail.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Write every recording sample by sample, with what the models say of it, as JSON.
+    #[arg(long, value_name = "FILE")]
+    series: Option<PathBuf>,
     /// No pictures of the recording that is met worst in the terminal.
     #[arg(long)]
     no_plot: bool,
@@ -131,6 +135,7 @@ struct Places {
     model: Option<Sink>,
     next: Option<Sink>,
     report: Option<Sink>,
+    series: Option<Sink>,
     plots: Option<Gallery>,
 }
 
@@ -148,6 +153,7 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         model: outputs.open_if(args.save_model.as_deref())?,
         next: outputs.open_if(args.save_next.as_deref())?,
         report: outputs.open_if(args.report.as_deref())?,
+        series: outputs.open_if(args.series.as_deref())?,
         plots: outputs.gallery_if(args.plots.as_deref())?,
     };
     outputs.reserve_if(args.resume.as_deref())?;
@@ -300,6 +306,10 @@ fn with_time(
             sink.write(&page.made_by(&made))
         });
     }
+    if let Some(sink) = places.series {
+        let simulated = simulated(plain, &diagnosis, &rig)?;
+        delivery.of(|| sink.write(&(series::json("diagnose", &simulated).to_string() + "\n")));
+    }
     delivery.of(|| deliver(&text, &diagnosed.json(), places.json));
     delivery.end()?;
     starts.finish()?;
@@ -366,6 +376,7 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         ("--save-next", args.save_next.is_some()),
         ("--plots", args.plots.is_some()),
         ("--report", args.report.is_some()),
+        ("--series", args.series.is_some()),
     ]
     .into_iter()
     .filter_map(|(flag, is_given)| is_given.then_some(flag))
@@ -466,9 +477,41 @@ pub(crate) fn before_and_after<'a>(
     let worst = (0..errors.len())
         .max_by(|&a, &b| errors[a].total_cmp(&errors[b]))
         .unwrap_or(0);
+    said_of(plain, diagnosis, rig, worst)
+}
+
+/// All recordings with what the models say of them, those of the fit first.
+fn simulated<'a>(
+    plain: &WienerModel,
+    diagnosis: &Diagnosis,
+    rig: &'a Rig,
+) -> anyhow::Result<Vec<Series<'a>>> {
     let n_trained = rig.training.len();
-    let (recording, point) = match worst.checked_sub(n_trained) {
-        None => (&rig.training[worst], fit.point(worst)),
+    // What did not converge was not checked on unseen ones.
+    let n_checked = diagnosis.baseline.validated.len();
+    (0..n_trained + n_checked)
+        .map(|r| {
+            let (recording, models) = said_of(plain, diagnosis, rig, r)?;
+            Ok(Series {
+                recording,
+                is_training: r < n_trained,
+                models,
+            })
+        })
+        .collect()
+}
+
+/// The r-th recording, unseen ones after those of the fit, with what the plain model and the one with effects say of it.
+fn said_of<'a>(
+    plain: &WienerModel,
+    diagnosis: &Diagnosis,
+    rig: &'a Rig,
+    r: usize,
+) -> anyhow::Result<(&'a Recording, Vec<Left>)> {
+    let (fit, validated) = (&diagnosis.baseline.fit, &diagnosis.baseline.validated);
+    let n_trained = rig.training.len();
+    let (recording, point) = match r.checked_sub(n_trained) {
+        None => (&rig.training[r], fit.point(r)),
         Some(k) => (&rig.unseen[k], validated[k].point.clone()),
     };
     let mut models = vec![Left {
@@ -477,8 +520,8 @@ pub(crate) fn before_and_after<'a>(
     }];
     if let Some(extended) = &diagnosis.extended {
         let stage = &extended.stage;
-        let point = match worst.checked_sub(n_trained) {
-            None => stage.fit.point(worst),
+        let point = match r.checked_sub(n_trained) {
+            None => stage.fit.point(r),
             Some(k) => stage.validated[k].point.clone(),
         };
         models.push(Left {

@@ -10,6 +10,7 @@ pub mod number;
 pub mod plot;
 pub mod repeated;
 pub mod runs;
+pub mod series;
 pub mod static_diagnosed;
 pub mod table;
 pub mod trial;
