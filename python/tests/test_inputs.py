@@ -70,8 +70,9 @@ def test_what_is_given_is_not_altered(columns: Any, rod: Path) -> None:
 def test_a_missing_number_is_filled_and_said(columns: Any) -> None:
     holed = dict(columns, displacement_mm=columns["displacement_mm"].copy())
     holed["displacement_mm"][[50, 51]] = np.nan
-    said = " ".join(sma.inspect(holed).recordings[0].adaptations)
-    assert "2" in said and "interpolated" in said, said
+    said = '"displacement_mm" has no number: taken from its neighbors (2 rows, first 50)'
+    assert sma.inspect(holed).recordings[0].adaptations == (said,)
+    assert f"train1: {said}" in sma.identify({"surroundings": {"ambient_degc": 22.0}}, train=holed).notes
 
 
 def test_many_missing_numbers_are_refused(columns: Any, rod: Path) -> None:

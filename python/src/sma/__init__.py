@@ -24,7 +24,7 @@ from .program import Progress, program_path
 from .results import Parameter, Series
 from .simulate import Simulated, simulate
 from .table import Table
-from .trial import Tried, trial
+from .trial import Score, Tried, trial
 from .tune import Controller, Gains, Response, Tuned, tune
 
 __all__ = [
@@ -50,6 +50,7 @@ __all__ = [
     "Recordings",
     "Response",
     "RodLike",
+    "Score",
     "Series",
     "Simulated",
     "SmaError",

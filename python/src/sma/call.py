@@ -164,7 +164,7 @@ class Call:
         """
         ended = run([os.fspath(one) for one in arguments], progress=progress, scratch=self._scratch)
         if ended.code == DONE or (ended.code == NOT_TO_BE_USED and not ended.errors):
-            return Ended(ended.code, self.named(ended.text), tuple(map(self.named, ended.notes)), "")
+            return Ended(ended.code, self.named(ended.text), tuple(map(self._note, ended.notes)), "")
         said = ended.errors.removeprefix("sma: ").removeprefix("error: ")
         if ended.code == BAD_INPUT:
             raise self._fault(said)
@@ -194,6 +194,20 @@ class Call:
         for file, table in self._tables.items():
             text = text.replace(file, table.name)
         return text
+
+    def in_rows(self, name: str, text: str) -> str:
+        """What the program says it did to lines of a recording, in rows if that was given as a table."""
+        table = next((table for table in self._tables.values() if table.name == name), None)
+        if table is None:
+            return text
+        shift = table.first_row - 1 - int(table.has_names)
+        text = re.sub(r"\(line (\d+)\)$", lambda at: f"(row {int(at[1]) + shift})", text)
+        return re.sub(r"\((\d+) lines, first (\d+)\)$", lambda at: f"({at[1]} rows, first {int(at[2]) + shift})", text)
+
+    def _note(self, note: str) -> str:
+        note = self.named(note)
+        name = next((table.name for table in self._tables.values() if note.startswith(f"{table.name}: ")), None)
+        return note if name is None else self.in_rows(name, note)
 
     def _path(self, path: str | os.PathLike[str]) -> str:
         text = os.fspath(path)

@@ -43,7 +43,8 @@ class Stage:
     parameters: tuple[Parameter, ...]
     #: Root of the mean square error on the training recordings, in the output's unit.
     train_rmse: float | None
-    #: That on unseen recordings, with their offsets read from them.
+    #: That on unseen recordings, each stretch with the offset that the others tell; with that of the whole recording, as in the
+    #: series, it differs by little.
     validate_rmse: float | None
     #: That on unseen recordings, of which the samples at rest alone are read.
     predicted_rmse: float | None

@@ -96,10 +96,10 @@ def inspect(
             arguments += ["--rod", call.rod(rod)]
         ended = call.run([*arguments, *call.used(use), *flags], progress)
         raw = call.document(ended.text)
-        return Inspected(tuple(_inspection(one) for one in raw["recordings"]), raw)
+        return Inspected(tuple(_inspection(call, one) for one in raw["recordings"]), raw)
 
 
-def _inspection(one: Mapping[str, Any]) -> Inspection:
+def _inspection(call: Call, one: Mapping[str, Any]) -> Inspection:
     floor, sampling = one["noise_floor"], one["sampling"]
     return Inspection(
         name=one["name"],
@@ -118,7 +118,7 @@ def _inspection(one: Mapping[str, Any]) -> Inspection:
         ),
         noise_floor=None if floor is None else (floor["lower"], floor["upper"]),
         cycles=one["cycles"],
-        adaptations=tuple(_said(text) for text in one["adaptations"]),
+        adaptations=tuple(call.in_rows(one["name"], _said(text)) for text in one["adaptations"]),
         warnings=tuple(_said(text) for text in one["warnings"]),
     )
 

@@ -11,7 +11,24 @@ from typing import Any
 from .call import Call, RecordingLike, RodLike
 from .errors import InputError
 from .program import Progress
-from .results import Reported
+from .results import Interval, Reported, interval
+
+
+@dataclass(frozen=True)
+class Score:
+    """A quantity that was counted, beside its target."""
+
+    quantity: str
+    #: The figure; ``None`` where nothing was there to be counted.
+    value: float | None
+    #: Its 95 % interval; ``None`` where there is none.
+    ci95: Interval | None
+    #: Cases that count, and those of which they are; ``hits`` is ``None`` where the figure is no share.
+    hits: int | None
+    n: int
+    #: The target in words, empty without one, and whether it was met.
+    target: str
+    met: bool | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -20,8 +37,7 @@ class Tried(Reported):
 
     #: Cases that were diagnosed.
     n_cases: int
-    #: Quantities, their figures with 95 % intervals, and targets; a dict each.
-    table: tuple[Mapping[str, Any], ...]
+    scores: tuple[Score, ...]
     notes: tuple[str, ...]
     report: str = field(repr=False)
     text: str = field(repr=False)
@@ -78,9 +94,21 @@ def trial(
         raw = call.document(places["json"].read_text(encoding="utf-8"))
         return Tried(
             n_cases=raw["cases"],
-            table=tuple(raw["table"]),
+            scores=tuple(_score(one) for one in raw["table"]),
             notes=ended.notes,
             report=call.named(places["report"].read_text(encoding="utf-8")),
             text=ended.text,
             raw=raw,
         )
+
+
+def _score(one: Mapping[str, Any]) -> Score:
+    return Score(
+        quantity=one["quantity"],
+        value=one["value"],
+        ci95=interval(one["interval_95"]),
+        hits=one["hits"],
+        n=one["n"],
+        target=one["target"],
+        met=one["met"],
+    )
