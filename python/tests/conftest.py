@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
+import io
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,13 +45,37 @@ def identified(rod: Path, train: Path) -> sma.Identified:
     return sma.identify(rod, train=train, validate=BUNDLED / "validate.csv")
 
 
+@dataclass(frozen=True)
+class Followed:
+    """What the first block of the README leaves and prints, and what the README says that it prints."""
+
+    demo: sma.Demo
+    found: sma.Diagnosed
+    printed: str
+    promised: str
+    n_lines: int
+
+
 @pytest.fixture(scope="session")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> sma.Demo:
+def followed(tmp_path_factory: pytest.TempPathFactory) -> Followed:
+    """The first block of the package's README, run in an empty folder."""
+    readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    code, promised = (readme.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "text"))
+    names: dict[str, Any] = {}
+    with contextlib.chdir(tmp_path_factory.mktemp("readme")), contextlib.redirect_stdout(io.StringIO()) as printed:
+        exec(code, names)
+        demo = names["demo"]
+        demo = dataclasses.replace(demo, **{name: getattr(demo, name).resolve() for name in ("rod", "train", "unseen")})
+    return Followed(demo, names["found"], printed.getvalue(), promised, len(code.splitlines()))
+
+
+@pytest.fixture(scope="session")
+def demo(followed: Followed) -> sma.Demo:
     """Files of the demonstration."""
-    return sma.demo(tmp_path_factory.mktemp("demo"))
+    return followed.demo
 
 
 @pytest.fixture(scope="session")
-def diagnosed(demo: sma.Demo) -> sma.Diagnosed:
+def diagnosed(followed: Followed) -> sma.Diagnosed:
     """Diagnosis of the demonstration."""
-    return sma.diagnose(demo.rod, train=demo.train, validate=demo.unseen)
+    return followed.found

@@ -101,7 +101,9 @@ def test_many_missing_numbers_are_refused(columns: Any, rod: Path) -> None:
         ({"3": [0.0, 2.0, 1.0]}, None, "3", "a number for a name"),
     ],
 )
-def test_columns_that_make_no_sense_are_refused(changed: dict[str, Any], row: int | None, column: str, said: str, rod: Path) -> None:
+def test_columns_that_make_no_sense_are_refused(
+    changed: dict[str, Any], row: int | None, column: str, said: str, rod: Path
+) -> None:
     good: dict[str, Any] = {"time_s": [0.0, 1.0, 2.0], "current_a": [0.0, 1.0, 1.0], "displacement_mm": [0.0, 0.5, 1.0]}
     with pytest.raises(sma.InputError) as caught:
         sma.identify(rod, train=good | changed)

@@ -14,7 +14,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
-from conftest import BUNDLED
+from conftest import BUNDLED, Followed
 
 import sma
 
@@ -23,7 +23,13 @@ matplotlib.use("agg")
 
 def test_the_truth_of_the_bundled_recordings_is_within_the_intervals(identified: sma.Identified) -> None:
     # As the README of the project states it.
-    truth = {"tau_s": (12.38, "s"), "loop_center_degc": (66.0, "°C"), "loop_half_width_k": (9.0, "K"), "zeta": (0.85, "1"), "gain": (4.2, "mm")}
+    truth = {
+        "tau_s": (12.38, "s"),
+        "loop_center_degc": (66.0, "°C"),
+        "loop_half_width_k": (9.0, "K"),
+        "zeta": (0.85, "1"),
+        "gain": (4.2, "mm"),
+    }
     for name, (value, unit) in truth.items():
         found = identified[name]
         assert found.ci95 is not None and found.value is not None
@@ -61,10 +67,19 @@ def test_a_prediction_is_the_series_of_the_unseen_recording(identified: sma.Iden
     alone = sma.simulate(tmp_path / "model.toml", drive)
     assert list(alone.columns) == ["time_s", "current_a", "displacement_mm", "temperature_degc"]
     assert np.ptp(alone["displacement_mm"] - unseen.simulated) < 1e-12
-    assert sma.simulate(identified, {"time_s": unseen.time_s, "current_a": 2.0 * unseen.drive}).notes[0].startswith("the drive reaches")
+    assert (
+        sma.simulate(identified, {"time_s": unseen.time_s, "current_a": 2.0 * unseen.drive})
+        .notes[0]
+        .startswith("the drive reaches")
+    )
     assert "validate.csv" in str(sma.simulate(identified, BUNDLED / "validate.csv").notes)
     again = sma.identify(BUNDLED / "rod.toml", BUNDLED / "train.csv", from_model=identified)
     assert again["tau_s"].value == pytest.approx(identified["tau_s"].value, rel=1e-4)
+
+
+def test_the_readme_prints_what_it_says(followed: Followed) -> None:
+    assert followed.printed == followed.promised
+    assert followed.n_lines <= 12
 
 
 def test_the_demonstration_is_diagnosed(diagnosed: sma.Diagnosed, demo: sma.Demo) -> None:
@@ -146,7 +161,9 @@ def test_what_did_not_converge_is_a_result() -> None:
     n = 400
     current = np.where((np.arange(n) // 100) % 2, 1.0, 0.0)
     noise = np.random.default_rng(1).normal(size=n)
-    found = sma.identify({"surroundings": {"ambient_degc": 20.0}}, {"time_s": 0.1 * np.arange(n), "current_a": current, "displacement_mm": noise})
+    found = sma.identify(
+        {"surroundings": {"ambient_degc": 20.0}}, {"time_s": 0.1 * np.arange(n), "current_a": current, "displacement_mm": noise}
+    )
     assert not found.usable
     assert "NOT TO BE USED" in repr(found)
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, Union, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from . import files
 from .errors import InputError, NoControllerError, ProgramError
@@ -19,13 +19,13 @@ from .rod import to_toml
 from .table import Table, as_table
 
 #: A path that the program reads, or the tables of a rod file as nested dicts.
-RodLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+RodLike = str | os.PathLike[str] | Mapping[str, Any]
 
 #: A path, a :class:`sma.Table`, a frame of pandas or polars, a dict of arrays, a matrix or a structured array.
 RecordingLike = Any
 
 #: One recording, several, or several by name.
-Recordings = Union[RecordingLike, Sequence[RecordingLike], Mapping[str, RecordingLike]]
+Recordings = RecordingLike | Sequence[RecordingLike] | Mapping[str, RecordingLike]
 
 #: Version of the program's JSON that this package reads.
 SCHEMA_VERSION = 1
@@ -76,7 +76,7 @@ class Model:
 
 
 #: A path to a ``model.toml``, a :class:`Model`, or a result that has one.
-ModelLike = Union[str, "os.PathLike[str]", Model, HasModel]
+ModelLike = str | os.PathLike[str] | Model | HasModel
 
 
 class Call:
@@ -97,9 +97,7 @@ class Call:
     def __enter__(self) -> Call:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._holder.cleanup()
 
     def rod(self, rod: RodLike) -> str:
@@ -118,7 +116,9 @@ class Call:
             kept = model.model
             if kept is not None:
                 return self._written("model.toml", kept.toml)
-            raise InputError("this result keeps no model, since none is to be used; expected a path, a sma.Model, or another result")
+            raise InputError(
+                "this result keeps no model, since none is to be used; expected a path, a sma.Model, or another result"
+            )
         raise InputError(f"model = {model!r}: expected a path to a model.toml, a sma.Model, or a result of identify or diagnose")
 
     def recordings(self, given: Recordings | None, role: str) -> list[str]:

@@ -52,6 +52,4 @@ class MissingExtraError(SmaError, ImportError):
 
 def missing(package: str, extra: str, purpose: str) -> MissingExtraError:
     """An error that says what to install."""
-    return MissingExtraError(
-        f"{purpose} needs {package}, which is not installed; expected: pip install 'sma-actuator[{extra}]'"
-    )
+    return MissingExtraError(f"{purpose} needs {package}, which is not installed; expected: pip install 'sma-actuator[{extra}]'")

@@ -59,7 +59,9 @@ class Identified(Reported):
         if "gain" not in names or not names <= PLAIN:
             return None
         gain = self["gain"].value
-        stated = [recording for recording in self.raw["recordings"] if recording["role"] == one.role and recording["name"] == one.name]
+        stated = [
+            recording for recording in self.raw["recordings"] if recording["role"] == one.role and recording["name"] == one.name
+        ]
         if gain is None or not stated:
             return None
         offset = stated[0].get("offset")

@@ -192,7 +192,5 @@ def subplots(rows: int, columns: int) -> tuple[Figure, Any]:
         import matplotlib.pyplot as plt
     except ImportError:
         raise missing("matplotlib", "plot", "plot()") from None
-    figure, axes = plt.subplots(
-        rows, columns, squeeze=False, sharex="col", figsize=(6 * columns, 3 * rows), layout="constrained"
-    )
+    figure, axes = plt.subplots(rows, columns, squeeze=False, sharex="col", figsize=(6 * columns, 3 * rows), layout="constrained")
     return figure, axes

@@ -132,9 +132,7 @@ def table_of(
                 column=title,
             )
         if title in checked:
-            raise InputError(
-                f'{at}: two columns are named "{title}"; expected different names', file=name, column=title
-            )
+            raise InputError(f'{at}: two columns are named "{title}"; expected different names', file=name, column=title)
         checked[title] = _column(at, name, title, values, first_row)
     lengths = {title: len(values) for title, values in checked.items()}
     if len(set(lengths.values())) > 1:
@@ -201,9 +199,7 @@ def _column(at: str, file: str, title: str, given: object, first_row: int) -> Co
     try:
         values = np.asarray(given)
     except ValueError:
-        raise InputError(
-            f'{at}: column "{title}" is ragged; expected one value a row', file=file, column=title
-        ) from None
+        raise InputError(f'{at}: column "{title}" is ragged; expected one value a row', file=file, column=title) from None
     if values.ndim != 1:
         shape = " x ".join(str(n) for n in values.shape) or "a single value"
         raise InputError(
@@ -299,7 +295,7 @@ def _texts(column: Column) -> list[str]:
     kind = column.dtype.kind
     if kind == "f":
         # NaN is a field without a number.
-        return ["" if value != value else repr(value) for value in column.tolist()]
+        return ["" if math.isnan(value) else repr(value) for value in column.tolist()]
     if kind in "iu":
         return [str(value) for value in column.tolist()]
     if kind == "M":

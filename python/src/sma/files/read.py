@@ -63,7 +63,9 @@ def read(path: str | os.PathLike[str], *, table: str | None = None, columns: Seq
     except SmaError:
         raise
     except MemoryError:
-        raise InputError(f"{path}: claims to be larger than the memory; expected a whole {place.suffix} file", file=str(path)) from None
+        raise InputError(
+            f"{path}: claims to be larger than the memory; expected a whole {place.suffix} file", file=str(path)
+        ) from None
     except Exception as error:
         # The libraries that read these formats raise errors of all kinds for bytes that are not as they should be.
         said = " ".join(str(error).split()) or type(error).__name__

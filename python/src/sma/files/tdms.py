@@ -40,7 +40,7 @@ def read(path: Path, table: str | None) -> Table:
     if table is None:
         if len(groups) != 1:
             raise InputError(
-                f"{path}: groups with data: {', '.join(groups) or 'none'}; expected one, or table=\"NAME\"", file=str(path)
+                f'{path}: groups with data: {", ".join(groups) or "none"}; expected one, or table="NAME"', file=str(path)
             )
         table = next(iter(groups))
     channels = [one for one in groups[table].channels() if len(one)]

@@ -22,7 +22,7 @@ class Unknown:
 
 
 #: An array, the fields of a struct, or what cannot be read.
-Variable = Union[npt.NDArray[Any], "Variables", Unknown]
+Variable = Union[npt.NDArray[Any], "Variables", Unknown]  # noqa: UP007 - it names itself
 Variables = Mapping[str, Variable]
 
 
@@ -69,7 +69,7 @@ def table_of_variables(path: Path, variables: Variables, wanted: str | None, *, 
         )
     if len(structs) > 1:
         raise InputError(
-            f"{path}: several could be the recording: {', '.join(structs)}; expected one: {select}=\"{next(iter(structs))}\"",
+            f'{path}: several could be the recording: {", ".join(structs)}; expected one: {select}="{next(iter(structs))}"',
             file=str(path),
         )
     held = "; ".join(notes) or "it is empty"

@@ -46,7 +46,7 @@ def read(path: Path, table: str | None) -> Table:
     if table is None:
         if len(filled) != 1:
             raise InputError(
-                f"{path}: sheets that are not empty: {', '.join(filled) or 'none'}; expected one, or table=\"NAME\"",
+                f'{path}: sheets that are not empty: {", ".join(filled) or "none"}; expected one, or table="NAME"',
                 file=str(path),
             )
         table = next(iter(filled))
@@ -87,7 +87,9 @@ def _table(path: Path, sheet: str, rows: dict[int, tuple[object, ...]]) -> Table
             if all(cell is None for cell in cells):
                 continue
             raise InputError(
-                f"{path}, {place}, row {first}: no name over column {c + 1}; expected one, such as current_a", file=str(path), row=first
+                f"{path}, {place}, row {first}: no name over column {c + 1}; expected one, such as current_a",
+                file=str(path),
+                row=first,
             )
         values = np.empty(len(cells), dtype=object)
         values[:] = cells
