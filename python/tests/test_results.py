@@ -176,9 +176,9 @@ sma.identify(sys.argv[1], train=sys.argv[2], flags=["--starts", "1000000"], prog
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
-def test_an_interrupt_ends_the_program() -> None:
+def test_an_interrupt_ends_the_program_and_leaves_nothing(tmp_path: Path) -> None:
     call = [sys.executable, "-c", CALL, str(BUNDLED / "rod.toml"), str(BUNDLED / "train.csv")]
-    with subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+    with subprocess.Popen(call, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
         try:
             assert child.stdout is not None
             assert child.stdout.readline() == "identify start 0/1000000\n"
@@ -192,6 +192,7 @@ def test_an_interrupt_ends_the_program() -> None:
             assert subprocess.run(["ps", "-p", running[0]], capture_output=True, check=False).returncode == 1
         finally:
             child.kill()
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_module_is_the_program() -> None:

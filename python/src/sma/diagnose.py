@@ -152,6 +152,8 @@ def diagnose(
         if from_model is not None:
             arguments += ["--from-model", call.model(from_model)]
         places = {name: call.place(name) for name in ("json", "series", "report", "save-model", "save-next")}
+        # What an interrupted search keeps goes with the call.
+        arguments += ["--resume", str(call.place("kept"))]
         for name, place in places.items():
             arguments += [f"--{name}", str(place)]
         arguments += ["--seed", str(seed), "--threads", str(threads), "--no-plot", *call.used(use), *flags]

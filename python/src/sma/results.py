@@ -172,7 +172,8 @@ def plot_series(series: Sequence[Series]) -> Figure:
         above.plot(at, one.output, ".", markersize=2, color="0.6", label="recorded")
         if one.plain is not None:
             above.plot(at, one.plain, line, linewidth=1, label="plain model")
-        above.plot(at, one.simulated, line, linewidth=1, label="model")
+        label = "model" if one.plain is None else "model with what was found"
+        above.plot(at, one.simulated, line, linewidth=1, label=label)
         above.set_title(f"{Path(one.name).name} ({one.role})", fontsize="medium")
         above.set_ylabel(f"output, {one.output_unit}")
         above.legend(fontsize="small")
