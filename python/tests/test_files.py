@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ import pytest
 import scipy.io
 
 import sma
+from sma.files import mat5 as reader
 
 #: Rows of the recording.
 N = 600
@@ -263,6 +265,49 @@ def test_encrypted_and_foreign_files_are_refused(tmp_path: Path) -> None:
     refused(tmp_path / "absent.mat.csv", "read() knows")
     with pytest.raises(sma.InputError, match="absent.mat: cannot be read"):
         sma.read(tmp_path / "absent.mat")
+
+
+def test_every_class_of_matlab_is_read_as_scipy_does(tmp_path: Path) -> None:
+    values = np.arange(-3, 9).reshape(4, 3)
+    kinds = ["i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8", "?"]
+    given: dict[str, Any] = {f"kind_{kind.strip('?') or 'b'}": values.astype(kind) for kind in kinds}
+    given |= {"scalar": 2.5, "text": "abc", "vector": np.linspace(0, 1, 7), "none": np.zeros((0, 0)), "cube": np.ones((2, 3, 4))}
+    given["nested"] = {"a_rather_long_name_of_a_field": values, "inner": {"x": np.pi}}
+    for compressed in (False, True):
+        path = tmp_path / f"{compressed}.mat"
+        scipy.io.savemat(path, given, do_compression=compressed, long_field_names=True)
+        ours, theirs = reader.variables(path), scipy.io.loadmat(path)
+        assert sorted(ours) == sorted(given)
+        for title, value in ours.items():
+            if title == "nested":
+                record = theirs[title][0, 0]
+                assert isinstance(value, dict)
+                np.testing.assert_array_equal(value["a_rather_long_name_of_a_field"], record["a_rather_long_name_of_a_field"])
+                assert value["inner"]["x"] == record["inner"][0, 0]["x"] == np.pi
+            elif title != "text":
+                assert isinstance(value, np.ndarray)
+                assert (value.dtype, value.shape) == (theirs[title].dtype, theirs[title].shape), title
+                np.testing.assert_array_equal(value, theirs[title])
+
+
+@pytest.mark.parametrize("name", ["v4.mat", "v5.mat", "v5-struct.mat", "channels.tdms", "book.xlsx", "arrays.npz"])
+def test_damaged_bytes_end_in_a_table_or_an_error(name: str, folder: Path, tmp_path: Path) -> None:
+    whole = (folder / name).read_bytes()
+    draw = random.Random(name)
+    path = tmp_path / name
+    refused = 0
+    for _ in range(25):
+        damaged = bytearray(whole)
+        # Where the structure stands, and anywhere.
+        for k in [draw.randrange(min(len(whole), 200)), draw.randrange(len(whole))]:
+            damaged[k] = draw.randrange(256)
+        path.write_bytes(damaged)
+        try:
+            sma.read(path)
+        except sma.InputError as error:
+            assert str(path) in str(error) or path.name in str(error)
+            refused += 1
+    assert refused > 0 or name == "v4.mat"
 
 
 def test_one_of_several_tables_is_selected(tmp_path: Path, recording: dict[str, Any]) -> None:

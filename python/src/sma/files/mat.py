@@ -1,15 +1,14 @@
-"""MATLAB's ``.mat``: versions 4 and 5 to 7 by scipy, 7.3 by h5py."""
+"""MATLAB's ``.mat``: version 4 by scipy, 5 to 7 in :mod:`sma.files.mat5`, 7.3 by h5py."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..errors import missing
 from ..table import Table
-from . import hdf5
+from . import hdf5, mat5
 from .variables import Unknown, Variable, table_of_variables
 
 
@@ -17,33 +16,27 @@ def read(path: Path, table: str | None) -> Table:
     """The recording in a ``.mat`` file; ``table`` names a struct or a matrix."""
     if hdf5.is_hdf5(path):
         return hdf5.read(path, table)
-    try:
-        import scipy.io
-    except ImportError:
-        raise missing("scipy", "mat", f"{path}: a .mat file") from None
-    loaded = scipy.io.loadmat(path, struct_as_record=True, mat_dtype=False, chars_as_strings=True)
-    variables = {title: _variable(value) for title, value in loaded.items() if not title.startswith("__")}
-    # What MATLAB stores of its own classes has no name.
-    opaque = [title for title in loaded if title in ("None", "__function_workspace__")]
-    if opaque and "None" in loaded:
-        variables.pop("None", None)
-        variables["(without a name)"] = Unknown("an object, such as a table, a timetable or a string")
+    with path.open("rb") as file:
+        start = file.read(mat5.HEADER)
+    variables = mat5.variables(path) if mat5.is_mat5(start) else _version4(path)
     return table_of_variables(path, variables, table)
 
 
-def _variable(value: Any) -> Variable:
-    kind = type(value).__name__
-    if kind in ("MatlabOpaque", "MatlabFunction", "MatlabObject"):
-        return Unknown("an object, such as a table, a timetable or a function")
-    if not isinstance(value, np.ndarray):
-        return Unknown("a sparse matrix")
-    if value.dtype.names is not None:
-        if value.size != 1:
-            return Unknown(f"an array of {value.size} structs")
-        record = value.reshape(-1)[0]
-        return {title: _variable(record[title]) for title in value.dtype.names}
-    if value.dtype.kind == "O":
-        return Unknown("a cell array")
-    if value.dtype.kind == "c":
-        return Unknown("an array of complex numbers")
-    return value
+def _version4(path: Path) -> dict[str, Variable]:
+    """Variables of version 4, whose reader is Python."""
+    try:
+        import scipy.io
+        import scipy.io.matlab
+    except ImportError:
+        raise missing("scipy", "mat", f"{path}: a .mat file of version 4") from None
+    with path.open("rb") as file:
+        if scipy.io.matlab.matfile_version(file)[0] != 0:
+            raise ValueError("no .mat file of version 4, 5, 7 or 7.3")
+    loaded = scipy.io.loadmat(path)
+    found: dict[str, Variable] = {}
+    for title, value in loaded.items():
+        if not title.startswith("__"):
+            found[title] = value if isinstance(value, np.ndarray) else Unknown("a sparse matrix")
+            if isinstance(value, np.ndarray) and value.dtype.kind == "c":
+                found[title] = Unknown("an array of complex numbers")
+    return found
