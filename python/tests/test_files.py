@@ -241,6 +241,13 @@ def test_arrays_of_objects_are_refused(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "objects.h5", "w") as file:
         file.create_dataset("label", data=["a", "b"], dtype=h5py.string_dtype())
     refused(tmp_path / "objects.h5", 'variable "label"', "objects or of text")
+    for kind, said in [("cell", "a cell array"), ("table", "an object, such as a table")]:
+        with h5py.File(tmp_path / f"{kind}.mat", "w", userblock_size=512) as file:
+            item = file.create_dataset("run", data=np.zeros((1, 6), dtype=np.uint32))
+            item.attrs["MATLAB_class"] = np.bytes_(kind)
+            if kind == "table":
+                item.attrs["MATLAB_object_decode"] = 3
+        refused(tmp_path / f"{kind}.mat", 'variable "run"', said)
     scipy.io.savemat(tmp_path / "complex.mat", {"current_a": np.ones(4) * 1j})
     refused(tmp_path / "complex.mat", 'variable "current_a"', "complex")
     scipy.io.savemat(tmp_path / "sparse.mat", {"current_a": scipy.sparse.eye(4)})

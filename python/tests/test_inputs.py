@@ -177,12 +177,14 @@ def test_times_of_day_and_dates_are_seconds(columns: Any, rod: Path) -> None:
 def test_usage_that_is_none_is_refused(rod: Path, train: Path, columns: Any) -> None:
     with pytest.raises(sma.InputError, match="invalid value '0' for '--starts"):
         sma.identify(rod, train=train, flags=["--starts", "0"])
-    with pytest.raises(sma.SmaError, match="--window x: no such recording in this call; expected one of train1"):
-        sma.identify(rod, train=columns, use=sma.Use(window_s={"x": (0, 1)}))
+    with pytest.raises(sma.InputError, match='use: "x" is no recording of this call; expected one of train1, validate.csv'):
+        sma.identify(rod, columns, rod.parent / "validate.csv", use=sma.Use(window_s={"x": (0, 1)}))
     with pytest.raises(sma.InputError, match="like and drive belong together"):
         sma.trial(like=rod)
     half = sma.identify(rod, train={"a b": columns}, use=sma.Use(window_s={"a b": (0.0, 200.0)}, decimate=2))
     assert len(half.series[0].output) == 501
+    part = sma.identify(rod, train=train, use=sma.Use(exclude_s={"train.csv": (390.0, 400.0)}))
+    assert len(part.series[0].output) == 1950
 
 
 def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, identified: sma.Identified) -> None:

@@ -142,7 +142,7 @@ class Call:
         flags: list[str] = []
         for flag, spans in (("--window", use.window_s), ("--exclude", use.exclude_s)):
             for name, span in spans.items():
-                file = next((file for file, table in self._tables.items() if table.name == name), name)
+                file = self._file_of(name)
                 flags += [flag, f"{file}:{float(span[0])!r}..{float(span[1])!r}"]
         if use.decimate is not None:
             flags += ["--decimate", str(use.decimate)]
@@ -164,7 +164,8 @@ class Call:
         """
         ended = run([os.fspath(one) for one in arguments], progress=progress, scratch=self._scratch)
         if ended.code == DONE or (ended.code == NOT_TO_BE_USED and not ended.errors):
-            return Ended(ended.code, self.named(ended.text), tuple(map(self._note, ended.notes)), "")
+            notes = [*ended.notes, *ended.errors.splitlines()]
+            return Ended(ended.code, self.named(ended.text), tuple(map(self._note, notes)), "")
         said = ended.errors.removeprefix("sma: ").removeprefix("error: ")
         if ended.code == BAD_INPUT:
             raise self._fault(said)
@@ -203,6 +204,17 @@ class Call:
         shift = table.first_row - 1 - int(table.has_names)
         text = re.sub(r"\(line (\d+)\)$", lambda at: f"(row {int(at[1]) + shift})", text)
         return re.sub(r"\((\d+) lines, first (\d+)\)$", lambda at: f"({at[1]} rows, first {int(at[2]) + shift})", text)
+
+    def _file_of(self, name: str) -> str:
+        """The file of a recording of this call, by the name that the caller knows."""
+        names = {table.name: file for file, table in self._tables.items()}
+        for path in self._files:
+            if Path(path).parent != self._given and not path.endswith(".toml"):
+                names |= {path: path, Path(path).name: path}
+        if name not in names:
+            known = ", ".join(dict.fromkeys(Path(one).name for one in names))
+            raise InputError(f'use: "{name}" is no recording of this call; expected one of {known}', file=name)
+        return names[name]
 
     def _note(self, note: str) -> str:
         note = self.named(note)
