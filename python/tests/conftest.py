@@ -79,3 +79,14 @@ def demo(followed: Followed) -> sma.Demo:
 def diagnosed(followed: Followed) -> sma.Diagnosed:
     """Diagnosis of the demonstration."""
     return followed.found
+
+
+#: Flags that make a short run.
+QUICK = ("--draws", "10", "--duration-s", "60")
+
+
+@pytest.fixture(scope="session")
+def tuned(identified: sma.Identified) -> tuple[sma.Tuned, list[str]]:
+    """A controller for the bundled rig, beside gains of somebody's own, and its lines of progress."""
+    lines: list[str] = []
+    return sma.tune(identified, 2.5, 5.5, gains=(1.0, 0.5, 0.0), flags=QUICK, progress=lines.append), lines

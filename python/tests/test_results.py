@@ -104,10 +104,8 @@ def test_the_demonstration_is_diagnosed(diagnosed: sma.Diagnosed, demo: sma.Demo
     assert np.sqrt(np.mean(again**2)) < 0.2 * diagnosed.series[1].rmse
 
 
-def test_a_controller_is_tuned(identified: sma.Identified) -> None:
-    lines: list[str] = []
-    quick = ["--draws", "10", "--duration-s", "60"]
-    found = sma.tune(identified, 2.5, 5.5, gains=(1.0, 0.5, 0.0), flags=quick, progress=lines.append)
+def test_a_controller_is_tuned(identified: sma.Identified, tuned: tuple[sma.Tuned, list[str]]) -> None:
+    found, lines = tuned
     assert any(line.startswith("tune move ") for line in lines)
     own = {one.name: one for one in found.controllers}
     assert found.gains == own["tuned"].gains
