@@ -9,6 +9,7 @@ pub mod label;
 pub mod number;
 pub mod plot;
 pub mod repeated;
+pub mod series;
 pub mod static_diagnosed;
 pub mod table;
 pub mod trial;

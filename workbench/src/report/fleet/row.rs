@@ -48,7 +48,7 @@ pub struct Row {
     pub findings: Vec<Found>,
     /// Unit of the output and of all errors.
     pub output_unit: Option<String>,
-    /// RMS error of the plain model on the training recordings.
+    /// RMS error of the baseline model on the training recordings.
     pub train_rmse: Option<f64>,
     /// That on the unseen ones.
     pub validate_rmse: Option<f64>,
@@ -60,7 +60,7 @@ pub struct Row {
     pub noise_lower: Option<f64>,
     /// Noise of the output, at most.
     pub noise_upper: Option<f64>,
-    /// Parameters that recordings share and that were not fixed, of the plain model and of what was found.
+    /// Parameters that recordings share and that were not fixed, of the baseline model and of what was found.
     pub parameters: Vec<Estimated>,
 }
 
@@ -253,7 +253,7 @@ fn finding(finding: &Value) -> Option<Found> {
     })
 }
 
-/// Those of the plain model and of what was found, from the model with it where there is one. What else that model has only
+/// Those of the baseline model and of what was found, from the model with it where there is one. What else that model has only
 /// makes room for what nobody can tell apart.
 fn parameters(result: &Value, is_diagnosis: bool, findings: &[Found]) -> Vec<Estimated> {
     if !is_diagnosis {

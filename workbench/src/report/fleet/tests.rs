@@ -95,7 +95,11 @@ fn a_row_has_the_numbers_of_its_document() {
             .collect()
     };
     assert_eq!(names(row), ["tau_s 11", "latent_heat_j_per_kg 9000"]);
-    assert_eq!(names(&report.rows[2]), ["tau_s 12"], "of the plain model");
+    assert_eq!(
+        names(&report.rows[2]),
+        ["tau_s 12"],
+        "of the baseline model"
+    );
     let identified = |converged: bool| {
         let result = json!({"fit": {"converged": converged, "train_rmse": 0.1}, "parameters": [parameter("tau_s", "s", 3.0)]});
         Row::of("a", "0a", &Unit::done(task("identify"), 0, result))
