@@ -144,7 +144,7 @@ impl UnitRun<'_> {
             recordings.push(argument);
         }
         let mut process = Command::new(&self.program)
-            .args(["batch-unit", self.command, "--quiet", "--no-plot"])
+            .args(["batch-unit", self.command, "--quiet"])
             .args(["--threads", "1", "--json", "-"])
             .args(&self.flags)
             .args(recordings)

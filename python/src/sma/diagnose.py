@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from .call import Call, Model, ModelLike, Recordings, RodLike, Use
 from .program import Progress
@@ -82,7 +82,7 @@ class Diagnosed(Reported):
     baseline: Stage
     #: The model with what was found; ``None`` where nothing was.
     extended: Stage | None
-    #: Share of the error above the noise that is explained, 0 to 1, on unseen recordings, with its 95 % interval.
+    #: Share of the explainable error that is explained, 0 to 1, on unseen recordings, with its 95 % interval.
     explained_fraction: float | None
     explained_interval: Interval | None
     #: Lower and upper estimate of the noise, in ``output_unit``.
@@ -90,6 +90,8 @@ class Diagnosed(Reported):
     #: Part of the model where the mismatch is: "drive", "heat-balance", "transformation", "displacement"; ``None`` without one.
     block: str | None
     catalogue: tuple[Entry, ...]
+    #: Parts of the search that were left out for the effort or the time limit: "other_loops", "more_effects", "other_starts", "next_run".
+    left_out: tuple[str, ...]
     output_unit: str
     #: The recordings, sample by sample, with the last model and the baseline model through them; empty for static recordings.
     series: tuple[Series, ...]
@@ -126,6 +128,8 @@ def diagnose(
     use: Use | None = None,
     without: Sequence[str] = (),
     from_model: ModelLike | None = None,
+    effort: Literal["quick", "normal", "thorough"] = "normal",
+    time_limit_s: float | None = None,
     seed: int = 1,
     threads: int = 0,
     flags: Sequence[str] = (),
@@ -136,6 +140,8 @@ def diagnose(
     Args:
         rod, train, validate, use, from_model, seed, threads, progress: as of :func:`sma.identify`.
         without: effects that are not to be found, such as ``["latent-heat"]``.
+        effort: how widely is searched; what "quick" leaves out stands in ``left_out``.
+        time_limit_s: time after which nothing more is begun that may be left out, s; the result then depends on the machine.
         flags: further flags of ``sma diagnose``, such as ``["--hypothesis", "own.toml"]``.
 
     Raises:
@@ -151,12 +157,15 @@ def diagnose(
             arguments += ["--without", *without]
         if from_model is not None:
             arguments += ["--from-model", call.model(from_model)]
+        arguments += ["--effort", effort]
+        if time_limit_s is not None:
+            arguments += ["--time-limit-s", repr(float(time_limit_s))]
         places = {name: call.place(name) for name in ("json", "series", "report", "save-model", "save-next")}
         # What an interrupted search keeps goes with the call.
         arguments += ["--resume", str(call.place("kept"))]
         for name, place in places.items():
             arguments += [f"--{name}", str(place)]
-        arguments += ["--seed", str(seed), "--threads", str(threads), "--no-plot", *call.used(use), *flags]
+        arguments += ["--seed", str(seed), "--threads", str(threads), *call.used(use), *flags]
         ended = call.run(arguments, progress)
         # What the program has nothing to say in, it does not write.
         written = {
@@ -191,6 +200,7 @@ def _diagnosed(
         noise_floor=(floor["lower"], floor["upper"]),
         block=raw["mismatch"]["block"],
         catalogue=tuple(_entry(one) for one in raw["catalogue"]),
+        left_out=tuple(raw.get("left_out", ())),
         output_unit=raw["output_unit"],
         series=series(call.document(simulated)) if simulated is not None else (),
         model=Model(call.named(model, is_json=True)) if model is not None else None,

@@ -134,7 +134,7 @@ def identify(
         arguments += ["--resume", str(call.place("kept"))]
         for name, place in places.items():
             arguments += [f"--{name}", str(place)]
-        arguments += ["--seed", str(seed), "--threads", str(threads), "--no-plot", *call.used(use), *flags]
+        arguments += ["--seed", str(seed), "--threads", str(threads), *call.used(use), *flags]
         ended = call.run(arguments, progress)
         raw = call.document(places["json"].read_text(encoding="utf-8"))
         fit = raw["fit"]
