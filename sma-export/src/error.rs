@@ -1,0 +1,60 @@
+/// Reasons why a model cannot be exported as asked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// An effect needs a search in each sample.
+    #[error(
+        "{effect}: needs a search for the end of each sample, and this export has formulas alone; expected a model of {known}; --to fmu exports all effects"
+    )]
+    Effect {
+        /// Id of the effect.
+        effect: &'static str,
+        /// Ids of the effects that are exported.
+        known: String,
+    },
+    /// The loop is of another family than the paper's.
+    #[error(
+        "loop family {family}: has no formula in this export yet; expected {expected}; --to fmu exports all families"
+    )]
+    Family {
+        /// Id of the family.
+        family: &'static str,
+        /// Id of the family that is exported.
+        expected: &'static str,
+    },
+    /// A hypothesis of one's own.
+    #[error("hypotheses of your own: have no export; expected effects of the catalogue")]
+    Hypotheses,
+    /// The sample time is no positive number.
+    #[error("sample time {value} s: must be finite and > 0")]
+    SampleTime {
+        /// Rejected value, s.
+        value: f64,
+    },
+    /// A constant is no number of the wanted precision.
+    #[error(
+        "{name} = {value}: beyond the range of a {precision}; leave out --float, or look at the model"
+    )]
+    Range {
+        /// Its name in the templates.
+        name: &'static str,
+        /// The value.
+        value: f64,
+        /// The C type.
+        precision: &'static str,
+    },
+    /// A prefix is no identifier of C.
+    #[error(
+        "prefix {text:?}: must be a lower-case letter followed by at most 30 lower-case letters, digits or underscores"
+    )]
+    Prefix {
+        /// Rejected text.
+        text: String,
+    },
+    /// The plant is refused.
+    #[error("the model is refused")]
+    Plant(#[from] sma_effects::PhysicsError),
+    /// The controller is refused.
+    #[error("the controller is refused")]
+    Controller(#[from] pid_tune::TuneError),
+}

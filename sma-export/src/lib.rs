@@ -1,0 +1,12 @@
+#![doc = include_str!("../README.md")]
+
+mod c;
+mod constants;
+mod error;
+mod exported;
+mod number;
+mod template;
+
+pub use c::{CNumbers, CPrefix, c_header};
+pub use error::ExportError;
+pub use exported::{Controller, Exported, Labels};
