@@ -16,6 +16,7 @@ use clap::Parser;
 
 use commands::demo::DemoArgs;
 use commands::diagnose::DiagnoseArgs;
+use commands::export::ExportArgs;
 use commands::identify::IdentifyArgs;
 use commands::init::InitArgs;
 use commands::inspect::InspectArgs;
@@ -42,6 +43,7 @@ enum Command {
     Simulate(SimulateArgs),
     Tune(TuneArgs),
     Diagnose(DiagnoseArgs),
+    Export(ExportArgs),
     Trial(TrialArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
@@ -59,6 +61,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => commands::simulate::run(args),
         Command::Tune(args) => commands::tune::run(args),
         Command::Diagnose(args) => commands::diagnose::run(args),
+        Command::Export(args) => commands::export::run(args),
         Command::Trial(args) => commands::trial::run(args),
         Command::Completions(args) => commands::shell::completions(args),
         Command::Man(args) => commands::shell::man(args),

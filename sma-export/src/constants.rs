@@ -168,6 +168,7 @@ impl Constants {
             1
         };
         self.counts.insert("nesting", nesting);
+        self.counts.insert("nesting_capacity", NESTING_CAPACITY);
         self.counts.insert("is_nested", usize::from(is_nested));
         self.counts
             .insert("other_is_nested", usize::from(!is_nested));

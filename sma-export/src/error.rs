@@ -51,6 +51,46 @@ pub enum ExportError {
         /// Rejected text.
         text: String,
     },
+    /// The model is not of one rod that a drive heats.
+    #[error(
+        "{file}: is {kind}; expected a model of one rod that a drive heats, from recordings with time, drive and displacement"
+    )]
+    Kind {
+        /// File of the model.
+        file: String,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// No recording of the model has a sample time.
+    #[error("{file}: no recording of the model has a sample time; give --sample-time-s")]
+    NoSampleTime {
+        /// File of the model.
+        file: String,
+    },
+    /// A file of gains is not as `sma tune --json` writes it.
+    #[error("{file}:{line}:{column}: {message}; expected a file of `sma tune --json`")]
+    Tuned {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What is wrong there.
+        message: String,
+    },
+    /// A value in a file of gains cannot be exported.
+    #[error("{file}: {key} = {value}: {accepted}")]
+    TunedValue {
+        /// The file.
+        file: String,
+        /// Its key.
+        key: &'static str,
+        /// The value.
+        value: String,
+        /// What would be accepted.
+        accepted: String,
+    },
     /// The plant is refused.
     #[error("the model is refused")]
     Plant(#[from] sma_effects::PhysicsError),

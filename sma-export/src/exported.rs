@@ -34,7 +34,7 @@ pub struct Controller {
 }
 
 /// Texts about a model.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Labels {
     /// File of the model.
     pub model_file: String,
@@ -48,6 +48,8 @@ pub struct Labels {
     pub drive_unit: String,
     /// Unit of the output.
     pub output_unit: String,
+    /// Temperature of the surroundings that the model states, °C.
+    pub ambient_degc: Option<f64>,
     /// The recording whose offset and start the model has.
     pub recording: String,
     /// Parts of the model that are not exported.

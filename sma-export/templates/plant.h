@@ -34,19 +34,19 @@
 //@if pid
  *   {{p}}_plant plant;
  *   {{p}}_pid pid;
- *   {{p}}_plant_rest(&plant, 22);
+ *   {{p}}_plant_rest(&plant, {{ambient_degc}});
  *   {{p}}_pid_rest(&pid, {{p}}_plant_output(&plant));
  *   for (;;) {
  *       {{p}}_real y = {{p}}_plant_output(&plant);             or what the sensor reads
  *       {{p}}_real u = {{p}}_pid_step(&pid, set_point, y, 0);  once every {{dt_s}} s
- *       {{p}}_plant_step(&plant, u, 22);                       or set the supply to u
+ *       {{p}}_plant_step(&plant, u, {{ambient_degc}});                       or set the supply to u
  *   }
 //@else
  *   {{p}}_plant plant;
- *   {{p}}_plant_rest(&plant, 22);
+ *   {{p}}_plant_rest(&plant, {{ambient_degc}});
  *   for (k = 0; k < n; ++k) {
  *       y[k] = {{p}}_plant_output(&plant);
- *       {{p}}_plant_step(&plant, drive[k], 22);
+ *       {{p}}_plant_step(&plant, drive[k], {{ambient_degc}});
  *   }
 //@end
  */

@@ -4,6 +4,7 @@ use crate::outcome::Outcome;
 
 pub(crate) mod demo;
 pub(crate) mod diagnose;
+pub(crate) mod export;
 pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;

@@ -1,30 +1,21 @@
 //! The C99 header, compiled and run beside the program.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::print_stdout, reason = "tests say what they skip and find")]
 
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
-use pid_tune::{AntiWindup, DerivativeOf};
 use sma_effects::EffectId;
 use sma_export::{CNumbers, CPrefix, Exported, c_header};
 use wiener::Drive;
 use wiener::hysteresis::Rule;
 
 use crate::common::{
-    AMBIENT_DEGC, DT_S, controlled, controller, currents_a, driven, exported, simulated,
+    AMBIENT_DEGC, DRIVES, apart, bits, controlled, drives, exported, plain, setpoints, simulated,
+    with_controllers, with_effects,
 };
-
-const DRIVES: [Drive; 4] = [
-    Drive::Current,
-    Drive::Duty {
-        supply_v: 12.0,
-        length_m: 0.7,
-    },
-    Drive::Voltage { length_m: 0.7 },
-    Drive::Power { length_m: 0.7 },
-];
 
 const WARNINGS: [&str; 7] = [
     "-std=c99",
@@ -120,53 +111,6 @@ fn loops(folder: &Path, models: &[Exported]) -> String {
     body + &main + "    return 0;\n}\n"
 }
 
-/// The drives of models, one model after another.
-fn drives(models: &[Exported], n_samples: usize) -> Vec<Vec<f64>> {
-    let currents = currents_a(n_samples);
-    models
-        .iter()
-        .map(|model| {
-            let drive = model.setting.drive;
-            currents.iter().map(|&one| driven(drive, one)).collect()
-        })
-        .collect()
-}
-
-/// Largest differences over the stroke, of displacement, and in kelvins.
-fn apart(expected: &[[f64; 2]], found: &[[f64; 2]], stroke: f64) -> [f64; 2] {
-    assert_eq!(expected.len(), found.len());
-    let mut largest = [0.0_f64; 2];
-    for (a, b) in expected.iter().zip(found) {
-        assert!(b.iter().all(|value| value.is_finite()));
-        largest[0] = largest[0].max((a[0] - b[0]).abs() / stroke);
-        largest[1] = largest[1].max((a[1] - b[1]).abs());
-    }
-    largest
-}
-
-fn bits(rows: &[[f64; 2]]) -> Vec<[u64; 2]> {
-    rows.iter().map(|row| row.map(f64::to_bits)).collect()
-}
-
-/// Plain rods: every drive, both memories; one that starts warm, one that falls on heating, one behind a supply that saturates.
-fn plain() -> Vec<Exported> {
-    let mut models = Vec::new();
-    for rule in [Rule::LastReversal, Rule::Nested] {
-        models.extend(DRIVES.map(|drive| exported(drive, rule, &[])));
-    }
-    let mut warm = exported(Drive::Current, Rule::Nested, &[]);
-    warm.member.start.temperature_degc = 31.0;
-    warm.member.start.share = 0.4;
-    models.push(warm);
-    let mut falling = exported(Drive::Current, Rule::Nested, &[]);
-    falling.member.params.gain = -4.0;
-    models.push(falling);
-    let mut limited = exported(Drive::Current, Rule::LastReversal, &[]);
-    limited.drive_limit = Some(1.9);
-    models.push(limited);
-    models
-}
-
 #[test]
 fn plain_models_have_the_bits_of_the_program_however_they_are_compiled() {
     let Some(cc) = compiler() else { return };
@@ -189,64 +133,6 @@ fn plain_models_have_the_bits_of_the_program_however_they_are_compiled() {
         assert_eq!(found.len(), models.len() * n_samples);
         assert!(bits(&found) == bits(&expected), "{optimized}");
     }
-}
-
-/// Every effect that is a formula, at its typical sizes, then pairs that share the middle of a sample or its parts.
-fn with_effects() -> Vec<Exported> {
-    let mut models: Vec<Exported> = Exported::formulas()
-        .iter()
-        .map(|effect| exported(Drive::Current, Rule::LastReversal, &[effect]))
-        .collect();
-    for (drive, effects) in [
-        (DRIVES[1], &[EffectId::SupplyLimit, EffectId::SupplyLag][..]),
-        (
-            DRIVES[2],
-            &[EffectId::SupplyLag, EffectId::DeadTime, EffectId::OutputLag][..],
-        ),
-        (
-            DRIVES[3],
-            &[
-                EffectId::ReturnPointMemory,
-                EffectId::LoopShape,
-                EffectId::LoopAsymmetry,
-                EffectId::RPhase,
-                EffectId::ThermalExpansion,
-                EffectId::EndStop,
-                EffectId::Backlash,
-                EffectId::OutputLag,
-                EffectId::SensorNonlinearity,
-                EffectId::ThermocoupleLag,
-            ][..],
-        ),
-    ] {
-        models.push(exported(drive, Rule::Nested, effects));
-    }
-    // Longer than samples: the power of two samples ago, in part, and an output that is late as well.
-    for (dead_time_s, share) in [(0.13, 0.0), (0.31, 0.6), (0.2, 1.0)] {
-        let mut late = exported(Drive::Current, Rule::LastReversal, &[EffectId::DeadTime]);
-        late.member.effects.dead_time.dead_time_s = dead_time_s;
-        late.member.effects.dead_time.dead_time_output_share = share;
-        models.push(late);
-    }
-    // Falls through what the rod loses within a sample, slowly.
-    for drive in [DRIVES[0], DRIVES[1]] {
-        let mut lags = exported(drive, Rule::Nested, &[EffectId::SupplyLag]);
-        lags.member.effects.supply_lag.supply_lag_s = 0.7;
-        models.push(lags);
-    }
-    let mut soft = exported(Drive::Current, Rule::Nested, &[EffectId::Backlash]);
-    soft.member.effects.backlash.backlash_softness = 2.0;
-    soft.member.effects.backlash.backlash_relaxed = 0.7;
-    soft.member.params.gain = -5.0;
-    models.push(soft);
-    let mut parted = exported(
-        Drive::Current,
-        Rule::LastReversal,
-        &[EffectId::DeadTime, EffectId::ThermocoupleLag],
-    );
-    parted.setting.sub_steps = 3;
-    models.push(parted);
-    models
 }
 
 #[test]
@@ -318,35 +204,8 @@ fn a_header_of_floats_stays_within_its_tolerance() {
 fn a_closed_loop_has_the_bits_of_the_program() {
     let Some(cc) = compiler() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let mut models: Vec<Exported> = [
-        (AntiWindup::Off, DerivativeOf::Measurement),
-        (AntiWindup::Clamping, DerivativeOf::Measurement),
-        (
-            AntiWindup::BackCalculation {
-                tracking_s: 10.0 * DT_S,
-            },
-            DerivativeOf::Error,
-        ),
-    ]
-    .into_iter()
-    .map(|(windup, watched)| Exported {
-        controller: Some(controller(windup, watched)),
-        ..exported(Drive::Current, Rule::Nested, &[])
-    })
-    .collect();
-    let mut falling = models[1].clone();
-    falling.member.params.gain = -5.0;
-    falling.member.params.offset = 6.0;
-    falling.controller.as_mut().unwrap().is_turned = true;
-    models.push(falling);
-    let mut setpoints: Vec<f64> = currents_a(4_000)
-        .iter()
-        .map(|one| 1.3 + 1.7 * one)
-        .collect();
-    // Missed samples, one and three in a row.
-    for k in [500, 1_700, 1_701, 1_702] {
-        setpoints[k] = f64::NAN;
-    }
+    let models = with_controllers();
+    let setpoints = setpoints();
     let body = loops(folder.path(), &models);
     let found = run(&cc, folder.path(), &body, &["-O2"], &setpoints);
     assert_eq!(found.len(), models.len() * setpoints.len());
