@@ -61,6 +61,26 @@ pub enum ExportError {
         /// What it is.
         kind: &'static str,
     },
+    /// A flag has no use for the language.
+    #[error("{flag}: for --to {accepted} alone; leave it out for --to {to}")]
+    Flag {
+        /// The flag.
+        flag: &'static str,
+        /// The language that was asked for.
+        to: &'static str,
+        /// The languages that take it.
+        accepted: String,
+    },
+    /// An input cannot be read.
+    #[error("{file}: cannot be read: {reason}; expected {expected}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Why.
+        reason: String,
+        /// What should stand there.
+        expected: &'static str,
+    },
     /// No recording of the model has a sample time.
     #[error("{file}: no recording of the model has a sample time; give --sample-time-s")]
     NoSampleTime {
@@ -91,6 +111,17 @@ pub enum ExportError {
         /// What would be accepted.
         accepted: String,
     },
+    /// The library of a functional mock-up unit is none, or of another version.
+    #[error(
+        "the library is {found}; expected libsma_fmu.so of sma {}, beside the program or as --library", env!("CARGO_PKG_VERSION")
+    )]
+    Library {
+        /// What it is.
+        found: &'static str,
+    },
+    /// An archive would be larger than its format holds.
+    #[error("the unit would have more than 4 GiB: expected a library and a model of a few MB")]
+    TooLarge,
     /// The plant is refused.
     #[error("the model is refused")]
     Plant(#[from] sma_effects::PhysicsError),

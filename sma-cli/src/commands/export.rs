@@ -1,15 +1,18 @@
 //! `sma export`: a model that leaves the program.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use identify::{RigModel, SavedModel};
 use missing_physics::{EffectId, Member, RestoredModel, read_model};
 use pid_tune::{AntiWindup, DerivativeOf, PidGains, PidParams};
-use recording::{Quantity, read_text};
+use recording::{Quantity, open_regular, read_text};
 use serde::Deserialize;
-use sma_export::{CNumbers, CPrefix, Controller, ExportError, Exported, Labels, c_header};
-use wiener::Start;
+use sma_export::{
+    CNumbers, CPrefix, Controller, ExportError, Exported, FMU_LIBRARY, Labels, c_header, fmu,
+    python_module,
+};
 use workbench::{Rig, WorkbenchError, controller, hashed};
 
 use crate::commands::tune::TRACKING_SAMPLES;
@@ -18,19 +21,24 @@ use crate::provenance::call;
 use crate::sink::Outputs;
 use crate::terminal::say;
 
-/// Most bytes of a file of gains.
+/// Most bytes of a model or of a file of gains.
 const MOST_BYTES: u64 = 1 << 24;
+
+/// Most bytes of a library.
+const MOST_LIBRARY_BYTES: u64 = 1 << 28;
 
 /// Parameters of single recordings that stay behind: how a run differs from the rig.
 const OF_RUNS: [&str; 3] = ["ambient_level_k", "run_heat_loss", "run_gain"];
 
-/// Export an identified model to be used without this program: as C99 source, plant and controller.
+/// Export an identified model to be used without this program: as C99 or Python source, or for FMI 2.0.
 ///
-/// The source computes what `sma simulate` and `sma tune` compute. A part of a model that has no export is refused by
-/// name.
+/// It computes what `sma simulate` and `sma tune` compute. Source holds the plant and its controller; a functional mock-up
+/// unit holds the plant, with all effects. A part of a model that has no export is refused by name.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
-    sma export model.toml --to c --tuned tuned.json --output rod.h\n\n\
+    sma export model.toml --to c --tuned tuned.json --output rod.h\n  \
+    sma export model.toml --to python --output rod.py\n  \
+    sma export model.toml --to fmu --output rod.fmu\n\n\
     The controller is that of `sma tune --json tuned.json`, or has --gains of your own.")]
 pub(crate) struct ExportArgs {
     /// Model, from --save-model of `sma identify` or `sma diagnose`.
@@ -62,8 +70,11 @@ pub(crate) struct ExportArgs {
     #[arg(long)]
     float: bool,
     /// First word of all names, so that several models stand in one program.
-    #[arg(long, value_name = "WORD", default_value = "sma")]
-    prefix: String,
+    #[arg(long, value_name = "WORD")]
+    prefix: Option<String>,
+    /// Library of a functional mock-up unit [default: libsma_fmu.so beside the program].
+    #[arg(long, value_name = "FILE")]
+    library: Option<PathBuf>,
     /// No notes.
     #[arg(long, short)]
     quiet: bool,
@@ -74,29 +85,113 @@ pub(crate) struct ExportArgs {
 enum Language {
     /// A C99 header, without allocation.
     C,
+    /// A Python 3 module that imports the standard library alone.
+    Python,
+    /// A functional mock-up unit: FMI 2.0, co-simulation.
+    Fmu,
 }
 
 /// Runs the command.
 pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
+    args.checked()?;
     let mut inputs = vec![args.model.as_path()];
     inputs.extend(args.tuned.as_deref());
+    inputs.extend(args.library.as_deref());
     let sink = Outputs::beside(&inputs).open(&args.output)?;
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let exported = exported(args, &saved, &model)?;
-    let text = match args.to {
+    let result = match args.to {
         Language::C => {
             let numbers = if args.float {
                 CNumbers::Float
             } else {
                 CNumbers::Double
             };
-            c_header(&exported, numbers, &CPrefix::new(&args.prefix)?)?
+            let prefix = match &args.prefix {
+                Some(text) => CPrefix::new(text)?,
+                None => CPrefix::default(),
+            };
+            c_header(&exported, numbers, &prefix)?.into_bytes()
+        }
+        Language::Python => python_module(&exported)?.into_bytes(),
+        Language::Fmu => {
+            let model_toml = text_of(&args.model)?;
+            fmu(&exported, &model_toml, &args.library()?)?
         }
     };
     say(args.quiet, &notes(&saved, &exported))?;
-    sink.write(&text)?;
+    sink.write_bytes(&result)?;
     Ok(Outcome::Done)
+}
+
+impl ExportArgs {
+    /// Refuses flags that the language has no use for.
+    fn checked(&self) -> Result<(), ExportError> {
+        let has_controller = self.tuned.is_some() || self.gains.is_some();
+        let given = [
+            ("--float", self.float, &[Language::C][..]),
+            ("--prefix", self.prefix.is_some(), &[Language::C]),
+            ("--library", self.library.is_some(), &[Language::Fmu]),
+            (
+                "--tuned and --gains",
+                has_controller,
+                &[Language::C, Language::Python],
+            ),
+        ];
+        match given
+            .into_iter()
+            .find(|(_, is_given, of)| *is_given && !of.contains(&self.to))
+        {
+            None => Ok(()),
+            Some((flag, _, of)) => {
+                let names: Vec<&str> = of.iter().map(|language| language.name()).collect();
+                Err(ExportError::Flag {
+                    flag,
+                    to: self.to.name(),
+                    accepted: names.join(" or "),
+                })
+            }
+        }
+    }
+
+    /// Bytes of the library of a unit.
+    fn library(&self) -> anyhow::Result<Vec<u8>> {
+        let path = match &self.library {
+            Some(path) => path.clone(),
+            None => std::env::current_exe()?.with_file_name(format!("lib{FMU_LIBRARY}.so")),
+        };
+        let unreadable = |error: std::io::Error| ExportError::Unreadable {
+            file: path.display().to_string(),
+            reason: error.to_string(),
+            expected: "the library of a functional mock-up unit, made by `cargo build --release -p sma-fmu`; give it with --library",
+        };
+        let mut bytes = Vec::new();
+        open_regular(&path)
+            .and_then(|file| file.take(MOST_LIBRARY_BYTES).read_to_end(&mut bytes))
+            .map_err(unreadable)?;
+        Ok(bytes)
+    }
+}
+
+impl Language {
+    /// Its name in flags.
+    fn name(self) -> &'static str {
+        match self {
+            Self::C => "c",
+            Self::Python => "python",
+            Self::Fmu => "fmu",
+        }
+    }
+}
+
+/// Text of an input.
+fn text_of(path: &Path) -> Result<String, ExportError> {
+    read_text(path, MOST_BYTES).map_err(|error| ExportError::Unreadable {
+        file: path.display().to_string(),
+        reason: error.to_string(),
+        expected: "a text file",
+    })
 }
 
 /// The model with its controller and its labels.
@@ -154,8 +249,7 @@ fn exported(
     })
 }
 
-/// The rod with the offset and the start of the first training recording, its temperature above the surroundings; else
-/// what the model is.
+/// The rig with the offset and the start of the first training recording; else what the model is.
 fn member(saved: &SavedModel, model: &RestoredModel<'_>) -> Result<Member, &'static str> {
     let kind = match saved.model() {
         RigModel::Wiener(_) | RigModel::Sadeghi(_) => "of a kind without a cascade",
@@ -163,19 +257,7 @@ fn member(saved: &SavedModel, model: &RestoredModel<'_>) -> Result<Member, &'sta
         RigModel::Thermal(_) => "a heat balance, whose output is the temperature",
         RigModel::Antagonist(_) => "of two rods with two drives",
     };
-    let point = model.point();
-    let value = |name: &str| {
-        let place = saved
-            .parameters()
-            .iter()
-            .position(|one| one.info.name == name);
-        place.map(|place| point[place])
-    };
-    let start = Start {
-        temperature_degc: value("start_rise_k").unwrap_or(0.0),
-        share: value("start_share").unwrap_or(1.0),
-    };
-    model.member(&point, start).ok_or(kind)
+    model.first_member().ok_or(kind)
 }
 
 /// Parts of a model that belong to single recordings.
@@ -262,10 +344,7 @@ struct Gains {
 impl TunedFile {
     fn read(path: &Path) -> anyhow::Result<Self> {
         let file = path.display().to_string();
-        let text = read_text(path, MOST_BYTES).map_err(|source| WorkbenchError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = text_of(path)?;
         let content = serde_json::from_str(&text).map_err(|error| ExportError::Tuned {
             file: file.clone(),
             line: error.line(),

@@ -157,7 +157,7 @@ impl Gallery {
         for figure in figures {
             let file = |ending: &str| folder.join(figure.name).with_extension(ending);
             Place::open(&file("svg"), &[])?.write(&svg::svg(figure)?)?;
-            Place::open(&file("csv"), &[])?.write(&figure.csv())?;
+            Place::open(&file("csv"), &[])?.write(figure.csv())?;
         }
         Ok(())
     }
