@@ -41,11 +41,16 @@ type Logger =
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Callbacks {
-    logger: Option<Logger>,
-    allocate_memory: *const c_void,
-    free_memory: *const c_void,
-    step_finished: *const c_void,
-    environment: *mut c_void,
+    /// Logger; null for none.
+    pub logger: Option<Logger>,
+    /// Allocator.
+    pub allocate_memory: *const c_void,
+    /// Its counterpart.
+    pub free_memory: *const c_void,
+    /// Function that says that a step has ended.
+    pub step_finished: *const c_void,
+    /// First argument of the logger.
+    pub environment: *mut c_void,
 }
 
 impl fmt::Debug for Callbacks {
@@ -57,7 +62,7 @@ impl fmt::Debug for Callbacks {
 }
 
 impl Callbacks {
-    /// Without a log, for importers in this language.
+    /// Without a log.
     #[must_use]
     pub const fn silent() -> Self {
         Self {
