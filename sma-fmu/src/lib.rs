@@ -34,7 +34,7 @@ const fn mark() -> [u8; FMU_MARK.len()] {
 }
 
 /// Writes a line of the importer's log: environment, name of the instance, status, category, format, arguments.
-type Logger =
+pub type Logger =
     unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
 /// `fmi2CallbackFunctions` of the standard; this library calls the first alone.

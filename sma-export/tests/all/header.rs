@@ -13,7 +13,7 @@ use wiener::Drive;
 use wiener::hysteresis::Rule;
 
 use crate::common::{
-    AMBIENT_DEGC, DRIVES, apart, bits, controlled, drives, exported, plain, setpoints, simulated,
+    AMBIENT_DEGC, apart, bits, controlled, drives, exported, plain, setpoints, simulated,
     with_controllers, with_effects,
 };
 
@@ -173,29 +173,22 @@ fn every_exported_effect_agrees_with_the_program() {
 fn a_header_of_floats_stays_within_its_tolerance() {
     let Some(cc) = compiler() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let mut models = vec![
-        exported(Drive::Current, Rule::LastReversal, &[]),
-        exported(DRIVES[1], Rule::Nested, &[]),
-    ];
     // A time constant of a thousand samples.
-    models.push(Exported {
+    let slow = Exported {
         dt_s: 0.0097,
         ..exported(Drive::Current, Rule::Nested, &[])
-    });
-    models.push(exported(
-        DRIVES[2],
-        Rule::LastReversal,
-        &[EffectId::SupplyLag, EffectId::OutputLag, EffectId::Backlash],
-    ));
-    let n_samples = 10_000;
+    };
+    let models = [vec![slow], plain(), with_effects()].concat();
+    let n_samples = 5_000;
     let drives = drives(&models, n_samples);
     let body = plants(folder.path(), &models, CNumbers::Float);
     let found = run(&cc, folder.path(), &body, &["-O2"], &drives.concat());
     for (m, model) in models.iter().enumerate() {
+        let active: Vec<&str> = model.setting.active.iter().map(EffectId::id).collect();
         let expected = simulated(model, &drives[m]);
         let [output, kelvin] = apart(&expected, &found[m * n_samples..][..n_samples], 5.0);
-        println!("model {m}: {output:e} of the stroke, {kelvin:e} K");
-        assert!(output <= 1e-4, "model {m}: {output:e}");
+        println!("model {m}, {active:?}: {output:e} of the stroke, {kelvin:e} K");
+        assert!(output <= 1e-4, "model {m}, {active:?}: {output:e}");
         assert!(output > 1e-9, "model {m} is of floats");
     }
 }
