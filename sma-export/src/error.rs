@@ -58,7 +58,7 @@ pub enum ExportError {
     Kind {
         /// File of the model.
         file: String,
-        /// What it is.
+        /// Kind of what was found.
         kind: &'static str,
     },
     /// A flag has no use for the language.
@@ -78,7 +78,7 @@ pub enum ExportError {
         file: String,
         /// Why.
         reason: String,
-        /// What should stand there.
+        /// Content that would be accepted.
         expected: &'static str,
     },
     /// No recording of the model has a sample time.
@@ -96,7 +96,7 @@ pub enum ExportError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong there.
+        /// Fault at that place.
         message: String,
     },
     /// A value in a file of gains cannot be exported.
@@ -108,7 +108,7 @@ pub enum ExportError {
         key: &'static str,
         /// The value.
         value: String,
-        /// What would be accepted.
+        /// Values that would be accepted.
         accepted: String,
     },
     /// The library of a functional mock-up unit is none, or of another version.
@@ -116,7 +116,7 @@ pub enum ExportError {
         "the library is {found}; expected libsma_fmu.so of sma {}, beside the program or as --library", env!("CARGO_PKG_VERSION")
     )]
     Library {
-        /// What it is.
+        /// Kind of what was found.
         found: &'static str,
     },
     /// An archive would be larger than its format holds.

@@ -18,7 +18,7 @@ pub struct Exported {
     pub drive_limit: Option<f64>,
     /// Its controller.
     pub controller: Option<Controller>,
-    /// What is said of it.
+    /// Texts about it.
     pub labels: Labels,
 }
 

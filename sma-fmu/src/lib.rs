@@ -97,7 +97,7 @@ impl Callbacks {
     }
 }
 
-/// What a pointer to a component of this library points to.
+/// Target of a component pointer of this library.
 #[derive(Debug)]
 struct Component {
     slave: Slave,

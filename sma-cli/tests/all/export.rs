@@ -55,7 +55,7 @@ fn columns(text: &str, of: &str, first: usize) -> Vec<Vec<f64>> {
     rows.map(numbers).collect()
 }
 
-/// What a C program writes, a row of numbers a line; `None` on a machine without a compiler, which says so.
+/// Rows of numbers that a C program writes, a line each; `None` on a machine without a compiler, which says so.
 fn compiled(folder: &Path, main: &str) -> Option<Vec<Vec<f64>>> {
     let cc = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
     if Command::new(&cc).arg("--version").output().is_err() {

@@ -134,7 +134,7 @@ fn drive() -> Vec<f64> {
     held.flatten().collect()
 }
 
-/// What `sma simulate` predicts.
+/// Prediction of `sma simulate`.
 fn predicted(drive: &[f64]) -> Vec<[u64; 2]> {
     let saved = parse_model("model.toml", MODEL).unwrap();
     let model = RestoredModel::new(&saved).unwrap();
@@ -323,25 +323,19 @@ fn errors_are_logged_with_name_value_and_what_is_accepted() {
 #[test]
 fn nothing_is_read_through_null_pointers() {
     let null = std::ptr::null_mut();
-    // SAFETY: null pointers are what is tested.
-    unsafe {
-        assert_ne!(fmi2DoStep(null, 0.0, 1.0, 1), 0);
-        assert_ne!(fmi2Reset(null), 0);
-        assert_eq!(fmi2SetReal(null, std::ptr::null(), 0, std::ptr::null()), 3);
-        fmi2FreeInstance(null);
-        assert!(
-            fmi2Instantiate(
-                std::ptr::null(),
-                1,
-                std::ptr::null(),
-                std::ptr::null(),
-                std::ptr::null(),
-                0,
-                0
-            )
-            .is_null()
-        );
-    }
+    // SAFETY: a null pointer is refused.
+    assert_ne!(unsafe { fmi2DoStep(null, 0.0, 1.0, 1) }, 0);
+    // SAFETY: as above.
+    assert_ne!(unsafe { fmi2Reset(null) }, 0);
+    // SAFETY: as above.
+    let status = unsafe { fmi2SetReal(null, std::ptr::null(), 0, std::ptr::null()) };
+    assert_eq!(status, 3);
+    // SAFETY: as above.
+    unsafe { fmi2FreeInstance(null) };
+    let (text, callbacks) = (std::ptr::null(), std::ptr::null());
+    // SAFETY: as above.
+    let instance = unsafe { fmi2Instantiate(text, 1, text, text, callbacks, 0, 0) };
+    assert!(instance.is_null());
     assert!(Instance::try_new(1, "{0}", "file:///").is_none());
     // SAFETY: both return texts that end with a zero.
     let [types, version] =
