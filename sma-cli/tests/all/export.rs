@@ -237,7 +237,6 @@ fn what_cannot_leave_is_refused_by_name() {
             "export model.toml --to c --gains 1 1 1",
             "model.toml: limits.drive_max is missing",
         ),
-        ("export model.toml --to c --gains 1 -1 1 --drive-max 5", ""),
         (
             "export model.toml --to c --tuned rod.toml",
             "rod.toml:1:1: expected value; expected a file of `sma tune --json`",
