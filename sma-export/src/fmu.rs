@@ -87,8 +87,13 @@ pub fn fmu_guid(sha256: &str) -> String {
 ///
 /// # Errors
 ///
-/// [`ExportError::Library`] for a library that is not of this program's version, [`ExportError::TooLarge`].
+/// [`ExportError::SampleTime`], [`ExportError::Library`] for a library that is not of this program's version, [`ExportError::TooLarge`].
 pub fn fmu(exported: &Exported, model_toml: &str, library: &[u8]) -> Result<Vec<u8>, ExportError> {
+    if !(exported.dt_s > 0.0 && exported.dt_s.is_finite()) {
+        return Err(ExportError::SampleTime {
+            value: exported.dt_s,
+        });
+    }
     let platform = platform(library).map_err(|found| ExportError::Library { found })?;
     let description = description(exported);
     let binary = format!("binaries/{platform}/{FMU_LIBRARY}.so");

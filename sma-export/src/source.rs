@@ -39,10 +39,12 @@ impl Source<'_> {
         };
         filling.flags.extend(flags.iter().copied());
         for (&name, &value) in &constants.numbers {
-            filling.texts.insert(name, self.constant(name, value));
+            filling.put(name, self.constant(name, value));
+            // For people.
+            filling.put(&format!("{name}_decimal"), value.to_string());
         }
         for (&name, count) in &constants.counts {
-            filling.texts.insert(name, count.to_string());
+            filling.put(name, count.to_string());
         }
         for (count, name, coefficients) in [
             ("n_sin", "sin_coefficients", &SIN_COEFFICIENTS[..]),
@@ -51,13 +53,15 @@ impl Source<'_> {
         ] {
             let line = |&value: &f64| (self.coefficient)(&self.constant(name, value)) + ",\n";
             let lines: String = coefficients.iter().map(line).collect();
-            filling.texts.insert(name, lines.trim_end().to_owned());
-            filling.texts.insert(count, coefficients.len().to_string());
+            filling.put(name, lines.trim_end().to_owned());
+            filling.put(count, coefficients.len().to_string());
         }
         for (name, text) in texts(exported) {
-            filling.texts.insert(name, (self.harmless)(&text));
+            filling.put(name, (self.harmless)(&text));
         }
-        filling.texts.extend(more.iter().cloned());
+        for (name, text) in more {
+            filling.put(name, text.clone());
+        }
         let text = filling.fill(self.template, self.mark);
         // Constants of effects that the model does not have stand nowhere, and may be anything.
         let mut numbers = constants.numbers.iter();

@@ -8,10 +8,15 @@ pub(crate) struct Filling {
     /// Conditions of the lines between `@if` and `@end`.
     pub(crate) flags: BTreeMap<&'static str, bool>,
     /// Texts in place of `{{name}}`.
-    pub(crate) texts: BTreeMap<&'static str, String>,
+    pub(crate) texts: BTreeMap<String, String>,
 }
 
 impl Filling {
+    /// Puts a text in its place.
+    pub(crate) fn put(&mut self, name: &str, text: String) {
+        self.texts.insert(name.to_owned(), text);
+    }
+
     /// Fills a template.
     ///
     /// A line of `mark` and `@if a|b` begins lines that stand if a or b is set, `@else` those that stand if neither is,
@@ -81,7 +86,7 @@ mod tests {
     fn lines_stand_by_their_conditions_and_places_are_filled() {
         let filling = Filling {
             flags: BTreeMap::from([("a", true), ("b", false)]),
-            texts: BTreeMap::from([("x", "1".to_owned())]),
+            texts: BTreeMap::from([("x".to_owned(), "1".to_owned())]),
         };
         let template =
             "{{x}} and {{x}}\n//@if b\nno\n//@else\nyes\n//@if b|a\nboth\n//@end\n//@end\nlast\n";

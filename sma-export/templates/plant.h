@@ -92,39 +92,39 @@ typedef double {{p}}_real;
 //@end
 
 /* Sample time, s. */
-#define {{P}}_DT_S {{P}}_R({{dt_s_hex}})
+#define {{P}}_DT_S {{P}}_R({{dt_s_hex}}) /* {{dt_s_hex_decimal}} s */
 /* Where the first training recording starts: temperature above the surroundings, K, and place between the limiting
  * curves, 0 (heating) to 1 (cooling). */
-#define {{P}}_START_RISE_K {{P}}_R({{start_rise_k}})
-#define {{P}}_START_SHARE {{P}}_R({{start_share}})
+#define {{P}}_START_RISE_K {{P}}_R({{start_rise_k}}) /* {{start_rise_k_decimal}} K */
+#define {{P}}_START_SHARE {{P}}_R({{start_share}}) /* {{start_share_decimal}} */
 
 /* Constants of the model. */
 //@if is_duty|is_voltage
-#define {{P}}_POWER_NUMERATOR {{P}}_R({{power_numerator}})
-#define {{P}}_POWER_DIVISOR {{P}}_R({{power_divisor}})
+#define {{P}}_POWER_NUMERATOR {{P}}_R({{power_numerator}}) /* {{power_numerator_decimal}} */
+#define {{P}}_POWER_DIVISOR {{P}}_R({{power_divisor}}) /* {{power_divisor_decimal}} */
 //@end
 //@if is_power
-#define {{P}}_LENGTH_M {{P}}_R({{length_m}})
+#define {{P}}_LENGTH_M {{P}}_R({{length_m}}) /* {{length_m_decimal}} m */
 //@end
 //@if is_current
-#define {{P}}_RESISTANCE_OHM_PER_M {{P}}_R({{resistance_ohm_per_m}})
+#define {{P}}_RESISTANCE_OHM_PER_M {{P}}_R({{resistance_ohm_per_m}}) /* {{resistance_ohm_per_m_decimal}} Ohm/m */
 //@end
 //@if drive_limit
-#define {{P}}_DRIVE_LIMIT {{P}}_R({{drive_limit}})
+#define {{P}}_DRIVE_LIMIT {{P}}_R({{drive_limit}}) /* {{drive_limit_decimal}} in the unit of the drive */
 //@end
-#define {{P}}_RISE_K_M_PER_W {{P}}_R({{rise_k_m_per_w}})
-#define {{P}}_RETAINED {{P}}_R({{retained}})
-#define {{P}}_CENTER_DEGC {{P}}_R({{loop_center_degc}})
-#define {{P}}_HALF_WIDTH_K {{P}}_R({{loop_half_width_k}})
-#define {{P}}_SPREAD_K {{P}}_R({{loop_spread_k}})
-#define {{P}}_FRACTION_CENTER {{P}}_R({{fraction_center}})
-#define {{P}}_FRACTION_PER_RADIAN {{P}}_R({{fraction_per_radian}})
-#define {{P}}_ZETA {{P}}_R({{zeta}})
-#define {{P}}_GAIN {{P}}_R({{gain}})
-#define {{P}}_OFFSET {{P}}_R({{offset}})
+#define {{P}}_RISE_K_M_PER_W {{P}}_R({{rise_k_m_per_w}}) /* {{rise_k_m_per_w_decimal}} K m/W */
+#define {{P}}_RETAINED {{P}}_R({{retained}}) /* {{retained_decimal}} of a difference of temperatures, after a sub-step */
+#define {{P}}_CENTER_DEGC {{P}}_R({{loop_center_degc}}) /* {{loop_center_degc_decimal}} deg C */
+#define {{P}}_HALF_WIDTH_K {{P}}_R({{loop_half_width_k}}) /* {{loop_half_width_k_decimal}} K */
+#define {{P}}_SPREAD_K {{P}}_R({{loop_spread_k}}) /* {{loop_spread_k_decimal}} K */
+#define {{P}}_FRACTION_CENTER {{P}}_R({{fraction_center}}) /* {{fraction_center_decimal}} */
+#define {{P}}_FRACTION_PER_RADIAN {{P}}_R({{fraction_per_radian}}) /* {{fraction_per_radian_decimal}} */
+#define {{P}}_ZETA {{P}}_R({{zeta}}) /* {{zeta_decimal}} */
+#define {{P}}_GAIN {{P}}_R({{gain}}) /* {{gain_decimal}} {{output_unit}} */
+#define {{P}}_OFFSET {{P}}_R({{offset}}) /* {{offset_decimal}} {{output_unit}} */
 //@if loop_asymmetry
-#define {{P}}_WIDENING_HEATING {{P}}_R({{widening_heating}})
-#define {{P}}_WIDENING_COOLING {{P}}_R({{widening_cooling}})
+#define {{P}}_WIDENING_HEATING {{P}}_R({{widening_heating}}) /* {{widening_heating_decimal}} */
+#define {{P}}_WIDENING_COOLING {{P}}_R({{widening_cooling}}) /* {{widening_cooling_decimal}} */
 //@end
 
 /* ---- elementary functions, as polynomials ---- */
@@ -1014,14 +1014,14 @@ static inline void {{p}}_plant_step({{p}}_plant *plant, {{p}}_real drive, {{p}}_
 /* ---- the controller ---- */
 
 /* Limits of the drive, in its unit, and gains: drive per error, error in {{output_unit}}. */
-#define {{P}}_DRIVE_LOWER {{P}}_R({{pid_lower}})
-#define {{P}}_DRIVE_UPPER {{P}}_R({{pid_upper}})
-#define {{P}}_KP {{P}}_R({{pid_kp}})
-#define {{P}}_KI_DT {{P}}_R({{pid_ki_dt}})
-#define {{P}}_KD_NEW {{P}}_R({{pid_kd_new}})
-#define {{P}}_DERIVATIVE_RETAINED {{P}}_R({{pid_retained}})
-#define {{P}}_PER_DT_S {{P}}_R({{pid_per_dt_s}})
-#define {{P}}_SETPOINT_WEIGHT {{P}}_R({{pid_setpoint_weight}})
+#define {{P}}_DRIVE_LOWER {{P}}_R({{pid_lower}}) /* {{pid_lower_decimal}} */
+#define {{P}}_DRIVE_UPPER {{P}}_R({{pid_upper}}) /* {{pid_upper_decimal}} */
+#define {{P}}_KP {{P}}_R({{pid_kp}}) /* {{pid_kp_decimal}} */
+#define {{P}}_KI_DT {{P}}_R({{pid_ki_dt}}) /* {{pid_ki_dt_decimal}} ki times the sample time */
+#define {{P}}_KD_NEW {{P}}_R({{pid_kd_new}}) /* {{pid_kd_new_decimal}} kd times the share of a new derivative */
+#define {{P}}_DERIVATIVE_RETAINED {{P}}_R({{pid_retained}}) /* {{pid_retained_decimal}} */
+#define {{P}}_PER_DT_S {{P}}_R({{pid_per_dt_s}}) /* {{pid_per_dt_s_decimal}} 1/s */
+#define {{P}}_SETPOINT_WEIGHT {{P}}_R({{pid_setpoint_weight}}) /* {{pid_setpoint_weight_decimal}} */
 
 /* State of the controller between samples. */
 typedef struct {

@@ -1,7 +1,7 @@
 //! Texts of errors.
 
-use sma_effects::EffectId;
-use sma_export::{CNumbers, CPrefix, Exported, c_header};
+use sma_effects::{EffectId, Hypothesis};
+use sma_export::{CNumbers, CPrefix, ExportError, Exported, c_header, fmu, python_module};
 use wiener::Drive;
 use wiener::hysteresis::{LoopFamily, Rule};
 
@@ -67,4 +67,40 @@ fn numbers_that_cannot_be_are_refused() {
     model.controller = Some(bad);
     let text = refused(&model, CNumbers::Double);
     assert!(text.starts_with("the controller is refused: "), "{text}");
+}
+
+#[test]
+fn own_hypotheses_are_refused() {
+    let text = "[[hypothesis]]\nid = \"leak\"\nheat_flow_w_per_m = \"-k * (T - Ta)\"\n[hypothesis.parameters.k]\nunit = \"W/(m K)\"\ntypical = 0.02\nbounds = [0.0, 1.0]\n";
+    let mut model = exported(Drive::Current, Rule::Nested, &[]);
+    model.setting.hypotheses = Hypothesis::parse("own.toml", text).unwrap();
+    let said = "hypotheses of your own: have no export; expected effects of the catalogue";
+    assert_eq!(refused(&model, CNumbers::Double), said);
+    assert_eq!(python_module(&model).unwrap_err().to_string(), said);
+}
+
+#[test]
+fn units_are_refused_by_what_they_lack() {
+    let mut model = exported(Drive::Current, Rule::Nested, &[EffectId::LatentHeat]);
+    assert_eq!(
+        fmu(&model, "", b"no library").unwrap_err().to_string(),
+        format!(
+            "the library is no 64-bit ELF file; expected libsma_fmu.so of sma {}, beside the program or as --library",
+            env!("CARGO_PKG_VERSION")
+        )
+    );
+    model.dt_s = -1.0;
+    assert_eq!(
+        fmu(&model, "", b"no library").unwrap_err().to_string(),
+        "sample time -1 s: must be finite and > 0"
+    );
+    assert_eq!(
+        ExportError::TooLarge.to_string(),
+        "the unit would have more than 4 GiB: expected a library and a model of a few MB"
+    );
+    let file = "model.toml".to_owned();
+    assert_eq!(
+        ExportError::NoSampleTime { file }.to_string(),
+        "model.toml: no recording of the model has a sample time; give --sample-time-s"
+    );
 }

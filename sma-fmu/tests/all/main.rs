@@ -26,8 +26,12 @@ const DT_S: f64 = 0.1;
 const AMBIENT_DEGC: f64 = 22.0;
 
 fn guid() -> String {
+    guid_of(MODEL)
+}
+
+fn guid_of(model: &str) -> String {
     let mut sha256 = String::new();
-    for byte in Sha256::digest(MODEL.as_bytes()) {
+    for byte in Sha256::digest(model.as_bytes()) {
         write!(sha256, "{byte:02x}").unwrap();
     }
     fmu_guid(&sha256)
@@ -288,6 +292,12 @@ fn errors_are_logged_with_name_value_and_what_is_accepted() {
         "{}",
         last()
     );
+    let broken = MODEL.replace("\"latent-heat\"]", "\"phlogiston\"]");
+    std::fs::write(folder.path().join("model.toml"), &broken).unwrap();
+    let elsewhere = format!("file://{}", folder.path().display());
+    assert!(instantiate(1, &guid_of(&broken), &elsewhere).is_none());
+    assert!(last().starts_with("model.toml:10:"), "{}", last());
+    assert!(last().contains("phlogiston"), "{}", last());
     let unit = instantiate(1, &guid(), &uri).unwrap();
     assert_ne!(unit.step(DT_S), 0);
     assert_eq!(last(), "fmi2DoStep: not while the instance is instantiated");
