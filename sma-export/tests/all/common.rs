@@ -9,7 +9,7 @@ use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Member, Sett
 use sma_export::{Controller, Exported, Labels};
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
-use wiener::{Drive, Input, Plant, Start, WienerParams};
+use wiener::{Drive, Input, Plant, Start, Wiener, WienerParams};
 
 pub(crate) const AMBIENT_DEGC: f64 = 22.0;
 pub(crate) const DT_S: f64 = 0.05;
@@ -351,4 +351,29 @@ pub(crate) fn setpoints() -> Vec<f64> {
         setpoints[k] = f64::NAN;
     }
     setpoints
+}
+
+/// A nested rod and currents about a level, by ever less: loops inside of loops, more than a memory has room for, and at
+/// last out of all of them.
+pub(crate) fn deeply_nested() -> (Exported, Vec<f64>) {
+    let model = exported(Drive::Current, Rule::Nested, &[]);
+    let mut drive = vec![2.4; 400];
+    let mut swing = 1.2;
+    for turn in 0..90 {
+        let sign = if turn % 2 == 0 { -1.0 } else { 1.0 };
+        drive.extend([1.7 + sign * swing; 40]);
+        swing *= 0.96;
+    }
+    drive.extend([2.4; 400]);
+    let plant: Wiener = Wiener::new(Drive::Current, Rule::Nested, &[model.member.params]).unwrap();
+    let mut state = plant.rest(AMBIENT_DEGC);
+    for &current_a in &drive {
+        let input = Input {
+            drive: [current_a],
+            ambient_degc: AMBIENT_DEGC,
+        };
+        plant.step(&mut state, &input, DT_S);
+    }
+    assert!(state.memory().forgotten()[0] > 0);
+    (model, drive)
 }

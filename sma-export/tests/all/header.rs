@@ -13,8 +13,8 @@ use wiener::Drive;
 use wiener::hysteresis::Rule;
 
 use crate::common::{
-    AMBIENT_DEGC, apart, bits, controlled, drives, exported, plain, setpoints, simulated,
-    with_controllers, with_effects,
+    AMBIENT_DEGC, apart, bits, controlled, deeply_nested, drives, exported, plain, setpoints,
+    simulated, with_controllers, with_effects,
 };
 
 const WARNINGS: [&str; 7] = [
@@ -222,6 +222,20 @@ fn a_closed_loop_has_the_bits_of_the_program() {
         assert!(expected.iter().any(|row| row[1] >= 2.4));
         assert!(expected.iter().any(|row| row[1] > 0.1 && row[1] < 2.3));
     }
+}
+
+#[test]
+fn a_full_memory_forgets_as_that_of_the_program() {
+    let Some(cc) = compiler() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (model, drive) = deeply_nested();
+    let body = plants(
+        folder.path(),
+        std::slice::from_ref(&model),
+        CNumbers::Double,
+    );
+    let found = run(&cc, folder.path(), &body, &["-O1"], &drive);
+    assert!(bits(&found) == bits(&simulated(&model, &drive)));
 }
 
 #[test]

@@ -10,8 +10,8 @@ use sma_effects::EffectId;
 use sma_export::{Exported, python_module};
 
 use crate::common::{
-    AMBIENT_DEGC, apart, bits, controlled, drives, plain, setpoints, simulated, with_controllers,
-    with_effects,
+    AMBIENT_DEGC, apart, bits, controlled, deeply_nested, drives, plain, setpoints, simulated,
+    with_controllers, with_effects,
 };
 
 /// Python 3: `PYTHON`, or `python3`. A machine without one says so.
@@ -75,6 +75,10 @@ fn a_module_agrees_with_the_program() {
     let step = format!(
         "for drive in rows:\n    out.extend((plant.output, plant.temperature_degc))\n    plant.step(drive, {AMBIENT_DEGC:?})\n"
     );
+    let (nested, drive) = deeply_nested();
+    let one = std::slice::from_ref(&nested);
+    let found = run(&python, folder.path(), one, &drive, &step);
+    assert!(bits(&found) == bits(&simulated(&nested, &drive)));
     let found = run(&python, folder.path(), &models, &drives.concat(), &step);
     assert_eq!(found.len(), models.len() * n_samples);
     let by_library = [EffectId::SupplyLag, EffectId::Backlash];
