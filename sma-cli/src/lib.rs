@@ -20,6 +20,7 @@ use commands::batch::BatchArgs;
 use commands::batch_unit::BatchUnitArgs;
 use commands::demo::DemoArgs;
 use commands::diagnose::DiagnoseArgs;
+use commands::export::ExportArgs;
 use commands::identify::IdentifyArgs;
 use commands::init::InitArgs;
 use commands::inspect::InspectArgs;
@@ -49,6 +50,7 @@ enum Command {
     Batch(BatchArgs),
     #[command(hide = true)]
     BatchUnit(BatchUnitArgs),
+    Export(ExportArgs),
     Trial(TrialArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
@@ -68,6 +70,7 @@ pub fn run() -> ExitCode {
         Command::Diagnose(args) => commands::diagnose::run(args),
         Command::Batch(args) => commands::batch::run(args),
         Command::BatchUnit(args) => commands::batch_unit::run(args),
+        Command::Export(args) => commands::export::run(args),
         Command::Trial(args) => commands::trial::run(args),
         Command::Completions(args) => commands::shell::completions(args),
         Command::Man(args) => commands::shell::man(args),

@@ -9,6 +9,7 @@ use identify::IdentifyError;
 use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
+use sma_export::ExportError;
 use wiener::WienerError;
 use workbench::fleet::FleetError;
 use workbench::{RigError, WorkbenchError};
@@ -96,6 +97,7 @@ fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
             .downcast_ref::<WorkbenchError>()
             .is_some_and(WorkbenchError::is_bad_input)
         || error.is::<FleetError>()
+        || error.is::<ExportError>()
         || error.is::<ResumeError>()
         || error.is::<TuneError>()
         || error.is::<TaskError<PhysicsError>>()

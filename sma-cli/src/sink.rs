@@ -1,5 +1,6 @@
 //! Where a result goes: a file that appears whole or not at all, or stdout.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
@@ -104,6 +105,19 @@ impl Sink {
         match self {
             Self::Stdout => write_stdout(text)?,
             Self::Place(place) => place.write(text)?,
+        }
+        Ok(())
+    }
+
+    /// Writes a result that need not be text: as it is, also to stdout if that is no terminal.
+    pub(crate) fn write_bytes(self, bytes: &[u8]) -> anyhow::Result<()> {
+        match (self, std::str::from_utf8(bytes)) {
+            (Self::Stdout, Ok(text)) => write_stdout(text)?,
+            (Self::Stdout, Err(_)) => {
+                io::stdout().write_all(bytes)?;
+                io::stdout().flush()?;
+            }
+            (Self::Place(place), _) => place.write(bytes)?,
         }
         Ok(())
     }

@@ -7,7 +7,7 @@
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_8};
 
 /// Coefficients of (sin x / x - 1) / x² in x², near-minimax on \[0, π/2\]; truncation 7e-16.
-const SIN: [f64; 7] = [
+pub const SIN_COEFFICIENTS: [f64; 7] = [
     -0.1666666666666665,
     0.008333333333325933,
     -0.00019841269836469024,
@@ -18,7 +18,7 @@ const SIN: [f64; 7] = [
 ];
 
 /// Coefficients of (atan z / z - 1) / z² in z², near-minimax on |z| ≤ tan(π/8); truncation 6e-17.
-const ATAN: [f64; 10] = [
+pub const ATAN_COEFFICIENTS: [f64; 10] = [
     -0.3333333333333325,
     0.19999999999898407,
     -0.1428571426609662,
@@ -32,7 +32,7 @@ const ATAN: [f64; 10] = [
 ];
 
 /// tan(π/8), the middle of the octant that [`atan`] reduces to.
-const TAN_FRAC_PI_8: f64 = 0.41421356237309503;
+pub const TAN_FRAC_PI_8: f64 = 0.41421356237309503;
 
 /// Even and odd powers by Horner's rule apart: two chains of half the length, which the processor runs
 /// side by side.
@@ -59,7 +59,7 @@ fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
 #[must_use]
 pub fn sin_quarter(x: f64) -> f64 {
     let square = x * x;
-    x + x * square * polynomial(&SIN, square)
+    x + x * square * polynomial(&SIN_COEFFICIENTS, square)
 }
 
 /// atan x for every x, infinities included, absolute error ≤ 2e-15; `NaN` gives `NaN`.
@@ -86,7 +86,7 @@ pub(crate) fn atan_quotient(a: f64, b: f64) -> f64 {
     let q = if size < b { b } else { size };
     let z = (p - TAN_FRAC_PI_8 * q) / (q + TAN_FRAC_PI_8 * p);
     let square = z * z;
-    let octant = FRAC_PI_8 + (z + z * square * polynomial(&ATAN, square));
+    let octant = FRAC_PI_8 + (z + z * square * polynomial(&ATAN_COEFFICIENTS, square));
     (if size > b { FRAC_PI_2 - octant } else { octant }).copysign(a)
 }
 
@@ -110,7 +110,7 @@ const LOGARITHM: [f64; 9] = [
 ];
 
 /// 1/1!, 1/2!, …: (e^r - 1)/r in r; truncation 1e-17 for |r| ≤ 0.347.
-const EXPONENTIAL: [f64; 13] = [
+pub const EXPONENTIAL_COEFFICIENTS: [f64; 13] = [
     1.0,
     1.0 / 2.0,
     1.0 / 6.0,
@@ -163,9 +163,9 @@ pub fn expm1(y: f64) -> f64 {
     let rounded = y * core::f64::consts::LOG2_E + ROUND;
     let k = rounded - ROUND;
     let r = (y - k * LN_2_HIGH) - k * LN_2_LOW;
-    let mut sum = EXPONENTIAL[EXPONENTIAL.len() - 1];
-    for k in (0..EXPONENTIAL.len() - 1).rev() {
-        sum = sum * r + EXPONENTIAL[k];
+    let mut sum = EXPONENTIAL_COEFFICIENTS[EXPONENTIAL_COEFFICIENTS.len() - 1];
+    for k in (0..EXPONENTIAL_COEFFICIENTS.len() - 1).rev() {
+        sum = sum * r + EXPONENTIAL_COEFFICIENTS[k];
     }
     // The integer k stands in the lowest bits of `rounded`; moved into the exponent it makes 2^k.
     let power = f64::from_bits((rounded.to_bits() << 52).wrapping_add(1.0f64.to_bits()));

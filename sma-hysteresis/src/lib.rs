@@ -11,7 +11,10 @@ mod path;
 mod proximity;
 mod vectors;
 
-pub use elementary::{atan, expm1, ln, sin_quarter, sqrt};
+pub use elementary::{
+    ATAN_COEFFICIENTS, EXPONENTIAL_COEFFICIENTS, SIN_COEFFICIENTS, TAN_FRAC_PI_8, atan, expm1, ln,
+    sin_quarter, sqrt,
+};
 pub use error::HysteresisError;
 pub use family::LoopFamily;
 pub use hysteresis::{Hysteresis, Sensed};

@@ -86,12 +86,11 @@ impl Place {
     /// # Errors
     ///
     /// [`WorkbenchError::Write`].
-    pub fn write(self, text: &str) -> Result<(), WorkbenchError> {
+    pub fn write(self, result: impl AsRef<[u8]>) -> Result<(), WorkbenchError> {
+        let bytes = result.as_ref();
         let written = match &self {
-            Self::File { folder, place } => replace(folder, place, text),
-            Self::Special(place) => {
-                append(place).and_then(|mut file| file.write_all(text.as_bytes()))
-            }
+            Self::File { folder, place } => replace(folder, place, bytes),
+            Self::Special(place) => append(place).and_then(|mut file| file.write_all(bytes)),
         };
         let (Self::File { place: path, .. } | Self::Special(path)) = self;
         written.map_err(|source| WorkbenchError::Write { path, source })
@@ -119,9 +118,9 @@ fn append(place: &Path) -> io::Result<std::fs::File> {
     OpenOptions::new().append(true).open(place)
 }
 
-fn replace(folder: &Path, place: &Path, text: &str) -> io::Result<()> {
+fn replace(folder: &Path, place: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut temporary = temporary_in(folder)?;
-    temporary.write_all(text.as_bytes())?;
+    temporary.write_all(bytes)?;
     // On the disk before it has its name: after a power cut the old file is there, or the new one.
     temporary.as_file().sync_all()?;
     temporary.persist(place).map_err(|error| error.error)?;

@@ -201,6 +201,22 @@ impl<'a> RestoredModel<'a> {
         })
     }
 
+    /// The plant that leaves the program: with the offset of the first training recording and the start of it, whose
+    /// temperature is above the surroundings, K; `None` for a model without a cascade.
+    #[must_use]
+    pub fn first_member(&self) -> Option<Member> {
+        let point = self.point();
+        let value = |name: &str| {
+            let place = self.parameters.iter().position(|info| info.name == name);
+            place.map(|place| point[place])
+        };
+        let start = Start {
+            temperature_degc: value("start_rise_k").unwrap_or(0.0),
+            share: value("start_share").unwrap_or(1.0),
+        };
+        self.member(&point, start)
+    }
+
     fn n_plain(&self) -> usize {
         self.parameters.len() - self.slots.len()
     }

@@ -6,6 +6,7 @@ pub(crate) mod batch;
 pub(crate) mod batch_unit;
 pub(crate) mod demo;
 pub(crate) mod diagnose;
+pub(crate) mod export;
 pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;

@@ -32,7 +32,7 @@ const TIME_CONSTANTS: f64 = 20.0;
 const MOST_SAMPLES: f64 = 1e6;
 
 /// Samples in which an integral follows a drive at its limit.
-const TRACKING_SAMPLES: f64 = 10.0;
+pub(crate) const TRACKING_SAMPLES: f64 = 10.0;
 
 /// Rods as likely as the identified one, on which the loop has to rest as well, and for which a response is promised.
 const RESTING_RODS: usize = 50;

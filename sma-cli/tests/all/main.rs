@@ -10,6 +10,7 @@ mod demo;
 mod diagnose;
 mod docs;
 mod drawn_rigs;
+mod export;
 mod faults;
 mod folder;
 #[path = "../../examples/generate_recording.rs"]
