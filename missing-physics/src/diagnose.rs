@@ -8,7 +8,7 @@ use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::baseline::{opened, with_state_of_runs, with_unknowns};
-use crate::config::DiagnoseConfig;
+use crate::config::{DiagnoseConfig, Effort, Part};
 use crate::decide::{Named, Verdict, decide, leading};
 use crate::evidence::blocks;
 use crate::locate::everywhere::locate;
@@ -31,7 +31,7 @@ use crate::search::occurs::testable;
 use crate::search::promote::promoted;
 use crate::search::roads::Search;
 use crate::search::weighing::{Weighing, at};
-use crate::watch::{Caller, DiagnoseProgress, Watched};
+use crate::watch::{Caller, DiagnoseProgress, Watch, Watched};
 use crate::{Candidate, CandidateSet};
 
 /// Gap between what is fitted and what is left out, time constants.
@@ -52,7 +52,7 @@ pub fn diagnose<'p>(
     config: &DiagnoseConfig,
     progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
 ) -> Result<Diagnosis, IdentifyError> {
-    let caller = Caller::new(progress);
+    let caller = Caller::new(progress, config);
     let plain = plain_fit(base, training, config, &caller)?;
     from_baseline(base, plain, [training, unseen], config, &caller)
 }
@@ -93,7 +93,8 @@ pub fn diagnose_from<'p>(
     config: &DiagnoseConfig,
     progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
 ) -> Result<Diagnosis, IdentifyError> {
-    from_baseline(base, plain, recordings, config, &Caller::new(progress))
+    let caller = Caller::new(progress, config);
+    from_baseline(base, plain, recordings, config, &caller)
 }
 
 fn from_baseline(
@@ -126,7 +127,7 @@ pub(crate) fn diagnose_runs<'p>(
     config: &DiagnoseConfig,
     progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
 ) -> Result<(WienerModel, Diagnosis), IdentifyError> {
-    let caller = Caller::new(progress);
+    let caller = Caller::new(progress, config);
     let plain = plain_fit(base, runs, config, &caller)?;
     let has_converged = plain.converged();
     let base = base.without_reference_run();
@@ -192,10 +193,12 @@ impl Opened<'_> {
         let mut fits = Vec::new();
         if catalogue_set.contains(Candidate::other_loop())
             && is_anything(&completing.audited(&coarse_searches)?)
+            && !case.leaves_out(Part::OtherLoops)
         {
             fits = families::fits(&case, config.seed)?;
         }
-        let mut goes_on = families::is_another(&fits, &coarse_searches[0]);
+        let is_thorough = config.effort == Effort::Thorough && !fits.is_empty();
+        let mut goes_on = is_thorough || families::is_another(&fits, &coarse_searches[0]);
         if !goes_on {
             // More effects than one are worth their search where a curve finds more than one has.
             let population = completing.completed(&mut coarse_searches)?;
@@ -293,7 +296,11 @@ impl Opened<'_> {
         } else {
             None
         };
-        let next_experiment = next(&search, &decided, effects, &config.limits)?;
+        let next_experiment = if caller.leaves_out(Part::NextRun) {
+            None
+        } else {
+            next(&search, &decided, effects, &config.limits)?
+        };
         let best = search.get(effects).unwrap_or(search.baseline());
         let noise_floor = noise.floor(search.case, best);
         // Last: it may visit models that are no rivals.
@@ -315,6 +322,7 @@ impl Opened<'_> {
             next_experiment,
             audit: decided.audit,
             traces: decided.traces.0,
+            left_out: caller.left_out(),
             simulations,
             seed: config.seed,
         })

@@ -22,7 +22,7 @@ pub use changed::{
     Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS, LeftOut,
     Reference,
 };
-pub use config::DiagnoseConfig;
+pub use config::{DiagnoseConfig, Effort, Part};
 pub use decide::Verdict;
 pub use decide::{Basis, Comparison, RULES, Rule, RuleId, Trace};
 pub use diagnose::{diagnose, diagnose_from};

@@ -10,6 +10,8 @@ use identify::{FitProgress, ForwardModel, IdentifyError, ParameterInfo};
 use recording::Recording;
 use wiener::Block;
 
+use crate::config::{DiagnoseConfig, Effort, Part};
+
 /// How far a diagnosis is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DiagnoseProgress {
@@ -36,6 +38,11 @@ const APART: Duration = Duration::from_millis(50);
 pub(crate) trait Watch: fmt::Debug + Sync {
     /// Says whether the search goes on; `points` points are about to be simulated.
     fn goes_on(&self, points: usize) -> ControlFlow<()>;
+
+    /// True if a part of the search is to be left out, which is remembered.
+    fn leaves_out(&self, _: Part) -> bool {
+        false
+    }
 }
 
 /// Nobody watches.
@@ -53,6 +60,11 @@ pub(crate) struct Caller<'p> {
     told: Mutex<Told<'p>>,
     has_ended: AtomicBool,
     simulations: AtomicU64,
+    effort: Effort,
+    /// End of the time in which parts are begun that may be left out; `None` for no limit.
+    deadline: Option<Instant>,
+    /// Parts that were left out, as bits by their place in [`Part::ALL`].
+    left_out: AtomicU64,
 }
 
 struct Told<'p> {
@@ -61,8 +73,11 @@ struct Told<'p> {
 }
 
 impl<'p> Caller<'p> {
-    pub(crate) fn new(progress: &'p mut Progress<'p>) -> Self {
+    pub(crate) fn new(progress: &'p mut Progress<'p>, config: &DiagnoseConfig) -> Self {
         Self {
+            effort: config.effort,
+            deadline: config.time_limit.map(|limit| Instant::now() + limit),
+            left_out: AtomicU64::new(0),
             told: Mutex::new(Told {
                 progress,
                 last: Instant::now(),
@@ -96,6 +111,13 @@ impl<'p> Caller<'p> {
         self.tell(DiagnoseProgress::Search { simulations })
     }
 
+    /// Parts that were left out so far.
+    pub(crate) fn left_out(&self) -> Vec<Part> {
+        let bits = self.left_out.load(Ordering::Relaxed);
+        let is_left_out = |part: &Part| bits >> *part as u64 & 1 == 1;
+        Part::ALL.into_iter().filter(is_left_out).collect()
+    }
+
     fn ask(&self, told: &mut Told<'_>, progress: DiagnoseProgress) -> ControlFlow<()> {
         let goes_on = (told.progress)(progress);
         told.last = Instant::now();
@@ -120,6 +142,17 @@ impl Watch for Caller<'_> {
             }
             _ => ControlFlow::Continue(()),
         }
+    }
+
+    fn leaves_out(&self, part: Part) -> bool {
+        let is_narrow =
+            self.effort == Effort::Quick && matches!(part, Part::OtherLoops | Part::OtherStarts);
+        let mut deadline = self.deadline.into_iter();
+        let is_late = deadline.any(|deadline| Instant::now() >= deadline);
+        if is_narrow || is_late {
+            self.left_out.fetch_or(1 << part as u64, Ordering::Relaxed);
+        }
+        is_narrow || is_late
     }
 }
 

@@ -9,11 +9,15 @@ mod provenance;
 mod resume;
 mod sink;
 mod terminal;
+mod unit_run;
+mod workplace;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
+use commands::batch::BatchArgs;
+use commands::batch_unit::BatchUnitArgs;
 use commands::demo::DemoArgs;
 use commands::diagnose::DiagnoseArgs;
 use commands::identify::IdentifyArgs;
@@ -42,6 +46,9 @@ enum Command {
     Simulate(SimulateArgs),
     Tune(TuneArgs),
     Diagnose(DiagnoseArgs),
+    Batch(BatchArgs),
+    #[command(hide = true)]
+    BatchUnit(BatchUnitArgs),
     Trial(TrialArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
@@ -59,6 +66,8 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => commands::simulate::run(args),
         Command::Tune(args) => commands::tune::run(args),
         Command::Diagnose(args) => commands::diagnose::run(args),
+        Command::Batch(args) => commands::batch::run(args),
+        Command::BatchUnit(args) => commands::batch_unit::run(args),
         Command::Trial(args) => commands::trial::run(args),
         Command::Completions(args) => commands::shell::completions(args),
         Command::Man(args) => commands::shell::man(args),

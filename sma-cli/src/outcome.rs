@@ -10,6 +10,7 @@ use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
 use wiener::WienerError;
+use workbench::fleet::FleetError;
 use workbench::{RigError, WorkbenchError};
 
 use crate::resume::ResumeError;
@@ -28,11 +29,11 @@ pub(crate) enum Outcome {
     NotAsPromised,
 }
 
-const DONE: u8 = 0;
+pub(crate) const DONE: u8 = 0;
 const FAILED: u8 = 1;
-const BAD_INPUT: u8 = 3;
+pub(crate) const BAD_INPUT: u8 = 3;
 /// The result is not to be used.
-const NOT_TO_BE_USED: u8 = 4;
+pub(crate) const NOT_TO_BE_USED: u8 = 4;
 /// Interrupted by Ctrl-C, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -94,6 +95,7 @@ fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
         || error
             .downcast_ref::<WorkbenchError>()
             .is_some_and(WorkbenchError::is_bad_input)
+        || error.is::<FleetError>()
         || error.is::<ResumeError>()
         || error.is::<TuneError>()
         || error.is::<TaskError<PhysicsError>>()

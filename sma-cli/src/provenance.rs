@@ -36,7 +36,7 @@ fn spelled(mut arguments: impl Iterator<Item = String>) -> String {
 }
 
 /// An argument as a shell would take it.
-fn quoted(argument: &str) -> String {
+pub(crate) fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,".contains(c);
     if !argument.is_empty() && argument.chars().all(plain) {
         argument.to_owned()

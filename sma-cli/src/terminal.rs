@@ -1,14 +1,34 @@
 //! Progress and notes while a command runs, and output of its text.
 
 use std::borrow::Cow;
+use std::env;
 use std::io::{self, IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
 
-/// A bar on a terminal, nothing elsewhere.
+/// Variable of the environment by which a program that runs this one asks for progress as lines: `SMA_PROGRESS=lines`.
+const PROGRESS: &str = "SMA_PROGRESS";
+
+/// Most lines of progress in a second.
+const LINES_HZ: u8 = 4;
+
+/// A bar on a terminal; lines that begin with `progress: ` for a program that asks for them; nothing elsewhere.
 pub(crate) fn bar(quiet: bool, length: u64, template: &str) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    if env::var_os(PROGRESS).is_some_and(|form| form == "lines") {
+        let lines = Box::new(Lines::default());
+        let target = ProgressDrawTarget::term_like_with_hz(lines, LINES_HZ);
+        let bar = ProgressBar::with_draw_target(Some(length), target);
+        if let Ok(style) = ProgressStyle::with_template(&template.replace("{bar:20} ", "")) {
+            bar.set_style(style);
+        }
+        return bar;
+    }
+    if !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(length);
@@ -52,6 +72,64 @@ impl Progress {
 
     pub(crate) fn end(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Progress as lines on stderr, each that differs from the one before.
+#[derive(Debug, Default)]
+struct Lines(Mutex<Written>);
+
+#[derive(Debug, Default)]
+struct Written {
+    line: String,
+    last: String,
+}
+
+impl TermLike for Lines {
+    fn width(&self) -> u16 {
+        200
+    }
+
+    fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn write_line(&self, text: &str) -> io::Result<()> {
+        self.write_str(text)
+    }
+
+    fn write_str(&self, text: &str) -> io::Result<()> {
+        let mut written = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        written.line.push_str(text);
+        Ok(())
+    }
+
+    fn clear_line(&self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn flush(&self) -> io::Result<()> {
+        let mut written = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let line = std::mem::take(&mut written.line);
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let line = words.join(" ");
+        if !line.is_empty() && line != written.last {
+            writeln!(io::stderr(), "progress: {}", harmless(&line))?;
+            written.last = line;
+        }
+        Ok(())
     }
 }
 

@@ -42,6 +42,11 @@ fn sha256(path: &Path) -> io::Result<String> {
     }
 }
 
+/// Of bytes.
+pub(crate) fn sha256_of(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
 fn hexadecimal(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(2 * bytes.len());
     for byte in bytes {
@@ -58,7 +63,7 @@ mod tests {
     #[test]
     fn hashes_are_those_of_everybody() {
         assert_eq!(
-            hexadecimal(&Sha256::digest(b"abc")),
+            sha256_of(b"abc"),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
         );
     }

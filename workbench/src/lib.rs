@@ -4,6 +4,7 @@ mod columns;
 mod error;
 pub mod figure;
 mod first_rod;
+pub mod fleet;
 mod inputs;
 pub mod kept;
 mod known_to_a_range;

@@ -6,6 +6,7 @@ use identify::{
 };
 use recording::Recording;
 
+use crate::config::Part;
 use crate::model::elsewhere::is_drift;
 use crate::model::series::{Channel, Layout, Noise};
 use crate::watch::{Unwatched, Watch, Watched};
@@ -97,6 +98,11 @@ impl<'a> Case<'a> {
     /// This case with its searches watched.
     pub(crate) fn watched_by(self, watch: &'a dyn Watch) -> Self {
         Self { watch, ..self }
+    }
+
+    /// True if a part of the search is to be left out.
+    pub(crate) fn leaves_out(&self, part: Part) -> bool {
+        self.watch.leaves_out(part)
     }
 
     /// A model of the case, its simulations watched.

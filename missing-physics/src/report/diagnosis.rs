@@ -3,6 +3,7 @@
 use identify::{Fit, Validated};
 use recording::RepeatFloor;
 
+use crate::config::Part;
 use crate::decide::{Trace, Verdict};
 use crate::evidence::Audit;
 use crate::locate::mismatch::{Mismatch, Shape};
@@ -45,6 +46,8 @@ pub struct Diagnosis {
     pub audit: Option<Audit>,
     /// The rules that were asked, in order, and what they said.
     pub traces: Vec<Trace>,
+    /// Parts of the search that were left out, by the effort that was asked for or since the time was over.
+    pub left_out: Vec<Part>,
     /// Simulations of the whole training set.
     pub simulations: u64,
     /// Seed of the searches.
@@ -75,6 +78,7 @@ impl Diagnosis {
             next_experiment: None,
             audit: None,
             traces: Vec::new(),
+            left_out: Vec::new(),
             seed,
         }
     }

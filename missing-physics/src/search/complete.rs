@@ -4,6 +4,7 @@ use identify::IdentifyError;
 
 use recording::order::falling;
 
+use crate::config::Part;
 use crate::decide::leading;
 use crate::evidence::{Block, Population};
 use crate::model::elsewhere::is_drift;
@@ -41,6 +42,10 @@ impl<'a> Completing<'a> {
     ) -> Result<Population, IdentifyError> {
         let mut beside_drifts = searches[0].beside_drifts;
         for _ in 0..ROUNDS {
+            let case = searches[0].case;
+            if case.leaves_out(Part::MoreEffects) {
+                break;
+            }
             let population = self.weighing.audited(searches)?;
             let model = leading(&population);
             let (place, effects) = at(searches, model);
@@ -52,7 +57,9 @@ impl<'a> Completing<'a> {
             let mut unsettled = std::iter::once((place, effects))
                 .chain(foremost.into_iter().flatten())
                 .filter(|one| !one.1.is_empty() && !self.settled.contains(one));
-            if let Some((place, effects)) = unsettled.next() {
+            if let Some((place, effects)) = unsettled.next()
+                && !case.leaves_out(Part::OtherStarts)
+            {
                 self.settled.push((place, effects));
                 searches[place].settle(effects)?;
             } else if !beside_drifts && !model.is_whole() && has_drift(&population) {

@@ -4,6 +4,7 @@ use identify::IdentifyError;
 use rayon::prelude::*;
 use recording::order::falling;
 
+use crate::config::Part;
 use crate::decide::leading;
 use crate::evidence::{Model, Population};
 use crate::model::case::{Case, Node};
@@ -45,7 +46,8 @@ pub(crate) fn promoted<'c>(
         promote(&mut fine, coarse, &wanted)?;
         let judged = weighing.audited(&fine)?;
         let (place, effects) = at(&fine, leading(&judged));
-        if completing.completed_around(coarse, (place, effects))? {
+        let is_open = !cases[0].leaves_out(Part::MoreEffects);
+        if is_open && completing.completed_around(coarse, (place, effects))? {
             let parts = parts(effects).into_iter().map(|part| (place, part));
             promote(&mut fine, coarse, &parts.collect::<Vec<_>>())?;
         } else if !effects.is_empty() && !settled.contains(&(place, effects)) {

@@ -6,6 +6,7 @@ use identify::{Fit, IdentifyError};
 use rayon::prelude::*;
 use recording::order::{falling, rising};
 
+use crate::config::Part;
 use crate::model::case::{Case, Node};
 use crate::model::elsewhere::is_drift;
 use crate::model::tangent::{Sensitivity, sensitivities};
@@ -171,7 +172,7 @@ impl<'a> Search<'a> {
 
     /// Goes on to models that leave nothing significant, by several roads.
     pub(crate) fn grow(&mut self) -> Result<(), IdentifyError> {
-        while !self.frontier.is_empty() {
+        while !self.frontier.is_empty() && !self.case.leaves_out(Part::MoreEffects) {
             self.grow_by_one()?;
         }
         Ok(())

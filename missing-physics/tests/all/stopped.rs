@@ -8,19 +8,20 @@
 use crate::common;
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 use common::{DT_S, current_a, noisy, output_mm, recording, setting};
 use fixtures::wire::ROD;
 use identify::{IdentifyError, Rod, WienerModel};
 use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, EffectId, EffectSet, EffectValues, Setting, diagnose,
+    DiagnoseConfig, DiagnoseProgress, EffectId, EffectSet, EffectValues, Effort, Part, Setting,
+    diagnose,
 };
+use recording::Recording;
 use wiener::hysteresis::Rule;
 
-/// Progress that is told until `ends` holds, and how the diagnosis ends.
-fn told_until(
-    ends: impl Fn(&DiagnoseProgress) -> bool + Send + Sync,
-) -> (Vec<DiagnoseProgress>, Result<(), IdentifyError>) {
+/// A recording of a rod with latent heat, and the baseline model of it.
+fn rig() -> ([Recording; 1], WienerModel) {
     let concealed = Setting {
         active: EffectSet::of(EffectId::LatentHeat),
         ..setting()
@@ -32,6 +33,14 @@ fn told_until(
     let training = [recording("made-up.csv", current_a(), output, DT_S)];
     let rod = Rod::parse("rod.toml", ROD).unwrap();
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
+    (training, base)
+}
+
+/// Progress that is told until `ends` holds, and how the diagnosis ends.
+fn told_until(
+    ends: impl Fn(&DiagnoseProgress) -> bool + Send + Sync,
+) -> (Vec<DiagnoseProgress>, Result<(), IdentifyError>) {
+    let (training, base) = rig();
     let config = DiagnoseConfig {
         setting: setting(),
         ..DiagnoseConfig::default()
@@ -78,4 +87,36 @@ fn it_ends_before_the_last_stage() {
     let (told, found) = told_until(|progress| *progress == DiagnoseProgress::Locate);
     assert_eq!(told.last(), Some(&DiagnoseProgress::Locate));
     assert!(matches!(found, Err(IdentifyError::Stopped)));
+}
+
+#[test]
+fn where_the_time_is_over_the_best_so_far_is_judged_and_the_rest_is_listed() {
+    let (training, base) = rig();
+    let with = |effort, time_limit| {
+        let config = DiagnoseConfig {
+            setting: setting(),
+            effort,
+            time_limit,
+            ..DiagnoseConfig::default()
+        };
+        let go_on = &mut |_| ControlFlow::Continue(());
+        diagnose(&base, &training, &[], &config, go_on).unwrap()
+    };
+    let whole = with(Effort::Normal, None);
+    assert_eq!(whole.left_out, []);
+    // No time at all: single effects are tried all the same, and one of them is the one.
+    let cut = with(Effort::Normal, Some(Duration::ZERO));
+    assert!(
+        cut.left_out.contains(&Part::MoreEffects),
+        "{:?}",
+        cut.left_out
+    );
+    assert!(cut.left_out.contains(&Part::NextRun), "{:?}", cut.left_out);
+    assert!(cut.simulations < whole.simulations);
+    let quick = with(Effort::Quick, None);
+    assert_eq!(quick.left_out, [Part::OtherLoops, Part::OtherStarts]);
+    for found in [&whole, &cut, &quick] {
+        assert_eq!(found.findings.len(), 1, "{:?}", found.findings);
+        assert_eq!(found.findings[0].effect.id(), "latent-heat");
+    }
 }

@@ -14,7 +14,7 @@ use pid_tune::{
 };
 use truth_plant::{Shape, Traces, TruthPlant};
 
-use crate::commands::diagnose::{Rig as Files, all_predicted, implausible, show};
+use crate::commands::diagnose::{Rig as Files, all_predicted, drawn, implausible, show};
 use crate::commands::on_threads;
 use crate::demo_rig::{self, DT_S};
 use crate::memory::Memory;
@@ -22,7 +22,7 @@ use crate::outcome::Outcome;
 use crate::provenance::provenance;
 use crate::sink::Outputs;
 use crate::terminal::{Progress, write_stdout};
-use workbench::figure::{Drawn, Figure, Series, Style};
+use workbench::figure::{Figure, Series, Style};
 use workbench::kept::{self, Kept};
 use workbench::page::{self, Page};
 use workbench::report::diagnosed::{Depth, Diagnosed};
@@ -273,13 +273,8 @@ impl Known {
 
     /// The diagnosis, and what the extended model is worth.
     fn page(&self, diagnosed: &Diagnosed<'_>, worth: &Worth<'_>) -> anyhow::Result<Page> {
-        let diagnosis = diagnosed.diagnosis;
-        let predicted = all_predicted(self.plain(), diagnosis, &self.files)?;
-        let named = predicted.iter().map(|(recording, models)| {
-            let name = diagnosed.label(recording.name());
-            (*recording, name, models.as_slice())
-        });
-        let drawn = Drawn::new(diagnosis, named);
+        let predicted = all_predicted(self.plain(), diagnosed.diagnosis, &self.files)?;
+        let drawn = drawn(diagnosed, &predicted);
         let mut page = page::diagnosed(diagnosed, Some(&drawn))?;
         page.section("What the extended model is worth: controllers on the true wire");
         page.paragraphs(Worth::INTRODUCTION);

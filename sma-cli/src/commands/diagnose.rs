@@ -2,15 +2,16 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use identify::{
     FitConfig, FitProgress, IdentifyError, RigModel, Rod, WienerModel, early_output, predict,
     static_effects,
 };
 use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Hypothesis, Setting, Stage,
-    Verdict, diagnose, setting_of_rod,
+    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Effort, Hypothesis, Setting,
+    Stage, Verdict, diagnose, setting_of_rod,
 };
 use recording::Recording;
 
@@ -25,12 +26,13 @@ use crate::provenance::provenance;
 use crate::resume::Starts;
 use crate::sink::{Delivery, Outputs, Sink, deliver};
 use crate::terminal::{Progress, say};
-use workbench::figure::{Drawn, Gallery, figures, series};
+use workbench::figure::{Drawn, Gallery, figures, series_csv};
 use workbench::kept::{self, Kept};
 use workbench::next_run;
 use workbench::page;
 use workbench::report::diagnosed::{Depth, Diagnosed};
 use workbench::report::plot::{self, Left};
+use workbench::report::series::{self, Series};
 use workbench::report::static_diagnosed::StaticDiagnosed;
 use workbench::sanity::{Facts, Implausible};
 use workbench::{
@@ -74,7 +76,7 @@ pub(crate) struct DiagnoseArgs {
     train: Vec<PathBuf>,
     /// Runs of the rig as it should be, CSV: says what has changed since in those of --train. Two at least, each with a slow cooling.
     #[arg(long, num_args = 1.., value_name = "CSV", conflicts_with_all = ["validate", "from_model", "save_model", "save_next", "plots",
-        "report", "resume"])]
+        "report", "series", "resume"])]
     pub(crate) reference: Vec<PathBuf>,
     /// Recordings to check the result on, CSV; opened once, at the end.
     #[arg(long, num_args = 1.., value_name = "CSV")]
@@ -105,11 +107,21 @@ pub(crate) struct DiagnoseArgs {
     /// Write the result as one HTML page with figures, to read and to mail.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Write every recording sample by sample, with the predictions of the models, as JSON.
+    #[arg(long, value_name = "FILE")]
+    series: Option<PathBuf>,
     /// Say the evidence as well: parameters, regimes, the catalogue with its limits, curves.
     #[arg(long, short)]
     verbose: bool,
     #[command(flatten)]
     pictures: Pictures,
+    /// How widely is searched: quick leaves out other families of loops and other starting points, and says so; thorough tries more.
+    #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
+    effort: EffortArg,
+    /// Time after which no further part of the search is begun, s: the best so far is judged, and the parts that were left out are
+    /// listed. The result then depends on the machine.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    time_limit_s: Option<Duration>,
     /// Seed: same seed and inputs, same result.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
@@ -128,6 +140,36 @@ pub(crate) struct DiagnoseArgs {
     pub(crate) quiet: bool,
 }
 
+/// Breadth of a search, as a flag.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EffortArg {
+    /// A first look.
+    Quick,
+    /// The search of the trials.
+    Normal,
+    /// More starts, more loops.
+    Thorough,
+}
+
+impl From<EffortArg> for Effort {
+    fn from(arg: EffortArg) -> Self {
+        match arg {
+            EffortArg::Quick => Self::Quick,
+            EffortArg::Normal => Self::Normal,
+            EffortArg::Thorough => Self::Thorough,
+        }
+    }
+}
+
+/// A time of at most a year.
+fn seconds(text: &str) -> Result<Duration, String> {
+    const YEAR_S: f64 = 3.2e7;
+    match text.parse::<f64>() {
+        Ok(time_s) if (0.0..=YEAR_S).contains(&time_s) => Ok(Duration::from_secs_f64(time_s)),
+        _ => Err(format!("expected a time from 0 to {YEAR_S} s")),
+    }
+}
+
 /// Places for results.
 #[derive(Debug)]
 struct Places {
@@ -135,6 +177,7 @@ struct Places {
     model: Option<Sink>,
     next: Option<Sink>,
     report: Option<Sink>,
+    series: Option<Sink>,
     plots: Option<Gallery>,
 }
 
@@ -152,6 +195,7 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         model: outputs.open_if(args.save_model.as_deref())?,
         next: outputs.open_if(args.save_next.as_deref())?,
         report: outputs.open_if(args.report.as_deref())?,
+        series: outputs.open_if(args.series.as_deref())?,
         plots: outputs.gallery_if(args.plots.as_deref())?,
     };
     outputs.reserve_if(args.resume.as_deref())?;
@@ -285,16 +329,8 @@ fn with_time(
         Depth::Verdict
     });
     let has_converged = diagnosis.verdict != Verdict::NotConverged;
-    let predicted = has_converged
-        .then(|| all_predicted(plain, &diagnosis, &rig))
-        .transpose()?;
-    let drawn = predicted.as_ref().map(|predicted| {
-        let named = predicted.iter().map(|(recording, models)| {
-            let name = diagnosed.label(recording.name());
-            (*recording, name, models.as_slice())
-        });
-        Drawn::new(&diagnosis, named)
-    });
+    let predicted = all_predicted(plain, &diagnosis, &rig)?;
+    let drawn = has_converged.then(|| drawn(&diagnosed, &predicted));
     if let Some(drawn) = &drawn {
         text += &args.pictures.of(args.quiet, || {
             let worst = &drawn.compared[0];
@@ -303,7 +339,7 @@ fn with_time(
         if let Some(gallery) = &places.plots {
             delivery.of(|| {
                 gallery.hang(&figures(drawn))?;
-                Ok(gallery.keep(&series(drawn))?)
+                Ok(gallery.keep(&series_csv(drawn))?)
             });
         }
     }
@@ -313,6 +349,9 @@ fn with_time(
             page.notes(&diagnosed.notes());
             sink.write(&page.made_by(&made))
         });
+    }
+    if let Some(sink) = places.series {
+        delivery.of(|| sink.write(&(series::json("diagnose", &predicted).to_string() + "\n")));
     }
     delivery.of(|| deliver(&text, &diagnosed.json(), places.json));
     delivery.end()?;
@@ -380,6 +419,7 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         ("--save-next", args.save_next.is_some()),
         ("--plots", args.plots.is_some()),
         ("--report", args.report.is_some()),
+        ("--series", args.series.is_some()),
     ]
     .into_iter()
     .filter_map(|(flag, is_given)| is_given.then_some(flag))
@@ -442,8 +482,11 @@ impl DiagnoseArgs {
             limits: rig.rod.limits,
             baseline: FitConfig {
                 from,
+                starts: Effort::from(self.effort).starts(),
                 ..preset.baseline.clone()
             },
+            effort: self.effort.into(),
+            time_limit: self.time_limit_s,
             seed: self.seed,
             ..preset
         })
@@ -469,20 +512,20 @@ fn fitting(shown: &mut Progress, progress: &FitProgress) {
     shown.show("fitting the baseline model", Some(done), &how_far);
 }
 
-/// Every recording with the predictions of the baseline and the extended model; the one that the baseline model meets worst first,
-/// the others in their order.
+/// Every recording with the predictions of the baseline and the extended model, in the order in which they were given.
 pub(crate) fn all_predicted<'a>(
     plain: &WienerModel,
     diagnosis: &Diagnosis,
     rig: &'a Rig,
-) -> anyhow::Result<Vec<(&'a Recording, Vec<Left>)>> {
+) -> anyhow::Result<Vec<Series<'a>>> {
     let baseline = &diagnosis.baseline;
-    let point = |stage: &Stage, k: usize| match k.checked_sub(rig.training.len()) {
+    let n_trained = rig.training.len();
+    let point = |stage: &Stage, k: usize| match k.checked_sub(n_trained) {
         None => stage.fit.point(k),
         Some(unseen) => stage.validated[unseen].point.clone(),
     };
     let recordings = rig.training.iter().chain(&rig.unseen).enumerate();
-    let mut predicted = recordings
+    recordings
         .map(|(k, recording)| {
             let mut models = vec![Left {
                 model: "baseline",
@@ -494,14 +537,29 @@ pub(crate) fn all_predicted<'a>(
                     prediction: predict(&extended.model, &point(&extended.stage, k), recording)?,
                 });
             }
-            Ok((recording, models))
+            Ok(Series {
+                recording,
+                is_training: k < n_trained,
+                models,
+            })
         })
-        .collect::<Result<Vec<_>, IdentifyError>>()?;
+        .collect()
+}
+
+/// A diagnosis to be drawn: the recording that the baseline model meets worst comes first, the others in their order.
+pub(crate) fn drawn<'a>(diagnosed: &Diagnosed<'a>, predicted: &'a [Series<'a>]) -> Drawn<'a> {
+    let baseline = &diagnosed.diagnosis.baseline;
     let trained = baseline.fit.recordings.iter().map(|one| one.rmse);
     let errors: Vec<f64> = trained
         .chain(baseline.validated.iter().map(|one| one.rmse))
         .collect();
     let worst = (0..errors.len()).max_by(|&a, &b| errors[a].total_cmp(&errors[b]));
-    predicted[..=worst.unwrap_or(0)].rotate_right(1);
-    Ok(predicted)
+    let mut order: Vec<usize> = (0..predicted.len()).collect();
+    order[..=worst.unwrap_or(0)].rotate_right(1);
+    let named = order.into_iter().map(|k| {
+        let one = &predicted[k];
+        let name = diagnosed.label(one.recording.name());
+        (one.recording, name, one.models.as_slice())
+    });
+    Drawn::new(diagnosed.diagnosis, named)
 }

@@ -26,6 +26,7 @@ use workbench::page;
 use workbench::report::identified::Identified;
 use workbench::report::plot::{self, Left};
 use workbench::report::repeated;
+use workbench::report::series::{self, Series};
 use workbench::sanity::Facts;
 use workbench::{gap_notes, input_notes, is_trained_on, read_all};
 
@@ -74,6 +75,9 @@ pub(crate) struct IdentifyArgs {
     /// Write the result as one HTML page with figures, to read and to mail.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Write every recording sample by sample, with the predictions of the model, as JSON.
+    #[arg(long, value_name = "FILE")]
+    series: Option<PathBuf>,
     #[command(flatten)]
     pictures: Pictures,
     /// Seed: same seed and inputs, same result.
@@ -124,6 +128,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let json = outputs.open_if(args.json.as_deref())?;
     let save_model = outputs.open_if(args.save_model.as_deref())?;
     let report = outputs.open_if(args.report.as_deref())?;
+    let series = outputs.open_if(args.series.as_deref())?;
     outputs.reserve_if(args.resume.as_deref())?;
     let mut rod = Rod::read(&args.rod)?;
     let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
@@ -230,6 +235,10 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             };
             delivery.of(|| sink.write(&page::identified(&identified, &worst)?.made_by(&made)));
         }
+    }
+    if let Some(sink) = series {
+        let simulated = simulated(&model, &fit, &training, &validated, &unseen)?;
+        delivery.of(|| sink.write(&(series::json("identify", &simulated).to_string() + "\n")));
     }
     delivery.of(|| deliver(&text, &identified.json(), json));
     delivery.end()?;
@@ -338,6 +347,33 @@ fn with_lag_that_shows(
     } else {
         (model, without)
     })
+}
+
+/// All recordings with what the model says of them, those of the fit first.
+fn simulated<'a>(
+    model: &RigModel,
+    fit: &Fit,
+    training: &'a [Recording],
+    validated: &[Validated],
+    unseen: &'a [Recording],
+) -> anyhow::Result<Vec<Series<'a>>> {
+    let trained = (0..training.len()).map(|r| (&training[r], true, fit.point(r)));
+    let checked = unseen.iter().zip(validated);
+    let checked = checked.map(|(recording, one)| (recording, false, one.point.clone()));
+    trained
+        .chain(checked)
+        .map(|(recording, is_training, point)| {
+            let prediction = predict(model, &point, recording)?;
+            Ok(Series {
+                recording,
+                is_training,
+                models: vec![Left {
+                    model: "identified",
+                    prediction,
+                }],
+            })
+        })
+        .collect()
 }
 
 /// The recording of the highest error, and the model's parameters in it.

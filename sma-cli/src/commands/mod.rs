@@ -2,6 +2,8 @@
 
 use crate::outcome::Outcome;
 
+pub(crate) mod batch;
+pub(crate) mod batch_unit;
 pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod identify;

@@ -207,7 +207,8 @@ fn said(line: &CaseLine) -> String {
     )
 }
 
-fn shard(text: &str) -> Result<(usize, usize), String> {
+/// Part of all, i/n with i from 1.
+pub(crate) fn shard(text: &str) -> Result<(usize, usize), String> {
     let parts = text.split_once('/');
     let numbers = parts.and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
     numbers

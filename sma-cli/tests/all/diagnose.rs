@@ -887,6 +887,7 @@ fn static_recordings_under_two_loads_tell_the_stress_coupling() {
     );
     // The same keys as with time.
     let of_time = [
+        "left_out",
         "simulations",
         "specific_heat_range_carried",
         "resistivity_range_carried",

@@ -281,3 +281,68 @@ fn a_rod_that_cannot_be_ends_with_4_and_says_why() {
         assert_eq!(json["implausible"][0]["rule"], "density", "{command}");
     }
 }
+
+#[test]
+fn series_hold_each_recording_with_the_model_through_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let [series, json] = ["series.json", "fit.json"].map(|name| folder.path().join(name));
+    let mut command = identify_bundled();
+    command.arg("--series").arg(&series);
+    command.arg("--json").arg(&json).arg("--no-plot");
+    command.assert().success();
+    let read = |path| -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+    };
+    let (series, fit) = (read(series), read(json));
+    let rmses = fit["recordings"].as_array().unwrap();
+    let recordings = series["recordings"].as_array().unwrap();
+    let roles: Vec<&str> = recordings
+        .iter()
+        .map(|one| one["role"].as_str().unwrap())
+        .collect();
+    assert_eq!(roles, ["train", "validate"]);
+    for (one, rmse) in recordings.iter().zip(rmses) {
+        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+            let values = value.as_array().unwrap().iter();
+            values.map(|value| value.as_f64().unwrap()).collect()
+        };
+        let model = &one["models"][0];
+        assert_eq!(model["model"], "identified");
+        let (recorded, simulated) = (numbers(&one["output"]), numbers(&model["output"]));
+        for other in [
+            &one["time_s"],
+            &one["drive"],
+            &model["output"],
+            &model["temperature_degc"],
+        ] {
+            assert_eq!(numbers(other).len(), recorded.len());
+        }
+        let squares = recorded
+            .iter()
+            .zip(&simulated)
+            .map(|(y, s)| (y - s).powi(2));
+        let found = (squares.sum::<f64>() / recorded.len() as f64).sqrt();
+        let stated = rmse["rmse"].as_f64().unwrap();
+        assert!(
+            (found - stated).abs() < 1e-9 * stated,
+            "{found} for {stated}"
+        );
+    }
+}
+
+#[test]
+fn progress_comes_in_lines_where_a_program_asks_for_them() {
+    let mut command = identify_bundled();
+    command.args(["--no-plot"]).env("SMA_PROGRESS", "lines");
+    let stderr = command.assert().success().get_output().stderr.clone();
+    let stderr = String::from_utf8(stderr).unwrap();
+    assert!(
+        stderr.starts_with("progress: identify start 0/4\n"),
+        "{stderr}"
+    );
+    let mut quiet = identify_bundled();
+    quiet
+        .args(["--no-plot", "--quiet"])
+        .env("SMA_PROGRESS", "lines");
+    quiet.assert().success().stderr("");
+}

@@ -5,6 +5,7 @@
 mod another_each_run;
 mod antagonist;
 mod bad_input;
+mod batch;
 mod demo;
 mod diagnose;
 mod docs;
@@ -16,6 +17,8 @@ mod generate_recording;
 mod identify;
 mod init;
 mod inspect;
+#[path = "../../examples/make_fleet.rs"]
+mod make_fleet;
 mod reports;
 mod resume;
 mod shell;

@@ -38,6 +38,7 @@ fn every_subcommand_has_a_page_with_an_example() {
         "simulate",
         "tune",
         "diagnose",
+        "batch",
         "trial",
         "completions",
         "man",

@@ -53,7 +53,7 @@ pub fn figures(drawn: &Drawn<'_>) -> Vec<Figure> {
 
 /// All recordings with the models on them as CSV, a file each: name of the file and text.
 #[must_use]
-pub fn series(drawn: &Drawn<'_>) -> Vec<(String, String)> {
+pub fn series_csv(drawn: &Drawn<'_>) -> Vec<(String, String)> {
     let numbered = drawn.compared.iter().enumerate();
     numbered
         .map(|(k, one)| {

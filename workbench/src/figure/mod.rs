@@ -11,7 +11,7 @@ use std::fs::create_dir;
 use std::path::{Path, PathBuf};
 
 pub use compared::Compared;
-pub use diagnosed::{Drawn, figures, ladder, same_drive, series};
+pub use diagnosed::{Drawn, figures, ladder, same_drive, series_csv};
 pub use loops::loops;
 pub use svg::inline;
 pub use tracks::tracks;

@@ -1,6 +1,7 @@
 //! Pages: one HTML file each, that needs no network and no script.
 
 mod diagnosed;
+mod fleet;
 mod identified;
 mod trial;
 mod tuned;
@@ -11,6 +12,7 @@ use comfy_table::Table;
 use identify::{InputFile, Provenance};
 
 pub use diagnosed::diagnosed;
+pub use fleet::fleet;
 pub use identified::identified;
 pub use trial::trial;
 pub use tuned::tuned;

@@ -67,6 +67,7 @@ impl Diagnosed<'_> {
                 "p_value": audit.p_value,
             })),
             "trace": diagnosis.traces.iter().map(trace).collect::<Vec<_>>(),
+            "left_out": diagnosis.left_out.iter().map(|part| part.id()).collect::<Vec<_>>(),
             "simulations": diagnosis.simulations,
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),
             "resistivity_range_carried": self.resistivity.map(|range| [range.lower, range.upper]),

@@ -15,7 +15,7 @@ use std::fmt::Write;
 
 use comfy_table::Table;
 use identify::Bounds;
-use missing_physics::{Diagnosis, EffectId, NextExperiment, Verdict};
+use missing_physics::{Diagnosis, EffectId, NextExperiment, Part, Verdict};
 
 pub use details::{HOW_TO_READ_CATALOGUE, HOW_TO_READ_REGIMES, in_frequency, regimes};
 pub use findings::{found, literature, what};
@@ -25,7 +25,7 @@ use super::label::label;
 use super::number::{count, significant};
 use super::repeated;
 use super::table::unpadded;
-use super::words::{full_stop, wrapped};
+use super::words::{full_stop, listed, wrapped};
 use crate::sanity::{self, Implausible};
 
 /// Title of the differences from run to run.
@@ -107,7 +107,28 @@ impl Diagnosed<'_> {
     fn first_lines(&self) -> Vec<String> {
         let implausible = sanity::lines(&self.implausible);
         let implausible = implausible.lines().map(ToOwned::to_owned);
-        implausible.chain([headline(self.diagnosis)]).collect()
+        let headline = [headline(self.diagnosis)];
+        implausible
+            .chain(headline)
+            .chain(self.cut_short())
+            .collect()
+    }
+
+    /// Parts of the search that were left out, in a sentence; `None` if it went to its end.
+    fn cut_short(&self) -> Option<String> {
+        let parts = self.diagnosis.left_out.iter().map(|part| match part {
+            Part::OtherLoops => "loops of other families",
+            Part::MoreEffects => "further effects beside those found, and others in their place",
+            Part::OtherStarts => "other starting points of the chosen model",
+            Part::NextRun => "a run that would tell rivals apart",
+        });
+        let parts: Vec<&str> = parts.collect();
+        (!parts.is_empty()).then(|| {
+            format!(
+                "CUT SHORT, as --effort or --time-limit-s asked: {} were not searched to the end. A finding may have rivals that were not tried.",
+                listed(&parts, "and")
+            )
+        })
     }
 
     fn what_was_found(&self) -> Vec<String> {
