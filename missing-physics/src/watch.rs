@@ -59,6 +59,8 @@ impl Watch for Unwatched {
 pub(crate) struct Caller<'p> {
     told: Mutex<Told<'p>>,
     has_ended: AtomicBool,
+    /// True from the first word on a search on: before, the fit of the baseline tells how far it is.
+    is_searching: AtomicBool,
     simulations: AtomicU64,
     effort: Effort,
     /// End of the time in which parts are begun that may be left out; `None` for no limit.
@@ -83,6 +85,7 @@ impl<'p> Caller<'p> {
                 last: Instant::now(),
             }),
             has_ended: AtomicBool::new(false),
+            is_searching: AtomicBool::new(false),
             simulations: AtomicU64::new(0),
         }
     }
@@ -119,6 +122,8 @@ impl<'p> Caller<'p> {
     }
 
     fn ask(&self, told: &mut Told<'_>, progress: DiagnoseProgress) -> ControlFlow<()> {
+        let is_search = matches!(progress, DiagnoseProgress::Search { .. });
+        self.is_searching.fetch_or(is_search, Ordering::Relaxed);
         let goes_on = (told.progress)(progress);
         told.last = Instant::now();
         if goes_on.is_break() {
@@ -133,6 +138,9 @@ impl Watch for Caller<'_> {
         let before = self.simulations.fetch_add(points as u64, Ordering::Relaxed);
         if self.has_ended.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
+        }
+        if !self.is_searching.load(Ordering::Relaxed) {
+            return ControlFlow::Continue(());
         }
         // Where another thread tells, this one need not.
         match self.told.try_lock() {

@@ -44,7 +44,8 @@ pub(crate) fn bar(quiet: bool, length: u64, template: &str) -> ProgressBar {
 pub(crate) struct Progress {
     bar: ProgressBar,
     quiet: bool,
-    stage: &'static str,
+    /// Stages that were said.
+    said: Vec<&'static str>,
 }
 
 impl Progress {
@@ -52,7 +53,7 @@ impl Progress {
         Self {
             bar: bar(quiet, length, template),
             quiet,
-            stage: "",
+            said: Vec::new(),
         }
     }
 
@@ -63,11 +64,11 @@ impl Progress {
             self.bar.set_position(done);
         }
         self.bar.set_message(format!("{stage}{how_far}"));
-        if self.bar.is_hidden() && !self.quiet && self.stage != stage {
+        if self.bar.is_hidden() && !self.quiet && !self.said.contains(&stage) {
             // Progress that cannot be written is no reason to stop.
             let _ = writeln!(io::stderr(), "{stage} …");
+            self.said.push(stage);
         }
-        self.stage = stage;
     }
 
     pub(crate) fn end(&self) {
