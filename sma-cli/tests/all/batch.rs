@@ -362,6 +362,11 @@ fn calls_that_would_harm_or_cannot_be_are_refused() {
             "sma: fleet/table.csv: lies among the recordings",
         ),
         (
+            "batch fleet --out fleet --csv fleet/table.csv",
+            3,
+            "sma: fleet/table.csv: lies among the recordings",
+        ),
+        (
             "batch fleet --out o --json fleet/wire-000.csv",
             1,
             "fleet/wire-000.csv: is an input of this command",
