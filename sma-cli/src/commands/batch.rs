@@ -181,8 +181,8 @@ impl BatchArgs {
             folder.and_then(whole),
             whole(&self.fleet),
             whole(out),
-        ) && folder.starts_with(fleet)
-            && !folder.starts_with(out)
+        ) && folder.starts_with(&fleet)
+            && (out == fleet || !folder.starts_with(out))
         {
             let path = path.clone();
             return Err(FleetError::AmongRecordings { path }.into());

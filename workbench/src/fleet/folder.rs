@@ -70,9 +70,9 @@ impl Search<'_> {
             source,
         };
         let whole = folder.canonicalize().map_err(unreadable)?;
-        let is_left_out = self.without.contains(&whole)
-            || self.above.contains(&whole)
-            || super::Units::are_in(folder);
+        // Results may be kept in the folder of the fleet itself.
+        let are_results = self.without.contains(&whole) || super::Units::are_in(folder);
+        let is_left_out = self.above.contains(&whole) || are_results && folder != self.root;
         if is_left_out {
             return Ok(());
         }

@@ -11,5 +11,5 @@ mod units;
 
 pub use error::FleetError;
 pub use listed::{Fleet, Listed, RigFiles};
-pub use unit::{Failure, Input, Role, Task, Unit, named};
+pub use unit::{Failure, Input, Role, Task, Unit, UnitStatus, named};
 pub use units::{UnitFault, Units};

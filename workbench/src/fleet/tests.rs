@@ -147,6 +147,10 @@ fn results_are_no_recordings() {
     ];
     let (rigs, _) = found(&files, &["out"]);
     assert_eq!(rigs, ["a.csv: rod.toml < a.csv < "]);
+    // They may lie in the folder of the fleet itself.
+    let unit = format!("units/{}.json", "0a".repeat(32));
+    let (rigs, _) = found(&["rod.toml", "a.csv", &unit], &[""]);
+    assert_eq!(rigs, ["a.csv: rod.toml < a.csv < "]);
 }
 
 #[test]

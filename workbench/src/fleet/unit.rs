@@ -57,12 +57,24 @@ pub struct Unit {
     schema_version: u32,
     /// Task, whose hash is the name of the unit.
     pub task: Task,
+    /// State of the unit.
+    pub status: UnitStatus,
     /// Exit code of the command; `None` where it crashed.
     pub exit_code: Option<i32>,
     /// Reason for there being no result.
     pub failure: Option<Failure>,
     /// The command's own document; null if it failed.
     pub result: Value,
+}
+
+/// State of a unit that ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UnitStatus {
+    /// There is a result.
+    Done,
+    /// There is a failure.
+    Failed,
 }
 
 /// Reason why a rig has no result.
@@ -173,6 +185,7 @@ impl Unit {
         Self {
             schema_version: SCHEMA_VERSION,
             task,
+            status: UnitStatus::Done,
             exit_code: Some(exit_code),
             failure: None,
             result,
@@ -187,6 +200,7 @@ impl Unit {
         Self {
             schema_version: SCHEMA_VERSION,
             task,
+            status: UnitStatus::Failed,
             exit_code,
             failure,
             result: Value::Null,
@@ -196,7 +210,10 @@ impl Unit {
     /// True if this version of the program reads it.
     #[must_use]
     pub fn is_known(&self) -> bool {
-        self.schema_version == SCHEMA_VERSION && self.failure.is_some() == self.result.is_null()
+        let has_failed = self.status == UnitStatus::Failed;
+        self.schema_version == SCHEMA_VERSION
+            && self.failure.is_some() == has_failed
+            && self.result.is_null() == has_failed
     }
 }
 
