@@ -1,7 +1,8 @@
 use std::collections::BTreeSet;
 
 use identify::{Fit, WienerModel};
-use missing_physics::{Diagnosis, EffectId, ScreenConfig, screen};
+use missing_physics::{Diagnosis, ScreenConfig, screen};
+use sma_effects::EffectId;
 
 use crate::CaseId;
 use crate::TrialError;

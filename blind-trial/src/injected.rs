@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use missing_physics::EffectId;
 use recording::{Recording, RecordingParts};
 use serde::{Deserialize, Serialize};
+use sma_effects::EffectId;
 
 use crate::TrialError;
 

@@ -2,8 +2,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use identify::Fit;
-use missing_physics::{Diagnosis, EffectBlock, EffectSet, Entry, Finding, Run, Status};
+use missing_physics::{Diagnosis, Entry, Finding, Run, Status};
 use rand::Rng;
+use sma_effects::{EffectBlock, EffectSet};
 use truth_plant::{Draw, DriveProfile, Shape};
 
 use crate::aliases::{aliases, effects_of, stand_ins};

@@ -3,11 +3,10 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use identify::{Rod, Validated, WienerModel};
-use missing_physics::{
-    DiagnoseConfig, Diagnosis, EffectSet, Finding, Stage, diagnose, setting_of_rod,
-};
+use missing_physics::{DiagnoseConfig, Diagnosis, Finding, Stage, diagnose, setting_of_rod};
 use recording::Recording;
 use serde::{Deserialize, Serialize};
+use sma_effects::EffectSet;
 use wiener::hysteresis::Rule;
 
 use crate::folder::Folder;

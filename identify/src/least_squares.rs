@@ -63,8 +63,12 @@ pub enum Termination {
     },
 }
 
+/// Relative offset of a minimum: the distance that is left, over the radius of the confidence region.
+const MINIMUM: f64 = 1e-2;
+
 impl Termination {
-    /// True if the result may be called a minimum: the relative offset is below 1e-3.
+    /// True if the result may be called a minimum: what is left to go is less than 1 % of a standard error, which no interval shows.
+    /// The search itself goes on to a tenth of that, as Bates and Watts propose, or until the cost hardly falls.
     #[must_use]
     pub fn is_minimum(&self) -> bool {
         match self {
@@ -73,7 +77,7 @@ impl Termination {
             Self::Converged { relative_offset }
             | Self::NoFurtherStep { relative_offset }
             | Self::HardlyFalls { relative_offset }
-            | Self::Iterations { relative_offset } => *relative_offset < 1e-3,
+            | Self::Iterations { relative_offset } => *relative_offset < MINIMUM,
         }
     }
 }

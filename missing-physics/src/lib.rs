@@ -39,13 +39,10 @@ pub use report::diagnosis::{
 };
 pub use report::saved::{RestoredModel, parse_model, read_model, saved_effects};
 pub use screen::screening::{ScreenConfig, Screened, Screening, screen};
-pub use sma_effects::{
-    AmbientDrift, Backlash, Belongs, DeadTime, EffectBlock, EffectId, EffectInfo, EffectParameter,
-    EffectSet, EffectValues, EndConduction, EndStop, Extended, ExtendedPlant, ExtendedState,
-    FunctionalFatigue, Hypothesis, LatentHeat, Literature, LoopAsymmetry, LoopShape, Member,
-    NaturalConvection, Need, Occurrence, OutputLag, PhaseDependentResistance, PhysicsError, RPhase,
-    Radiation, ReturnPointMemory, Role, SensorDrift, SensorNonlinearity, Setting, Sign, Smoothness,
-    StressCoupling, SupplyLag, SupplyLimit, ThermalExpansion, ThermocoupleLag,
+pub(crate) use sma_effects::{
+    Belongs, EffectBlock, EffectId, EffectInfo, EffectParameter, EffectSet, EffectValues, Extended,
+    ExtendedPlant, Hypothesis, Member, Need, Occurrence, PhysicsError, Role, Setting, Sign,
+    Smoothness,
 };
 pub use watch::DiagnoseProgress;
 pub use wiener::hysteresis::LoopFamily;

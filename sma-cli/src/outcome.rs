@@ -6,9 +6,9 @@ use std::process::ExitCode;
 
 use blind_trial::{LikeError, TrialError};
 use identify::IdentifyError;
-use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
+use sma_effects::PhysicsError;
 use sma_export::ExportError;
 use wiener::WienerError;
 use workbench::fleet::FleetError;

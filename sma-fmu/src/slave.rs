@@ -4,11 +4,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use identify::{IdentifyError, Supply};
-use missing_physics::{
-    EffectValues, ExtendedPlant, ExtendedState, PhysicsError, RestoredModel, Setting, parse_model,
-};
+use missing_physics::{RestoredModel, parse_model};
 use recording::read_text;
 use sha2::{Digest, Sha256};
+use sma_effects::{EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
 use sma_export::{FmuVariable, fmu_guid};
 use wiener::{Input, Plant, WienerParams};
 

@@ -2,9 +2,9 @@ use std::io;
 use std::path::PathBuf;
 
 use identify::IdentifyError;
-use missing_physics::PhysicsError;
 use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
+use sma_effects::PhysicsError;
 use wiener::WienerError;
 
 use crate::RigError;

@@ -1,8 +1,9 @@
 //! Model that a diagnosis saves for later commands.
 
 use identify::{Identification, Provenance, RigModel, Rod, SavedModel};
-use missing_physics::{Diagnosis, Setting, Verdict, saved_effects};
+use missing_physics::{Diagnosis, Verdict, saved_effects};
 use recording::Recording;
+use sma_effects::Setting;
 use wiener::hysteresis::Rule;
 
 /// A diagnosis with its inputs and settings.

@@ -1,8 +1,9 @@
 //! How what is known of the rod to a range only widens what is said of missing effects.
 
 use identify::{Bounds, Fit, NITI_OHM_M, NITI_RANGE_OHM_M, Rod, WienerModel};
-use missing_physics::{Candidate, Diagnosis, EffectId, Finding, Status};
+use missing_physics::{Candidate, Diagnosis, Finding, Status};
 use recording::Quantity;
+use sma_effects::EffectId;
 
 use crate::report::number::spoken;
 

@@ -1,9 +1,10 @@
 //! An identified rig as something to be controlled.
 
 use identify::{RigModel, SavedEffects, SavedModel, Scope};
-use missing_physics::{EffectId, Member, PhysicsError, RestoredModel};
+use missing_physics::RestoredModel;
 use pid_tune::Variation;
 use recording::Quantity;
+use sma_effects::{EffectId, Member, PhysicsError};
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Fleet, Input, Lanes, NARROW, Start, Wiener, WienerError, WienerParams};
 

@@ -1,6 +1,6 @@
 //! Plants whose output rises with heat: those whose output falls are turned over.
 
-use missing_physics::{Extended, Member, PhysicsError};
+use sma_effects::{Extended, Member, PhysicsError};
 use wiener::{Fleet, Lanes, NARROW, Output, Shown, Stretch, WIDE};
 
 /// Plants whose displacement is multiplied by a sign.

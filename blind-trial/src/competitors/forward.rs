@@ -4,12 +4,11 @@ use identify::{
     Fit, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterVector, RefineConfig, Refined,
     Validated, refine, validate_at,
 };
-use missing_physics::{
-    Candidate, EffectId, EffectSet, ExtendedModel, Role, ScreenConfig, Setting, Sign, screen,
-};
+use missing_physics::{Candidate, ExtendedModel, ScreenConfig, screen};
 use rayon::prelude::*;
 use recording::Recording;
 use serde::{Deserialize, Serialize};
+use sma_effects::{EffectId, EffectSet, Role, Setting, Sign};
 
 use crate::verdict::Opened;
 

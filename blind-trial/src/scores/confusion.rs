@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use missing_physics::EffectId;
+use sma_effects::EffectId;
 
 use crate::{CaseLine, Family};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use missing_physics::{EffectBlock, EffectId};
+use sma_effects::{EffectBlock, EffectId};
 
 use crate::{CaseLine, Named};
 

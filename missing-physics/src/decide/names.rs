@@ -154,7 +154,8 @@ fn alternatives(
         .collect();
     let share = 1.0 / (1 + untried.len()) as f64;
     others.iter_mut().for_each(|(_, mass)| *mass *= share);
-    let own = own * share;
+    // A sum of shares may pass the whole by rounding.
+    let own = (own * share).min(1.0);
     others.extend(untried.into_iter().map(|other| (other, own)));
     falling(&mut others, |other| other.1);
     let named = Named {

@@ -4,8 +4,9 @@ use crate::common;
 
 use common::{diagnosed_against, found, noisy, params, played, recording, setting, triangles_a};
 use identify::ParameterState;
-use missing_physics::{Diagnosis, EffectId, EffectSet, EffectValues, Extended, Setting, Verdict};
+use missing_physics::{Diagnosis, Verdict};
 use recording::Recording;
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Setting};
 
 const DT_S: f64 = 0.5;
 

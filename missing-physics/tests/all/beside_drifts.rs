@@ -8,9 +8,8 @@
 use crate::common;
 
 use common::{DT_S, diagnosed_under, found, noisy, params, played, setting};
-use missing_physics::{
-    Diagnosis, EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting, Verdict,
-};
+use missing_physics::{Diagnosis, Verdict};
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting};
 
 /// Surroundings that wander, faster than a curve through eight knots follows.
 const WANDERING: &str = r#"

@@ -10,10 +10,10 @@ use std::ops::ControlFlow;
 use fixtures::bologna;
 use identify::{Fit, FitConfig, Rod, WienerModel, fit};
 use missing_physics::{
-    DiagnoseConfig, EffectId, EffectSet, ScreenConfig, Setting, Verdict, diagnose_from, screen,
-    setting_of_rod,
+    DiagnoseConfig, ScreenConfig, Verdict, diagnose_from, screen, setting_of_rod,
 };
 use recording::{Recording, read_csv};
+use sma_effects::{EffectId, EffectSet, Setting};
 use wiener::hysteresis::Rule;
 
 struct Bologna {

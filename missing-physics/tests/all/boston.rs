@@ -6,8 +6,9 @@
 )]
 
 use identify::{Rod, WienerModel};
-use missing_physics::{DiagnoseConfig, EffectId, EffectSet, Verdict, diagnose, setting_of_rod};
+use missing_physics::{DiagnoseConfig, Verdict, diagnose, setting_of_rod};
 use recording::read_csv;
+use sma_effects::{EffectId, EffectSet};
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 

@@ -8,9 +8,8 @@
 use crate::common;
 
 use common::{diagnosed, noisy, output_mm, setting};
-use missing_physics::{
-    Diagnosis, EffectId, EffectSet, EffectValues, Entry, Setting, Status, Verdict,
-};
+use missing_physics::{Diagnosis, Entry, Status, Verdict};
+use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 
 /// Diagnosis of the wire with an effect at so many times its typical size.
 fn with(effect: EffectId, multiple: f64) -> Diagnosis {

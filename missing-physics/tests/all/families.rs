@@ -10,9 +10,8 @@ use crate::common;
 use common::{current_a, diagnosed, found, noisy, output_mm, recording, setting};
 use fixtures::wire::ROD;
 use identify::{Rod, WienerModel};
-use missing_physics::{
-    DiagnoseConfig, EffectId, EffectSet, EffectValues, LoopFamily, Setting, Verdict, diagnose,
-};
+use missing_physics::{DiagnoseConfig, LoopFamily, Verdict, diagnose};
+use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 

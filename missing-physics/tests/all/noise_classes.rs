@@ -8,10 +8,11 @@
 use crate::common;
 
 use common::{diagnosed, output_mm, setting};
-use missing_physics::{EffectValues, NoiseClass};
+use missing_physics::NoiseClass;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use sma_effects::EffectValues;
 
 /// The baseline model's output, mm.
 fn clean() -> Vec<f64> {

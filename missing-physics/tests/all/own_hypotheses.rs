@@ -8,7 +8,8 @@
 use crate::common;
 
 use common::{diagnosed, noisy, output_mm, setting};
-use missing_physics::{EffectId, EffectSet, EffectValues, Hypothesis, Setting, Status, Verdict};
+use missing_physics::{Status, Verdict};
+use sma_effects::{EffectId, EffectSet, EffectValues, Hypothesis, Setting};
 
 /// A draught that comes and goes, and a spring that pulls the loop up with the stroke's square.
 const OWN: &str = r#"

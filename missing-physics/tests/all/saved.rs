@@ -17,11 +17,11 @@ use identify::{
     RigModel, Rod, SavedModel, WienerModel, fit, predict, validate_at,
 };
 use missing_physics::{
-    Candidate, EffectId, EffectSet, EffectValues, Extended, ExtendedModel, ExtendedStage,
-    Hypothesis, LoopFamily, RestoredModel, Setting, Stage, parse_model, saved_effects,
-    setting_of_rod,
+    Candidate, ExtendedModel, ExtendedStage, LoopFamily, RestoredModel, Stage, parse_model,
+    saved_effects, setting_of_rod,
 };
 use recording::Recording;
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting};
 use wiener::hysteresis::Rule;
 use wiener::{Start, WienerParams};
 

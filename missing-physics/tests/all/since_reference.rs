@@ -5,11 +5,9 @@ use std::sync::LazyLock;
 
 use fixtures::wire::ROD;
 use identify::{Rod, WienerModel};
-use missing_physics::{
-    Change, ChangeVerdict, DiagnoseConfig, EffectId, EffectSet, EffectValues, Extended, Reference,
-    Setting,
-};
+use missing_physics::{Change, ChangeVerdict, DiagnoseConfig, Reference};
 use recording::Recording;
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Setting};
 use wiener::hysteresis::Rule;
 
 use crate::common;

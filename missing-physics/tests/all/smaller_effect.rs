@@ -8,7 +8,8 @@
 use crate::common;
 
 use common::{DT_S, diagnosed_under, found, noisy, params, played, setting};
-use missing_physics::{Diagnosis, EffectId, EffectSet, EffectValues, Extended, Setting};
+use missing_physics::Diagnosis;
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Setting};
 
 /// Steps and ramps of different heights.
 fn current_a() -> Vec<f64> {

@@ -3,11 +3,12 @@
 use crate::common;
 
 use common::{diagnosed_against, found, noisy, params, played, recording, setting, triangles_a};
-use missing_physics::{Diagnosis, EffectId, EffectSet, EffectValues, Extended, Setting, Verdict};
+use missing_physics::{Diagnosis, Verdict};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use recording::Recording;
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Setting};
 use std::f64::consts::TAU;
 
 const DT_S: f64 = 0.5;

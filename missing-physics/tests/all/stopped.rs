@@ -13,11 +13,9 @@ use std::time::Duration;
 use common::{DT_S, current_a, noisy, output_mm, recording, setting};
 use fixtures::wire::ROD;
 use identify::{IdentifyError, Rod, WienerModel};
-use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, EffectId, EffectSet, EffectValues, Effort, Part, Setting,
-    diagnose,
-};
+use missing_physics::{DiagnoseConfig, DiagnoseProgress, Effort, Part, diagnose};
 use recording::Recording;
+use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 use wiener::hysteresis::Rule;
 
 /// A recording of a rod with latent heat, and the baseline model of it.

@@ -12,9 +12,8 @@ use std::ops::ControlFlow;
 use common::{current_a, found, noisy, params, played, recording, setting};
 use fixtures::wire::ROD;
 use identify::{Rod, WienerModel};
-use missing_physics::{
-    DiagnoseConfig, EffectId, EffectSet, EffectValues, Extended, Verdict, diagnose,
-};
+use missing_physics::{DiagnoseConfig, Verdict, diagnose};
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended};
 use wiener::hysteresis::Rule;
 
 /// Where the supply is at its end, A; the drive goes to 2.3 A.

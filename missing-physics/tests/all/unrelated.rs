@@ -3,10 +3,11 @@
 use crate::common;
 
 use common::{diagnosed_against, noisy, params, played, recording, setting};
-use missing_physics::{Diagnosis, EffectValues, Extended, Verdict};
+use missing_physics::{Diagnosis, Verdict};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use sma_effects::{EffectValues, Extended};
 use std::f64::consts::TAU;
 
 const DT_S: f64 = 1.0;

@@ -10,10 +10,10 @@ use identify::{
     static_effects,
 };
 use missing_physics::{
-    DiagnoseConfig, DiagnoseProgress, Diagnosis, EffectId, EffectSet, Effort, Hypothesis, Setting,
-    Stage, Verdict, diagnose, setting_of_rod,
+    DiagnoseConfig, DiagnoseProgress, Diagnosis, Effort, Stage, Verdict, diagnose, setting_of_rod,
 };
 use recording::Recording;
+use sma_effects::{EffectId, EffectSet, Hypothesis, Setting};
 
 use crate::commands::on_threads;
 use crate::commands::pictures::Pictures;

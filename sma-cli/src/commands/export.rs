@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use identify::{RigModel, SavedModel};
-use missing_physics::{EffectId, Member, RestoredModel, read_model};
+use missing_physics::{RestoredModel, read_model};
 use pid_tune::{AntiWindup, DerivativeOf, PidGains, PidParams};
 use recording::{Quantity, open_regular, read_text};
 use serde::Deserialize;
+use sma_effects::{EffectId, Member};
 use sma_export::{
     CNumbers, CPrefix, Controller, ExportError, Exported, FMU_LIBRARY, Labels, c_header, fmu,
     python_module,

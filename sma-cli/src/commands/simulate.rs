@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use identify::{IdentifyError, RigModel, Role, SavedModel, SavedRecording, predict};
-use missing_physics::{EffectId, RestoredModel, read_model};
+use missing_physics::{RestoredModel, read_model};
 use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
+use sma_effects::EffectId;
 
 use crate::commands::used::UseArgs;
 use crate::outcome::Outcome;

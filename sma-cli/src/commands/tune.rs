@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use identify::{SavedModel, Sensor};
-use missing_physics::{Member, RestoredModel, read_model};
+use missing_physics::{RestoredModel, read_model};
 use pid_tune::{
     Across, AntiWindup, ClosedLoop, CostWeights, DerivativeOf, Goal, InverseRun, OpenLoop, Pace,
     Pid, PidGains, PidParams, PlantResponse, Plants, Reference, Requirements, Screen, Task,
     TuneError, TunerConfig, front, robustness, second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
+use sma_effects::Member;
 
 use crate::commands::on_threads;
 use crate::outcome::Outcome;

@@ -9,14 +9,13 @@ use std::sync::OnceLock;
 
 use assert_cmd::Command;
 use identify::Rod;
-use missing_physics::{
-    EffectId, EffectSet, EffectValues, ExtendedPlant, Setting, parse_model, setting_of_rod,
-};
+use missing_physics::{parse_model, setting_of_rod};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use recording::{Recording, RecordingParts, read_csv, write_csv};
 use serde_json::Value;
+use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
 use wiener::{Plant, Profile, run};
 
 use crate::generate_recording;

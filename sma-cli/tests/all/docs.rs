@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use identify::{ForwardModel, RigModel, Rod};
-use missing_physics::EffectId;
 use recording::{Quantity, Recording, RecordingParts};
+use sma_effects::EffectId;
 use wiener::hysteresis::Rule;
 
 use crate::demo::demonstrated;

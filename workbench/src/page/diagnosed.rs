@@ -1,6 +1,7 @@
 //! A diagnosis as a page that explains itself.
 
-use missing_physics::{EffectBlock, Finding, Mismatch, Run};
+use missing_physics::{Finding, Mismatch, Run};
+use sma_effects::EffectBlock;
 
 use super::{Page, escaped};
 use crate::WorkbenchError;

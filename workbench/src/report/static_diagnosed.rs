@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
 use identify::{Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore};
-use missing_physics::{EffectId, Verdict};
+use missing_physics::Verdict;
 use serde_json::{Value, json};
+use sma_effects::EffectId;
 
 use super::number::{percent, significant, spoken};
 use super::table::{folding, right, table, unpadded};

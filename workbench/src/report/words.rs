@@ -1,6 +1,7 @@
 //! Words and lists in sentences.
 
-use missing_physics::{Candidate, EffectBlock};
+use missing_physics::Candidate;
+use sma_effects::EffectBlock;
 
 /// Columns of a line of text.
 const WIDTH: usize = 100;

@@ -1,7 +1,7 @@
 //! Rest of a loop at its set point, whatever side it comes from.
 
-use missing_physics::Member;
 use pid_tune::{ClosedLoop, Ending, PidGains, Reference};
+use sma_effects::Member;
 
 use super::Bench;
 use crate::WorkbenchError;

@@ -1,12 +1,11 @@
 use fixtures::wire::{AMBIENT_DEGC, ROD};
 use identify::Rod;
-use missing_physics::{
-    EffectId, EffectSet, EffectValues, Extended, Member, Setting, setting_of_rod,
-};
+use missing_physics::setting_of_rod;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
 use wiener::hysteresis::LoopParams;
 use wiener::thermal::RodParams;
 use wiener::{Profile, Start, WienerParams};

@@ -10,7 +10,8 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use identify::{IdentifyError, WienerModel};
 use made::{MadeUp, made_up};
-use missing_physics::{DiagnoseConfig, Diagnosis, EffectId, diagnose, setting_of_rod};
+use missing_physics::{DiagnoseConfig, Diagnosis, diagnose, setting_of_rod};
+use sma_effects::EffectId;
 use wiener::hysteresis::Rule;
 
 /// Samples of the training recording.

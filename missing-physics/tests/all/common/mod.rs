@@ -4,14 +4,12 @@
 
 use fixtures::wire::{AMBIENT_DEGC, ROD};
 use identify::{Rod, WienerModel};
-use missing_physics::{
-    DiagnoseConfig, Diagnosis, EffectValues, Extended, Hypothesis, Member, Setting, diagnose,
-    setting_of_rod,
-};
+use missing_physics::{DiagnoseConfig, Diagnosis, diagnose, setting_of_rod};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
+use sma_effects::{EffectValues, Extended, Hypothesis, Member, Setting};
 use std::ops::ControlFlow;
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Curve, Entry, Mismatch, Need, Shape, Status};
+use missing_physics::{Curve, Entry, Mismatch, Shape, Status};
+use sma_effects::Need;
 
 use super::Diagnosed;
 use super::findings::or_else;

@@ -1,7 +1,8 @@
 //! Findings and suspects: what they are, how sure they are, and why.
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Candidate, Comparison, Diagnosis, Finding, Role, RuleId, Trace};
+use missing_physics::{Candidate, Comparison, Diagnosis, Finding, RuleId, Trace};
+use sma_effects::Role;
 
 use super::headline::names;
 use super::traces::of_effect;

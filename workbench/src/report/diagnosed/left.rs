@@ -113,7 +113,7 @@ pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
     } else {
         " Explainable is what the best model takes off with a free curve of drive and state on top."
     };
-    if matches!(interval, Some([lower, _]) if lower <= 0.0) {
+    if matches!(interval, Some([lower, _]) if lower <= 0.0) && !diagnosis.findings.is_empty() {
         text += " What was not seen does not bear the findings out.";
     }
     let predicted = diagnosis

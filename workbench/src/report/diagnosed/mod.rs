@@ -15,7 +15,8 @@ use std::fmt::Write;
 
 use comfy_table::Table;
 use identify::Bounds;
-use missing_physics::{Diagnosis, EffectId, NextExperiment, Part, Verdict};
+use missing_physics::{Diagnosis, NextExperiment, Part, Verdict};
+use sma_effects::EffectId;
 
 pub use details::{HOW_TO_READ_CATALOGUE, HOW_TO_READ_REGIMES, in_frequency, regimes};
 pub use findings::{found, literature, what};
