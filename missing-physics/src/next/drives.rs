@@ -2,8 +2,10 @@
 
 use crate::next::bench::{Bench, Levels};
 
-/// Rest before a run, s: it tells the offset and the noise, and that the rod is cold.
-pub(crate) const REST_S: f64 = 10.0;
+/// Rest before a run, s: it tells the offset and the noise, and that the rod is cold. At most so, and at most this share of the longest
+/// run that the limits allow.
+const REST_S: f64 = 10.0;
+const REST_SHARE: f64 = 0.05;
 
 /// Fewest samples of half a period.
 const FEWEST_SAMPLES: f64 = 2.0;
@@ -115,10 +117,15 @@ impl Plan {
             low: three_digits(scale * levels.low),
             high: three_digits(scale * levels.high),
         };
+        let rest_s = REST_S.min(REST_SHARE * bench.longest_s);
+        let after_rest = Bench {
+            longest_s: bench.longest_s - rest_s,
+            ..bench.clone()
+        };
         let (name, legs) = (levels.high > levels.low)
-            .then(|| self.kind.legs(bench, levels))
+            .then(|| self.kind.legs(&after_rest, levels))
             .flatten()?;
-        let mut drive = vec![0.0; (REST_S / bench.dt_s).round() as usize];
+        let mut drive = vec![0.0; (rest_s / bench.dt_s).floor() as usize];
         drive.extend(sampled(&legs, bench.dt_s));
         (drive.len() <= bench.most_samples() && drive.len() > 1).then_some(Played { name, drive })
     }
@@ -453,7 +460,8 @@ mod tests {
         };
         let played = plan.played(&bench(), 1.0).unwrap();
         let one = [[2.4; 5], [0.0; 5]].concat();
-        assert_eq!(played.drive, one.repeat(3));
+        let rest = vec![0.0; 100];
+        assert_eq!(played.drive, [rest, one.repeat(3)].concat());
     }
 
     #[test]

@@ -402,7 +402,7 @@ mod tests {
     #[test]
     fn dead_time_is_told_from_a_lag_of_the_output() {
         let found = settles(EffectId::DeadTime, 0.15, EffectId::OutputLag);
-        let wanted = "It should tell dead time and lag of the output apart (";
+        let wanted = "It should tell dead time and lag of the output apart: ";
         assert!(found.sentence.starts_with("Play this run of "));
         assert!(found.sentence.contains(wanted), "{}", found.sentence);
     }

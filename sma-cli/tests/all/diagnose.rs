@@ -266,8 +266,8 @@ fn the_verdict_comes_first_and_can_be_read_aloud() {
     for reason in [
         "Why: without it ",
         " of the explainable error comes back; chance does as much in ",
-        " of draws (at most 1 %); on unseen recordings ",
-        " of the change that it predicts is there (at least 50 %).",
+        " of draws (needs ≤ 1 %); in unseen data ",
+        " of the change that it predicts is there (needs ≥ 50 %).",
     ] {
         assert!(why.contains(reason), "{reason}: {text}");
     }

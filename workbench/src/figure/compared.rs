@@ -78,7 +78,10 @@ impl Compared<'_> {
             name: "drive",
             caption: format!("{}: the drive.", self.name),
             across: format!("time, {unit}"),
-            up: format!("drive, {}", self.recording.drive_unit()),
+            up: match self.recording.drive_unit() {
+                "1" => "drive (duty, 0 to 1)".to_owned(),
+                unit => format!("drive, {unit}"),
+            },
             series: vec![Series::over(
                 "drive",
                 Style::Noise,

@@ -75,8 +75,7 @@ pub fn same_drive(drawn: &Drawn<'_>) -> Option<Figure> {
     Some(Figure {
         name: "same-drive",
         caption: format!(
-            "Two runs of the same drive: their difference, without an offset. No model with the same parameters in both can follow \
-             it. {}.",
+            "Two runs of the same drive: their difference, less its mean. With the same parameters in both runs no model can follow it. {}.",
             both(pair, floor)
         ),
         across: "time, s".to_owned(),

@@ -33,6 +33,7 @@ pub fn diagnosed(
         page.figure(&ladder(drawn))?;
         page.table(&diagnosed.ladder());
         page.section("Recordings and models");
+        page.note("The extended model is the baseline model with all effects of the table above, suspects included. Runs are calibrated.");
         page.how_to_read();
         if let Some(figure) = same_drive(drawn) {
             page.figure(&figure)?;
@@ -106,7 +107,7 @@ fn blocks(mismatch: &Mismatch, findings: &[Finding]) -> String {
         (EffectBlock::HeatBalance, "power to temperature"),
         (EffectBlock::Transformation, "temperature to fraction"),
         (EffectBlock::Displacement, "fraction to stroke"),
-        (EffectBlock::Sensor, "what is recorded"),
+        (EffectBlock::Sensor, "recorded temperature"),
     ]
     .map(|(block, does)| {
         let class = if is_guilty(block) {
@@ -127,8 +128,13 @@ fn blocks(mismatch: &Mismatch, findings: &[Finding]) -> String {
     });
     format!(
         "<ol class=\"blocks\">{}</ol>\n<p class=\"soft\">The model from drive to sensor; blocks that something is missing from are \
-         marked, with what is added to them. Percentages: how likely the mismatch arises there.</p>",
-        items.concat()
+         marked, with the equation that is added to them. Percentages: {}.</p>",
+        items.concat(),
+        if findings.is_empty() {
+            "how likely the error arises there"
+        } else {
+            "shares of the findings in the error that they explain"
+        }
     )
 }
 

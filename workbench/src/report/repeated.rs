@@ -49,7 +49,7 @@ pub fn said(floor: &RepeatFloor) -> Option<String> {
         several => format!("{} pairs", several.len()),
     };
     let apart = format!(
-        "they are {}{unit} apart ({which}), and noise makes {}{unit}",
+        "they are {}{unit} RMS apart ({which}), and noise makes {}{unit}",
         spoken(floor.rms()?),
         spoken(floor.by_noise()?)
     );
@@ -57,8 +57,8 @@ pub fn said(floor: &RepeatFloor) -> Option<String> {
         format!("Runs of the same drive repeat: {apart}.")
     } else {
         format!(
-            "Runs of the same drive do not repeat: {apart}. No model with the same parameters in both can be nearer than {}{unit} to both. \
-             Record the surroundings of each run.",
+            "Runs of the same drive do not repeat: {apart}. With the same parameters in both, no model can be nearer than half of that, {}{unit}, to \
+             both. Record the surroundings of each run, to see if they are the cause.",
             spoken(floor.nearest()?)
         )
     })

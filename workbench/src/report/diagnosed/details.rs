@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Curve, Entry, Mismatch, Shape, Status};
+use missing_physics::{Candidate, Curve, Entry, Mismatch, Shape, Status};
 use sma_effects::Need;
 
 use super::Diagnosed;
@@ -23,7 +23,7 @@ pub const HOW_TO_READ_REGIMES: &str = "Share: of the squared error on the traini
      p: how often noise alone gathers as much in that regime.";
 
 /// Instructions for reading [`Diagnosed::catalogue`].
-pub const HOW_TO_READ_CATALOGUE: &str = "Excluded: an effect above this size would have shown (95 % confidence). Not testable: no plausible size would show in \
+pub const HOW_TO_READ_CATALOGUE: &str = "Excluded: an effect above this size would have shown (95 % confidence); a smaller one may be there. Not testable: no plausible size would show in \
      these recordings, or something is not known.";
 
 /// The regimes in which a model errs most.
@@ -102,7 +102,7 @@ impl Diagnosed<'_> {
             })
             .collect();
         if !likely.is_empty() {
-            let _ = write!(text, ": probably in the {}", likely.join(", "));
+            let _ = write!(text, ": {}", likely.join(", "));
         }
         text.push('\n');
         if let Some(regimes) = regimes {
@@ -152,7 +152,7 @@ impl Diagnosed<'_> {
             })
             .collect();
         format!(
-            "Of {} effects: {} (-v lists them with their limits).",
+            "Of {} effects: {}; -v lists them with their limits.",
             catalogue.len(),
             said.join(", ")
         )
@@ -178,6 +178,11 @@ impl Diagnosed<'_> {
         table
     }
 
+    fn is_suspect(&self, effect: Candidate) -> bool {
+        let mut suspects = self.diagnosis.suspects.iter();
+        suspects.any(|suspect| suspect.effect == effect)
+    }
+
     /// Evidence of the recordings on an effect: its status in a word, and its size or the reason.
     fn said(&self, entry: &Entry) -> (&'static str, String) {
         if self
@@ -199,6 +204,10 @@ impl Diagnosed<'_> {
                 "reduces the error, but not enough for a finding".to_owned(),
             ),
             Status::Detected => ("detected", or_else(&self.diagnosis.findings, entry.effect)),
+            Status::Ambiguous if self.is_suspect(entry.effect) => (
+                "suspected",
+                "reduces the error, but not enough for a finding".to_owned(),
+            ),
             Status::Ambiguous => ("possible", "may be there under another name".to_owned()),
             Status::Excluded { upper } => ("excluded", format!("above {}", size(upper))),
             Status::NotTestable => {

@@ -13,6 +13,10 @@ use crate::report::words::{capitalized, full_stop, listed};
 /// Distance to a bound, as a share of the range, at which a value stands on it.
 const NEAR_BOUND: f64 = 1e-6;
 
+/// Instructions for reading findings.
+const HOW_TO_READ: &str = "± is half of a 95 % interval. Explainable: the squared error that any model takes off with a free curve of drive and state on \
+     top. Chance: noise of the same spectrum in place of the residual.";
+
 /// A paragraph for each finding, and one for the reasons behind it.
 pub(super) fn findings(diagnosis: &Diagnosis) -> Vec<String> {
     let mut lines = Vec::new();
@@ -21,6 +25,9 @@ pub(super) fn findings(diagnosis: &Diagnosis) -> Vec<String> {
         lines.push(format!("   Why: {}.", why(diagnosis, finding)));
     }
     lines.extend(at_bounds(&diagnosis.findings));
+    if !diagnosis.findings.is_empty() {
+        lines.push(HOW_TO_READ.to_owned());
+    }
     lines
 }
 
@@ -86,7 +93,7 @@ fn why(diagnosis: &Diagnosis, finding: &Finding) -> String {
     }
     if let Some(gain) = of_effect(diagnosis, RuleId::UnseenGain, id) {
         reasons.push(format!(
-            "on unseen recordings {} of the change that it predicts is there{}",
+            "in unseen data {} of the change that it predicts is there{}",
             spoken_percent(gain.value),
             required(gain)
         ));
@@ -137,7 +144,7 @@ fn against(diagnosis: &Diagnosis, suspect: &Finding) -> Vec<String> {
     }
     if let Some(gain) = failed(RuleId::UnseenGain) {
         reasons.push(format!(
-            "on unseen recordings {} of the change that it predicts is there{}",
+            "in unseen data {} of the change that it predicts is there{}",
             spoken_percent(gain.value),
             required(gain, percent_of)
         ));
@@ -155,10 +162,10 @@ fn percent_of(share: f64) -> String {
 /// Threshold of a rule behind its statistic.
 fn required(trace: &Trace, shown: fn(f64) -> String) -> String {
     let least = match trace.rule.comparison {
-        Comparison::AtLeast => "at least",
-        Comparison::AtMost => "at most",
+        Comparison::AtLeast => "≥",
+        Comparison::AtMost => "≤",
     };
-    format!(" ({least} {})", shown(trace.rule.threshold))
+    format!(" (needs {least} {})", shown(trace.rule.threshold))
 }
 
 /// Sizes that would be larger still if they could: a sign that another effect is meant.

@@ -1,7 +1,7 @@
 //! The verdict of a diagnosis, in a sentence or two that begin with its class.
 
 use identify::Validated;
-use missing_physics::{Diagnosis, Finding, RuleId, Stage, Verdict};
+use missing_physics::{Diagnosis, Finding, RuleId, Rung, Stage, Verdict};
 
 use super::traces::{failed, passed, value};
 use crate::report::number::{behind, percent, significant, spoken};
@@ -140,23 +140,46 @@ fn change(diagnosis: &Diagnosis) -> String {
     let (before, after) = (&diagnosis.baseline, last(diagnosis));
     let unit = unit(diagnosis);
     let beside = beside_noise(diagnosis, after);
-    let with = if diagnosis.findings.len() == 1 {
+    let pronoun = if diagnosis.findings.len() == 1 {
         "With it"
     } else {
         "With them"
     };
-    let with = if diagnosis.suspects.is_empty() {
-        with.to_owned()
+    let unseen =
+        Validated::rmse_of_all(&before.validated).zip(Validated::rmse_of_all(&after.validated));
+    let alone = with_findings_alone(diagnosis).map(|rung| {
+        let errors = rung.unseen_rmse.filter(|_| unseen.is_some());
+        errors.unwrap_or(rung.train_rmse)
+    });
+    // The findings and the suspects each have their own part of the way.
+    let (with, on_the_way) = match alone {
+        None => (pronoun.to_owned(), None),
+        Some(alone) if !diagnosis.suspects.is_empty() => (pronoun.to_owned(), Some(alone)),
+        Some(_) => (pronoun.to_owned(), None),
+    };
+    let with = if diagnosis.suspects.is_empty() || on_the_way.is_some() {
+        with
     } else {
         format!("{with} and what is suspected")
     };
-    let unseen =
-        Validated::rmse_of_all(&before.validated).zip(Validated::rmse_of_all(&after.validated));
+    let change = |before: f64, after: f64| match on_the_way {
+        None => format!("{}{unit} RMS", from_to(before, after)),
+        Some(alone) => format!(
+            "{}{unit} RMS, with what is only suspected to {}{unit}",
+            from_to(before, alone),
+            spoken(after)
+        ),
+    };
     match unseen {
         Some((before, falls)) if falls < before => format!(
-            "{with} the error on the unseen {} falls {}{unit} RMS, {beside}.",
+            "{with} the error on the unseen {} falls {}, {beside}{}.",
             recordings(after.validated.len()),
-            from_to(before, falls)
+            change(before, falls),
+            if rests(diagnosis).is_some() {
+                "; the rest follows neither drive nor state"
+            } else {
+                ""
+            }
         ),
         Some((before, falls)) => format!(
             "{with} the error on the unseen {} does not fall: it goes {}{unit} RMS, and the findings hold for the training recordings only.",
@@ -164,11 +187,44 @@ fn change(diagnosis: &Diagnosis) -> String {
             from_to(before, falls)
         ),
         None => format!(
-            "{with} the error on the training {} falls {}{unit} RMS, {beside}; not yet tested on unseen recordings (--validate).",
+            "{with} the error on the training {} falls {}, {beside}; not yet tested on unseen recordings (--validate).",
             recordings(after.fit.recordings.len()),
-            from_to(before.fit.train_rmse, after.fit.train_rmse)
+            change(before.fit.train_rmse, after.fit.train_rmse)
         ),
     }
+}
+
+/// The model with all findings and no suspect, if it stands on the ladder.
+fn with_findings_alone(diagnosis: &Diagnosis) -> Option<&Rung> {
+    let is_suspect = |rung: &Rung| {
+        let mut suspects = diagnosis.suspects.iter();
+        suspects.any(|one| rung.added.contains(&one.effect))
+    };
+    let first = diagnosis.ladder.iter().position(is_suspect)?;
+    let before = &diagnosis.ladder[..first];
+    let has = |finding: &Finding| {
+        before
+            .iter()
+            .any(|rung| rung.added.contains(&finding.effect))
+    };
+    before.last().filter(|_| diagnosis.findings.iter().all(has))
+}
+
+/// Error over the noise from which on the rest is worth a word.
+const MORE_THAN_NOISE: f64 = 1.5;
+
+/// Share of draws in which chance predicts the rest of the error as well as a curve of drive and state; `None` where the rest is hardly more than
+/// noise, or follows them.
+pub(super) fn rests(diagnosis: &Diagnosis) -> Option<f64> {
+    let is_named = matches!(
+        diagnosis.verdict,
+        Verdict::Explained | Verdict::Ambiguous | Verdict::ExplainedInPart
+    );
+    let floor = diagnosis.noise_floor;
+    let error = last(diagnosis).fit.train_rmse;
+    let is_more = error > MORE_THAN_NOISE * floor.upper.unwrap_or(floor.lower);
+    failed(diagnosis, RuleId::Predicted)
+        .filter(|_| is_named && is_more && diagnosis.remainder.is_none())
 }
 
 /// From one error to another, with the digits that tell them apart.

@@ -6,17 +6,14 @@ use comfy_table::{Cell, Table};
 use identify::Validated;
 use missing_physics::{Diagnosis, Finding, NoiseClass, Remainder, RuleId, Verdict};
 
-use super::headline::{from_to, last, unit};
-use super::traces::{failed, passed};
+use super::headline::{from_to, last, rests, unit};
+use super::traces::passed;
 use crate::report::number::{significant, spoken, spoken_percent};
 use crate::report::table::{right, table};
 use crate::report::words::{block_name, named, recordings};
 
 /// Predicted error of unseen recordings over the calibrated one, from which it is said.
 const WORSE_PREDICTED: f64 = 1.2;
-
-/// Error over the noise from which on the report says what is known of the rest.
-const MORE_THAN_NOISE: f64 = 1.5;
 
 /// Errors from the baseline model down to the noise.
 pub(super) fn ladder(diagnosis: &Diagnosis) -> Table {
@@ -65,8 +62,9 @@ pub(super) fn ladder(diagnosis: &Diagnosis) -> Table {
 pub(super) fn how_to_read_ladder(diagnosis: &Diagnosis) -> &'static str {
     let mut rungs = diagnosis.ladder.iter();
     if rungs.any(|rung| rung.unseen_rmse.is_some()) {
-        "Each line adds to those above. Predicted: nothing is taken from the unseen recording but its offset at rest. Calibrated: \
-         its own state is found as well, on stretches that do not count."
+        "Each line adds to those above; an error may rise before it falls further. Predicted: only the offset at rest is taken from the \
+         unseen recording. Calibrated: its surroundings, and a drift where the model has one, are fitted as well, on stretches that \
+         are not scored."
     } else {
         "Each line adds to those above."
     }
@@ -99,6 +97,7 @@ pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
     let is_least = diagnosis.noise_floor.upper.is_none() && shown != spoken_percent(1.0);
     let amount = match shown == spoken_percent(1.0) {
         true => "All".to_owned(),
+        false if share <= 0.0 => "Nothing".to_owned(),
         false if is_least => format!("At least {shown}"),
         false => shown.clone(),
     };
@@ -108,11 +107,6 @@ pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
         format!(" (95 % interval: {lower} to {upper})")
     });
     let mut text = format!("{amount} of the explainable error{ends} is explained {place}.");
-    text += if shown == spoken_percent(1.0) {
-        " No curve of drive and state on top of any model does better."
-    } else {
-        " Explainable is what the best model takes off with a free curve of drive and state on top."
-    };
     if matches!(interval, Some([lower, _]) if lower <= 0.0) && !diagnosis.findings.is_empty() {
         text += " What was not seen does not bear the findings out.";
     }
@@ -127,7 +121,7 @@ pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
     {
         let _ = write!(
             text,
-            " Predicted, the error goes {}{}.",
+            " Predicted instead of calibrated, the error goes {}{}: expect that of a run that is not recorded yet.",
             from_to(before, after),
             unit(diagnosis)
         );
@@ -175,13 +169,11 @@ pub(super) fn rest(diagnosis: &Diagnosis) -> Option<String> {
             None => "Left: more than noise.".to_owned(),
         }),
         Verdict::Explained | Verdict::Ambiguous => {
-            let floor = diagnosis.noise_floor;
-            let error = last(diagnosis).fit.train_rmse;
-            let is_more = error > MORE_THAN_NOISE * floor.upper.unwrap_or(floor.lower);
-            let chance = failed(diagnosis, RuleId::Predicted).filter(|_| is_more)?;
+            let chance = rests(diagnosis)?;
             Some(format!(
-                "Left: {}{} RMS in training that follows neither the drive nor the state of the rod: chance predicts as well in {} of draws (of physics in at most {}).",
-                spoken(error),
+                "Left: {}{} RMS in training, of unknown cause. A free curve of drive and state predicts it hardly better than chance, which does as \
+                 well in {} of draws (of physics in at most {}).",
+                spoken(last(diagnosis).fit.train_rmse),
                 unit(diagnosis),
                 spoken_percent(chance),
                 spoken_percent(RuleId::Predicted.rule().threshold)

@@ -67,7 +67,7 @@ pub(super) fn said(diagnosis: &Diagnosis) -> Option<String> {
     let unseen = last.validated.iter().map(|one| one.name.as_str());
     let first = label(&last.fit.recordings[0].name, trained.chain(unseen));
     Some(format!(
-        "Relative to {first}, runs differ by up to {}.",
+        "By the fit, runs differ from {first} by up to {} (-v: each with its interval).",
         parts.join(", ")
     ))
 }
