@@ -296,7 +296,9 @@ impl Opened<'_> {
         } else {
             None
         };
-        let next_experiment = if caller.leaves_out(Part::NextRun) {
+        let has_rivals = decided.named.iter().any(|named| !named.others.is_empty());
+        let may_differ = has_rivals || !decided.suspects.is_empty();
+        let next_experiment = if may_differ && caller.leaves_out(Part::NextRun) {
             None
         } else {
             next(&search, &decided, effects, &config.limits)?

@@ -59,7 +59,7 @@ impl Watch for Unwatched {
 pub(crate) struct Caller<'p> {
     told: Mutex<Told<'p>>,
     has_ended: AtomicBool,
-    /// True from the first word on a search on: before, the fit of the baseline tells how far it is.
+    /// True while effects are tried: other stages tell themselves how far they are.
     is_searching: AtomicBool,
     simulations: AtomicU64,
     effort: Effort,
@@ -78,7 +78,9 @@ impl<'p> Caller<'p> {
     pub(crate) fn new(progress: &'p mut Progress<'p>, config: &DiagnoseConfig) -> Self {
         Self {
             effort: config.effort,
-            deadline: config.time_limit.map(|limit| Instant::now() + limit),
+            deadline: config
+                .time_limit
+                .and_then(|limit| Instant::now().checked_add(limit)),
             left_out: AtomicU64::new(0),
             told: Mutex::new(Told {
                 progress,
@@ -123,7 +125,7 @@ impl<'p> Caller<'p> {
 
     fn ask(&self, told: &mut Told<'_>, progress: DiagnoseProgress) -> ControlFlow<()> {
         let is_search = matches!(progress, DiagnoseProgress::Search { .. });
-        self.is_searching.fetch_or(is_search, Ordering::Relaxed);
+        self.is_searching.store(is_search, Ordering::Relaxed);
         let goes_on = (told.progress)(progress);
         told.last = Instant::now();
         if goes_on.is_break() {
@@ -135,13 +137,13 @@ impl<'p> Caller<'p> {
 
 impl Watch for Caller<'_> {
     fn goes_on(&self, points: usize) -> ControlFlow<()> {
-        let before = self.simulations.fetch_add(points as u64, Ordering::Relaxed);
         if self.has_ended.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
         }
         if !self.is_searching.load(Ordering::Relaxed) {
             return ControlFlow::Continue(());
         }
+        let before = self.simulations.fetch_add(points as u64, Ordering::Relaxed);
         // Where another thread tells, this one need not.
         match self.told.try_lock() {
             Ok(mut told) if told.last.elapsed() >= APART => {

@@ -89,7 +89,9 @@ def test_the_demonstration_is_diagnosed(diagnosed: sma.Diagnosed, demo: sma.Demo
     for found, truth in ((heat, 15e3), (delay, 0.8)):
         assert found.ci95 is not None and found.ci95[0] < truth < found.ci95[1]
     for one in diagnosed.findings:
-        assert one.sentence in demo.text
+        # The text of the demonstration is broken into lines.
+        _, what = one.sentence.split(": ", 1)
+        assert what in " ".join(demo.text.split())
     assert diagnosed.explained_fraction is not None and diagnosed.explained_fraction > 0.999
     assert diagnosed.extended is not None and diagnosed.extended.effects == ("dead-time", "latent-heat")
     # The offset of an unseen recording is that of its other stretches there, of all of them here.

@@ -128,10 +128,15 @@ impl UnitRun<'_> {
 
     /// Runs a task in a folder where its files have the names that they have in the task, so that no result tells where they lie.
     fn in_folder(&self, folder: &Path, files: &RigFiles, task: Task) -> anyhow::Result<Ran> {
+        // Not with the folders above it: they are gone where the batch was interrupted, and stay so.
+        match fs::create_dir(folder) {
+            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error.into()),
+            _ => {}
+        }
         let mut rod = PathBuf::new();
         let mut recordings: Vec<OsString> = Vec::new();
         for (role, name, path) in named(files) {
-            link(path, &folder.join(&name))?;
+            link(path, &folder.join(&name), folder)?;
             let mut argument = OsString::from(match role {
                 Role::Rod => {
                     rod = name;
@@ -187,6 +192,9 @@ fn ran(task: Task, output: &Output) -> Ran {
         (Some(code), _) if is(code, BAD_INPUT) => Ran::Of(Unit::failed(task, Some(code), said)),
         (Some(PANIC), _) => Ran::Of(Unit::failed(task, Some(PANIC), &crash("panic", said))),
         (Some(code), _) => Ran::Else(format!("ended with code {code}: {said}")),
+        (None, Some(_)) if said.contains("memory allocation of ") => Ran::Else(format!(
+            "{said}: the machine had no memory left; the same call goes on"
+        )),
         (None, Some(signal)) if FAULTS.contains(&signal) => {
             let said = crash(&format!("signal {signal}"), said);
             Ran::Of(Unit::failed(task, None, &said))
@@ -223,8 +231,8 @@ fn shown(name: &Path) -> String {
 }
 
 /// Gives a file another name. A recording may stand in a task twice.
-fn link(path: &Path, name: &Path) -> io::Result<()> {
-    if let Some(folder) = name.parent() {
+fn link(path: &Path, name: &Path, place: &Path) -> io::Result<()> {
+    if let Some(folder) = name.parent().filter(|folder| *folder != place) {
         fs::create_dir_all(folder)?;
     }
     let whole = std::path::absolute(path)?;

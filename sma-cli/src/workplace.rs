@@ -10,6 +10,9 @@ use tempfile::{Builder, TempDir};
 /// Beginning of the names of such folders.
 const PREFIX: &str = ".run-";
 
+/// Times that a folder is tried to be removed.
+const LEAVING: usize = 100;
+
 /// File that its call holds locked; it says on which machine.
 const LOCK: &str = "lock";
 
@@ -54,9 +57,14 @@ impl Workplace {
 }
 
 impl Leaving {
-    /// Removes the folder. What cannot be removed now, the next call removes.
+    /// Removes the folder; again, if somebody has put a file into it meanwhile. What cannot be removed now, the next call removes.
     pub(crate) fn leave(&self) {
-        let _ = fs::remove_dir_all(&self.0);
+        for _ in 0..LEAVING {
+            let removed = fs::remove_dir_all(&self.0);
+            if removed.is_ok() || !self.0.exists() {
+                return;
+            }
+        }
     }
 }
 

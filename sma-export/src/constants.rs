@@ -11,7 +11,7 @@ use wiener::hysteresis::{NESTING_CAPACITY, REVERSAL_DEAD_BAND_K, Rule, TAN_FRAC_
 use crate::{Controller, Exported};
 
 /// Samples that the dead time of a model may last at most.
-const LONGEST_SAMPLES: usize = 64;
+pub(crate) const LONGEST_SAMPLES: usize = 64;
 /// Half of the width of the R-phase's own loop, K.
 const R_PHASE_HALF_WIDTH_K: f64 = 1.5;
 /// Expansion of martensite over that of austenite.

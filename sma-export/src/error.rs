@@ -31,6 +31,18 @@ pub enum ExportError {
         /// Rejected value, s.
         value: f64,
     },
+    /// A delay is longer than the plant remembers at this sample time.
+    #[error(
+        "dead time {delay_s} s: the plant remembers {longest} samples, {longest_s} s of this sample time; expected a longer --sample-time-s"
+    )]
+    DeadTime {
+        /// The delay, s.
+        delay_s: f64,
+        /// Samples that are remembered.
+        longest: usize,
+        /// Their length, s.
+        longest_s: f64,
+    },
     /// A constant is no number of the wanted precision.
     #[error(
         "{name} = {value}: beyond the range of a {precision}; leave out --float, or look at the model"

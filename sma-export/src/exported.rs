@@ -3,6 +3,7 @@ use sma_effects::{EffectId, EffectSet, ExtendedPlant, Member, Setting};
 use wiener::hysteresis::LoopFamily;
 
 use crate::ExportError;
+use crate::constants::LONGEST_SAMPLES;
 
 /// A model that leaves the program.
 #[derive(Debug, Clone)]
@@ -107,6 +108,15 @@ impl Exported {
             });
         }
         ExtendedPlant::new(setting, &self.member.params, &self.member.effects)?;
+        let delay_s = self.member.effects.dead_time.dead_time_s;
+        let longest_s = LONGEST_SAMPLES as f64 * self.dt_s;
+        if setting.active.contains(EffectId::DeadTime) && delay_s > longest_s {
+            return Err(ExportError::DeadTime {
+                delay_s,
+                longest: LONGEST_SAMPLES,
+                longest_s,
+            });
+        }
         if let Some(controller) = &self.controller {
             Pid::new(controller.params, &[controller.gains])?;
         }

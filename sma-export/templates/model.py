@@ -695,7 +695,7 @@ class Pid:
         watched = -measured
 #@end
         derivative = {{pid_retained}} * self.derivative + {{pid_kd_new}} * (
-            (watched - self.watched) * self.per_elapsed_s
+            (watched - self.watched) * self.per_elapsed_s if math.isfinite(self.watched) else 0.0
         )
         unsaturated = (
             {{pid_kp}} * ({{pid_setpoint_weight}} * setpoint - measured) + self.integral + derivative + feed_forward

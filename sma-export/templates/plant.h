@@ -1069,6 +1069,10 @@ static inline void {{p}}_pid_start({{p}}_pid *pid, {{p}}_real setpoint, {{p}}_re
 //@if derivative_of_error
     pid->watched = setpoint - measured;
 //@end
+    /* A measurement that is no number tells nothing: the drive set by hand is held until one comes. */
+    if (!isfinite(pid->integral)) {
+        pid->integral = drive;
+    }
     pid->unsaturated = drive;
 }
 
@@ -1092,7 +1096,7 @@ static inline {{p}}_real {{p}}_pid_step({{p}}_pid *pid, {{p}}_real setpoint, {{p
     watched = -measured;
 //@end
     derivative = {{P}}_DERIVATIVE_RETAINED * pid->derivative
-        + {{P}}_KD_NEW * ((watched - pid->watched) * pid->per_elapsed_s);
+        + {{P}}_KD_NEW * (isfinite(pid->watched) ? (watched - pid->watched) * pid->per_elapsed_s : 0);
     unsaturated = {{P}}_KP * ({{P}}_SETPOINT_WEIGHT * setpoint - measured) + pid->integral + derivative + feed_forward;
     integral = pid->integral + {{P}}_KI_DT * error;
 //@if clamping

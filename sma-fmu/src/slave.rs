@@ -7,7 +7,7 @@ use identify::{IdentifyError, Supply};
 use missing_physics::{RestoredModel, parse_model};
 use recording::read_text;
 use sha2::{Digest, Sha256};
-use sma_effects::{EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
+use sma_effects::{EffectId, EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
 use sma_export::{FmuVariable, fmu_guid};
 use wiener::{Input, Plant, WienerParams};
 
@@ -48,6 +48,10 @@ pub(crate) enum SlaveError {
     },
     #[error("communication step of {value} s: must be finite and >= 0")]
     Step { value: f64 },
+    #[error(
+        "communication step of {length_s} s: the dead time of {delay_s} s is more than 64 steps, which the plant remembers; expected longer steps"
+    )]
+    Delay { delay_s: f64, length_s: f64 },
     #[error("{call}: not while the instance is {phase}")]
     Order { call: &'static str, phase: Phase },
 }
@@ -92,9 +96,17 @@ pub(crate) struct Slave {
     params: WienerParams,
     effects: EffectValues,
     supply: Supply,
+    /// Time between samples of the recording that the model was identified from, s.
+    sample_time_s: f64,
     first: Snapshot,
     now: Snapshot,
 }
+
+/// Samples that the plant remembers of its drive.
+const LONGEST_SAMPLES: f64 = 64.0;
+
+/// Most parts of a communication step.
+const MOST_PARTS: f64 = 1e6;
 
 impl Slave {
     /// Reads `model.toml` in the resources, whose identity must be the one that the importer was told.
@@ -127,6 +139,7 @@ impl Slave {
         ] {
             values[variable as usize] = value;
         }
+        let recorded = saved.recordings().first().and_then(|one| one.sample_time_s);
         let first = Snapshot {
             phase: Phase::Instantiated,
             values,
@@ -137,6 +150,7 @@ impl Slave {
             params: member.params,
             effects: member.effects,
             supply: saved.rod().supply,
+            sample_time_s: recorded.filter(|dt_s| *dt_s > 0.0).unwrap_or(f64::INFINITY),
             now: first.clone(),
             first,
         })
@@ -257,12 +271,24 @@ impl Slave {
         if !(length_s >= 0.0 && length_s.is_finite()) {
             return Err(SlaveError::Step { value: length_s });
         }
+        // No part is longer than the samples that the model was identified from: over longer ones some effects are cut short.
+        let parts = (length_s / self.sample_time_s - 1e-9)
+            .ceil()
+            .clamp(1.0, MOST_PARTS);
+        let part_s = length_s / parts;
+        let delay_s = self.effects.dead_time.dead_time_s;
+        let is_late = self.setting.active.contains(EffectId::DeadTime);
+        if is_late && length_s > 0.0 && delay_s > LONGEST_SAMPLES * part_s {
+            return Err(SlaveError::Delay { delay_s, length_s });
+        }
         let input = Input {
             drive: [self.supply.limited(self.value(FmuVariable::Drive))],
             ambient_degc: self.value(FmuVariable::AmbientDegc),
         };
         if let Some((plant, state)) = &mut self.now.running {
-            plant.step(state, &input, length_s);
+            for _ in 0..parts as usize {
+                plant.step(state, &input, part_s);
+            }
         }
         Ok(())
     }

@@ -28,10 +28,22 @@ impl Column {
         let unit = spec.and_then(|spec| spec.unit.as_deref()).or(at_end);
         let counts = spec.and_then(|spec| spec.full_scale);
         let factor = match unit.unwrap_or("").trim().to_lowercase().as_str() {
-            "counts" => counts.unwrap_or(1.0),
-            "ms" | "ma" => 1e3,
-            "%" | "percent" => 1e2,
-            _ => 1.0,
+            "counts" => Some(counts.unwrap_or(1.0)),
+            "us" | "µs" => Some(1e6),
+            "ms" | "ma" | "mv" | "mw" => Some(1e3),
+            "%" | "percent" => Some(1e2),
+            "min" => Some(1.0 / 60.0),
+            "h" => Some(1.0 / 3600.0),
+            "s" | "a" | "v" | "w" | "1" | "duty" | "degc" | "" => Some(1.0),
+            // A name without a unit, which the base unit has.
+            _ if spec.is_none_or(|spec| spec.unit.is_none()) => Some(1.0),
+            // Written in the base unit, in the column of that.
+            _ => None,
+        };
+        let has_name = matches!(spec.map(|spec| &spec.key), Some(ColumnKey::Name(_)));
+        let (name, factor) = match factor {
+            Some(factor) if has_name => (name, factor),
+            _ => (default, 1.0),
         };
         Self {
             name: if name.contains([',', ';', '\t']) {

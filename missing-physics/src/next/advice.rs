@@ -1,7 +1,7 @@
 //! Advice on the next experiment, in words.
 
 use crate::Candidate;
-use crate::next::drives::{seconds, short};
+use crate::next::drives::{REST_S, seconds, short};
 use crate::next::run::{NextExperiment, Run};
 
 fn names(effects: &[Candidate]) -> String {
@@ -14,7 +14,8 @@ fn names(effects: &[Candidate]) -> String {
 
 pub(crate) fn play(run: &Run, separates: &[Candidate]) -> String {
     let at_rest = run.drive.iter().take_while(|drive| **drive <= 0.0);
-    let rest_s = run.dt_s * at_rest.count() as f64;
+    // A run may begin with a rest of its own.
+    let rest_s = (run.dt_s * at_rest.count() as f64).min(REST_S);
     format!(
         "Play this run of {} (--save-next next.csv writes it), and diagnose again with its recording as one more of the training: \
          {} at rest, then {}. It should tell {} apart: {} standard deviations ({} if these recordings are repeated).",

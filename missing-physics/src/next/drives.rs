@@ -2,9 +2,10 @@
 
 use crate::next::bench::{Bench, Levels};
 
-/// Rest before a run, s: it tells the offset and the noise, and that the rod is cold. At most so, and at most this share of the longest
-/// run that the limits allow.
-const REST_S: f64 = 10.0;
+/// Longest rest before a run, s: it tells the offset and the noise, and that the rod is cold.
+pub(crate) const REST_S: f64 = 10.0;
+
+/// Most of the longest run that the limits allow which is rest.
 const REST_SHARE: f64 = 0.05;
 
 /// Fewest samples of half a period.

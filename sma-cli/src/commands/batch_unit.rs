@@ -25,7 +25,8 @@ enum Unit {
 
 /// Runs the command.
 pub(crate) fn run(args: &BatchUnitArgs) -> anyhow::Result<Outcome> {
-    std::thread::spawn(end_with_stdin);
+    // Without a thread to watch it, this process is none that a batch may trust to end.
+    std::thread::Builder::new().spawn(end_with_stdin)?;
     match &args.command {
         Unit::Diagnose(args) => diagnose::run(args),
         Unit::Identify(args) => identify::run(args),

@@ -76,7 +76,7 @@ pub(crate) struct DiagnoseArgs {
     train: Vec<PathBuf>,
     /// Runs of the rig as it should be, CSV: says what has changed since in those of --train. Two at least, each with a slow cooling.
     #[arg(long, num_args = 1.., value_name = "CSV", conflicts_with_all = ["validate", "from_model", "save_model", "save_next", "plots",
-        "report", "series", "resume"])]
+        "report", "series", "resume", "effort", "time_limit_s", "verbose"])]
     pub(crate) reference: Vec<PathBuf>,
     /// Recordings to check the result on, CSV; opened once, at the end.
     #[arg(long, num_args = 1.., value_name = "CSV")]
@@ -420,6 +420,10 @@ fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result
         ("--plots", args.plots.is_some()),
         ("--report", args.report.is_some()),
         ("--series", args.series.is_some()),
+        ("--effort", args.effort != EffortArg::Normal),
+        ("--time-limit-s", args.time_limit_s.is_some()),
+        ("--verbose", args.verbose),
+        ("--plot", args.pictures.plot),
     ]
     .into_iter()
     .filter_map(|(flag, is_given)| is_given.then_some(flag))

@@ -215,7 +215,10 @@ fn exported(
     };
     let is_turned = member.params.gain < 0.0;
     let controller = match (&tuned, args.gains.as_deref()) {
-        (Some(tuned), _) => Some(tuned.controller(dt_s, is_turned)?),
+        (Some(tuned), _) => {
+            let units = [saved.output_unit(), drive_unit(rod.drive_kind)];
+            Some(tuned.controller(dt_s, is_turned, units)?)
+        }
         (None, Some(&[kp, ki, kd])) => {
             let rig = Rig::of(saved, model, args.drive_max)?;
             Some(Controller {
@@ -238,16 +241,21 @@ fn exported(
             sha256: sha256(&args.model)?,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             command: call(),
-            drive_unit: match rod.drive_kind {
-                Quantity::Duty => "duty".to_owned(),
-                other => other.unit().to_owned(),
-            },
+            drive_unit: drive_unit(rod.drive_kind).to_owned(),
             output_unit: saved.output_unit().to_owned(),
             ambient_degc: rod.ambient_degc,
             recording: first.map_or_else(|| "the model".to_owned(), |one| one.name.clone()),
             left_out: left_out(saved, model),
         },
     })
+}
+
+/// Unit of a drive for people.
+fn drive_unit(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Duty => "duty",
+        other => other.unit(),
+    }
 }
 
 /// The rig with the offset and the start of the first training recording; else what the model is.
@@ -275,6 +283,12 @@ fn left_out(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
     };
     let runs = OF_RUNS.into_iter().filter(deviates);
     left_out.extend(runs.map(|name| format!("{name} of single runs")));
+    if !saved.model().knows_temperature() {
+        left_out.push(
+            "the scale of temperature, which the model does not know: temperatures are arbitrary, and so is the effect of ambient_degc"
+                .to_owned(),
+        );
+    }
     left_out
 }
 
@@ -313,6 +327,8 @@ struct TunedFile {
 #[derive(Debug, Deserialize)]
 struct Tuned {
     command: String,
+    output_unit: String,
+    drive_unit: String,
     sample_time_s: f64,
     drive_max: f64,
     signs_turned: bool,
@@ -370,9 +386,16 @@ impl TunedFile {
     }
 
     /// The tuned controller, for a model of this sample time and sign.
-    fn controller(&self, dt_s: f64, is_turned: bool) -> Result<Controller, ExportError> {
+    fn controller(
+        &self,
+        dt_s: f64,
+        is_turned: bool,
+        [output_unit, drive_unit]: [&str; 2],
+    ) -> Result<Controller, ExportError> {
         let Tuned {
             command,
+            output_unit: own_output,
+            drive_unit: own_drive,
             sample_time_s,
             drive_max,
             signs_turned,
@@ -381,6 +404,17 @@ impl TunedFile {
         } = &self.content;
         if command != "tune" {
             return Err(self.refused("command", command, "expected tune"));
+        }
+        let units = [
+            ("output_unit", own_output, output_unit),
+            ("drive_unit", own_drive, drive_unit),
+        ];
+        for (key, own, expected) in units {
+            if own != expected {
+                let accepted =
+                    format!("expected {expected}, as of this model: was it tuned on another one?");
+                return Err(self.refused(key, own, accepted));
+            }
         }
         if sample_time_s.to_bits() != dt_s.to_bits() {
             let accepted = format!(

@@ -1,6 +1,6 @@
 //! `sma simulate`: what an identified model says of a drive.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use identify::{IdentifyError, RigModel, Role, SavedModel, SavedRecording, predict};
@@ -14,7 +14,7 @@ use crate::sink::Outputs;
 use crate::terminal::say;
 use workbench::report::number::significant;
 use workbench::report::plot::left;
-use workbench::{BEYOND, as_fitted, in_columns_of, read_perhaps_without_output};
+use workbench::{BEYOND, as_fitted, hashed, in_columns_of, read_perhaps_without_output};
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
 ///
@@ -51,7 +51,9 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     args.used
         .apply(&mut rod, std::slice::from_ref(&args.drive))?;
     let recording = as_fitted(&rod, &args.drive, recording).map_err(IdentifyError::from)?;
-    let (point, met) = if let Some(r) = fitted_to(&saved, &recording).filter(|_| has_output) {
+    let is_known = is_input(&saved, &args.drive)?;
+    let fitted = fitted_to(&saved, &recording).filter(|_| has_output && is_known);
+    let (point, met) = if let Some(r) = fitted {
         let point = saved.point(r);
         let left = left(&recording, &predict(&model, &point, &recording)?);
         let squares: f64 = left.iter().map(|value| value * value).sum();
@@ -145,7 +147,16 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
     notes
 }
 
-/// The training recording that this is.
+/// True if a file is, byte for byte, one that the model was made from.
+fn is_input(saved: &SavedModel, path: &Path) -> anyhow::Result<bool> {
+    let own = hashed(&[path])?;
+    let inputs = &saved.provenance().input;
+    Ok(own
+        .iter()
+        .any(|own| inputs.iter().any(|input| input.sha256 == own.sha256)))
+}
+
+/// The training recording of this name and length.
 fn fitted_to(saved: &SavedModel, recording: &Recording) -> Option<usize> {
     let is_it = |one: &SavedRecording| {
         one.role == Role::Train && one.name == recording.name() && one.n_samples == recording.len()

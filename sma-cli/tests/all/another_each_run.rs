@@ -108,7 +108,7 @@ fn how_far_runs_repeat_and_what_differs_is_said() {
     assert_eq!(code, 0, "{said}");
     assert!(text.starts_with("ADEQUATE: nothing is missing"), "{text}");
     assert!(
-        text.contains("By the fit, runs differ from a.csv by up to "),
+        text.contains("Each run therefore has a state of its own: beside a.csv up to "),
         "{text}"
     );
     assert!(

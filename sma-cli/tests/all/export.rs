@@ -291,7 +291,7 @@ fn what_cannot_leave_is_refused_by_name() {
 fn gains_of_another_model_are_refused() {
     let folder = identified();
     let folder = folder.path();
-    let tuned = r#"{"command": "tune", "sample_time_s": 0.2, "drive_max": 5.5, "signs_turned": false,
+    let tuned = r#"{"command": "tune", "output_unit": "mm", "drive_unit": "A", "sample_time_s": 0.2, "drive_max": 5.5, "signs_turned": false,
         "controller": {"anti_windup": "clamping", "derivative_of": "measurement", "derivative_filter_s": 0.8,
             "setpoint_weight": 1.0, "feed_forward": false},
         "controllers": [{"name": "tuned", "gains": {"kp": 9.0, "ki": 11.0, "kd": 0.1}}]}"#;
@@ -299,6 +299,16 @@ fn gains_of_another_model_are_refused() {
     std::fs::write(folder.join("tuned.json"), tuned).unwrap();
     assert!(called(folder, call).0.contains("kp 9, ki 11, kd 0.1"));
     for (from, to, said) in [
+        (
+            "\"mm\"",
+            "\"um\"",
+            "output_unit = um: expected mm, as of this model: was it tuned on another one?",
+        ),
+        (
+            "\"A\"",
+            "\"V\"",
+            "drive_unit = V: expected A, as of this model: was it tuned on another one?",
+        ),
         (
             "\"signs_turned\": false",
             "\"signs_turned\": true",

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use recording::{Quantity, Recording};
 
-use super::{Figure, Series, Style};
+use super::{Figure, Series, Style, axis};
 use crate::report::plot::{Left, has_loop, left, time};
 
 /// A recording and what models say of it.
@@ -94,7 +94,7 @@ impl Compared<'_> {
     }
 
     fn output(&self) -> String {
-        format!("output, {}", self.recording.output_unit())
+        axis("output", self.recording.output_unit())
     }
 
     fn traces(&self) -> Figure {
@@ -137,7 +137,7 @@ impl Compared<'_> {
                 self.name
             ),
             across: format!("time, {unit}"),
-            up: format!("recorded - model, {}", self.recording.output_unit()),
+            up: axis("recorded - model", self.recording.output_unit()),
             series: series.collect(),
             shaded: self.spans_s.clone(),
             ..Figure::default()

@@ -3,7 +3,7 @@
 use missing_physics::{Diagnosis, Rung};
 use recording::Recording;
 
-use super::{Compared, Figure, Series, Style};
+use super::{Compared, Figure, Series, Style, axis};
 use crate::report::plot::Left;
 use crate::report::repeated::both;
 
@@ -79,11 +79,14 @@ pub fn same_drive(drawn: &Drawn<'_>) -> Option<Figure> {
             both(pair, floor)
         ),
         across: "time, s".to_owned(),
-        up: format!("second - first, {}", floor.unit),
+        up: axis("second - first", &floor.unit),
         series: vec![Series::new("second - first", Style::Unseen, apart)],
         ..Figure::default()
     })
 }
+
+/// Letters of names that stand side by side beneath bars.
+const MOST_LETTERS: usize = 48;
 
 /// Errors from the baseline model down to the noise, an effect at a time.
 #[must_use]
@@ -94,35 +97,66 @@ pub fn ladder(drawn: &Drawn<'_>) -> Figure {
         let errors = rungs.iter().map(of).enumerate();
         errors
             .filter_map(|(k, error)| Some([k as f64, error?]))
+            .filter(|[_, error]| *error > 0.0)
             .collect()
     };
     let training = over(|rung| Some(rung.train_rmse));
     let unseen = over(|rung| rung.unseen_rmse);
     let noise = diagnosis.noise_floor;
     let floor = noise.upper.unwrap_or(noise.lower);
+    let names: Vec<String> = rungs
+        .iter()
+        .skip(1)
+        .map(|rung| {
+            let ids: Vec<&str> = rung.added.iter().map(|effect| effect.id()).collect();
+            ids.join(", ")
+        })
+        .collect();
+    // Where there is no room for names beneath the bars, they stand in the caption.
+    let have_room = names.iter().map(String::len).sum::<usize>() <= MOST_LETTERS;
     let mut words = vec!["baseline".to_owned()];
-    words.extend(rungs.iter().skip(1).map(|rung| {
-        let ids: Vec<&str> = rung.added.iter().map(|effect| effect.id()).collect();
-        format!("+ {}", ids.join(", "))
+    words.extend(names.iter().enumerate().map(|(k, name)| {
+        if have_room {
+            format!("+ {name}")
+        } else {
+            format!("+ {}", k + 1)
+        }
     }));
+    let key: Vec<String> = names
+        .iter()
+        .enumerate()
+        .filter(|_| !have_room)
+        .map(|(k, name)| format!("{} {name}", k + 1))
+        .collect();
     let end = rungs.len() as f64 - 0.5;
     let mut all = vec![Series::new("training", Style::Training, training)];
     if !unseen.is_empty() {
         all.push(Series::new("unseen, calibrated", Style::Unseen, unseen));
     }
-    all.push(Series::new(
-        "noise level",
-        Style::Noise,
-        [[-0.5, floor], [end, floor]],
-    ));
-    let unit = &diagnosis.baseline.fit.output_unit;
+    if floor > 0.0 {
+        let label = match noise.upper {
+            Some(_) => "noise level",
+            None => "noise, at least",
+        };
+        all.push(Series::new(
+            label,
+            Style::Noise,
+            [[-0.5, floor], [end, floor]],
+        ));
+    }
     Figure {
         name: "ladder",
-        caption: "RMS error of the baseline model, and with each effect beside those before it: a bar at the line is noise alone. \
-                  The scale is logarithmic."
-            .to_owned(),
+        caption: format!(
+            "RMS error of the baseline model, and with each effect beside those before it, on a logarithmic scale: a bar at the line is noise \
+             alone.{}",
+            if key.is_empty() {
+                String::new()
+            } else {
+                format!(" {}.", key.join(", "))
+            }
+        ),
         across: String::new(),
-        up: format!("RMS error, {unit}"),
+        up: axis("RMS error", &diagnosis.baseline.fit.output_unit),
         series: all,
         words,
         log_up: true,

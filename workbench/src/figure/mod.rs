@@ -102,6 +102,14 @@ impl Figure {
     }
 }
 
+/// Label of an axis: a quantity and its unit, if it has one.
+fn axis(quantity: &str, unit: &str) -> String {
+    match unit {
+        "1" => quantity.to_owned(),
+        unit => format!("{quantity}, {unit}"),
+    }
+}
+
 /// A folder for figures; it is made when there is something to put in it.
 #[derive(Debug)]
 pub struct Gallery(PathBuf);

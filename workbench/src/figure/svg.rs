@@ -36,6 +36,9 @@ const PAGE: Canvas = Canvas {
     beside: 72,
 };
 
+/// Letters of a line of a caption in a file.
+const CAPTION_COLUMNS: usize = 115;
+
 /// Room around a figure, px.
 const MARGIN_PX: u32 = 12;
 
@@ -199,8 +202,11 @@ fn headed<'a>(
     let mut y = MARGIN_PX as i32;
     if !caption.is_empty() {
         let style = ("sans-serif", 15).into_text_style(whole);
-        whole.draw_text(caption, &style, (canvas.beside as i32 + y, y))?;
-        y += 22;
+        for line in textwrap::wrap(caption, CAPTION_COLUMNS) {
+            whole.draw_text(&line, &style, (canvas.beside as i32 + MARGIN_PX as i32, y))?;
+            y += 20;
+        }
+        y += 2;
     }
     let left = (canvas.beside + MARGIN_PX) as i32;
     let mut x = left;

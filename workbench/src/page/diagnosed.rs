@@ -33,7 +33,11 @@ pub fn diagnosed(
         page.figure(&ladder(drawn))?;
         page.table(&diagnosed.ladder());
         page.section("Recordings and models");
-        page.note("The extended model is the baseline model with all effects of the table above, suspects included. Runs are calibrated.");
+        if diagnosis.extended.is_some() {
+            page.note(
+                "The extended model is the baseline model with all effects of the table above, suspects included. Unseen runs are calibrated.",
+            );
+        }
         page.how_to_read();
         if let Some(figure) = same_drive(drawn) {
             page.figure(&figure)?;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Candidate, Curve, Entry, Mismatch, Shape, Status};
+use missing_physics::{Candidate, Curve, Entry, Mismatch, Shape, Status, Verdict};
 use sma_effects::Need;
 
 use super::Diagnosed;
@@ -152,7 +152,7 @@ impl Diagnosed<'_> {
             })
             .collect();
         format!(
-            "Of {} effects: {}; -v lists them with their limits.",
+            "Of {} effects: {}; limits with -v.",
             catalogue.len(),
             said.join(", ")
         )
@@ -176,6 +176,14 @@ impl Diagnosed<'_> {
             table.add_row([entry.effect.id(), group, &said]);
         }
         table
+    }
+
+    /// True if a part of the error is left that nothing is known of: then no effect has a limit.
+    fn is_open(&self) -> bool {
+        matches!(
+            self.diagnosis.verdict,
+            Verdict::ExplainedInPart | Verdict::Unexplained
+        )
     }
 
     fn is_suspect(&self, effect: Candidate) -> bool {
@@ -210,6 +218,10 @@ impl Diagnosed<'_> {
             ),
             Status::Ambiguous => ("possible", "may be there under another name".to_owned()),
             Status::Excluded { upper } => ("excluded", format!("above {}", size(upper))),
+            Status::NotTestable if self.is_open() => (
+                "not testable",
+                "no limit while a part of the error is unexplained".to_owned(),
+            ),
             Status::NotTestable => {
                 let mut said = entry.minimum_detectable.map_or(
                     "would leave no trace in these recordings".to_owned(),

@@ -14,8 +14,8 @@ use crate::report::words::{capitalized, full_stop, listed};
 const NEAR_BOUND: f64 = 1e-6;
 
 /// Instructions for reading findings.
-const HOW_TO_READ: &str = "± is half of a 95 % interval. Explainable: the squared error that any model takes off with a free curve of drive and state on \
-     top. Chance: noise of the same spectrum in place of the residual.";
+const HOW_TO_READ: &str = "± is half of a 95 % interval. Explainable: the squared error of the baseline model less the least that any model \
+     leaves, with or without a free curve on top. Chance: noise like the residual.";
 
 /// A paragraph for each finding, and one for the reasons behind it.
 pub(super) fn findings(diagnosis: &Diagnosis) -> Vec<String> {
@@ -78,11 +78,10 @@ pub fn what(finding: &Finding) -> &str {
 /// Answers of the rules for a finding, each with what it requires.
 fn why(diagnosis: &Diagnosis, finding: &Finding) -> String {
     let id = finding.effect.id();
-    let required = |trace: &Trace| required(trace, percent_of);
+    let required = |trace: &Trace| required(trace, spoken_percent);
     let mut reasons = vec![format!(
-        "without it {} of the explainable error comes back{}",
-        spoken_percent(finding.contribution),
-        of_effect(diagnosis, RuleId::Form, id).map_or(String::new(), required)
+        "without it {} of the explainable error comes back",
+        spoken_percent(finding.contribution)
     )];
     if let Some(own) = of_effect(diagnosis, RuleId::Own, id) {
         reasons.push(format!(
@@ -96,14 +95,6 @@ fn why(diagnosis: &Diagnosis, finding: &Finding) -> String {
             "in unseen data {} of the change that it predicts is there{}",
             spoken_percent(gain.value),
             required(gain)
-        ));
-    }
-    if reasons.len() == 1
-        && let Some(told) = of_effect(diagnosis, RuleId::Told, id)
-    {
-        reasons.push(format!(
-            "its size is {} times half of its interval",
-            spoken(told.value)
         ));
     }
     match comparison(finding) {
@@ -123,16 +114,23 @@ fn against(diagnosis: &Diagnosis, suspect: &Finding) -> Vec<String> {
     let mut reasons = Vec::new();
     if let Some(set) = failed(RuleId::Set) {
         reasons.push(format!(
-            "its probability is {}{}",
+            "the probability of it or an alternative is {}{}",
             probability(set.value),
-            required(set, percent_of)
+            required(set, spoken_percent)
         ));
     }
     if let Some(own) = failed(RuleId::Own) {
         reasons.push(format!(
             "chance does as much in {} of draws{}",
             spoken_percent(own.value),
-            required(own, percent_of)
+            required(own, spoken_percent)
+        ));
+    }
+    if let Some(matters) = failed(RuleId::Matters) {
+        reasons.push(format!(
+            "what it does is {} times the least that matters{}",
+            spoken(matters.value),
+            required(matters, spoken)
         ));
     }
     if let Some(told) = failed(RuleId::Told) {
@@ -146,17 +144,13 @@ fn against(diagnosis: &Diagnosis, suspect: &Finding) -> Vec<String> {
         reasons.push(format!(
             "in unseen data {} of the change that it predicts is there{}",
             spoken_percent(gain.value),
-            required(gain, percent_of)
+            required(gain, spoken_percent)
         ));
     }
     if reasons.is_empty() {
-        reasons.push("it does not account for the error".to_owned());
+        reasons.push("it does not account for enough of it".to_owned());
     }
     reasons
-}
-
-fn percent_of(share: f64) -> String {
-    spoken_percent(share)
 }
 
 /// Threshold of a rule behind its statistic.

@@ -36,6 +36,7 @@ fn said(diagnosis: &Diagnosis) -> String {
         ),
         Verdict::Unexplained
             if failed(diagnosis, RuleId::Remainder).is_some()
+                && failed(diagnosis, RuleId::UnseenShare).is_none()
                 && !disturbances(diagnosis).is_empty() =>
         {
             format!(
@@ -95,7 +96,7 @@ pub(super) fn names(finding: &Finding) -> String {
     }
 }
 
-/// The model with the findings; the baseline model where there are none.
+/// The model with findings and suspects; the baseline model where there are neither.
 pub(super) fn last(diagnosis: &Diagnosis) -> &Stage {
     let extended = diagnosis.extended.as_ref();
     extended.map_or(&diagnosis.baseline, |one| &one.stage)
@@ -107,10 +108,12 @@ pub fn unit(diagnosis: &Diagnosis) -> String {
     behind(&diagnosis.baseline.fit.output_unit)
 }
 
-/// Error of a stage beside the noise, that of unseen recordings where there are any: "5.6 times the noise".
-fn beside_noise(diagnosis: &Diagnosis, stage: &Stage) -> String {
-    let error = Validated::rmse_of_all(&stage.validated).unwrap_or(stage.fit.train_rmse);
+/// An error beside the noise: "5.6 times the noise".
+fn beside_noise(diagnosis: &Diagnosis, error: f64) -> String {
     let floor = diagnosis.noise_floor;
+    if floor.upper.unwrap_or(floor.lower) <= 0.0 {
+        return "where no noise shows".to_owned();
+    }
     match floor.upper {
         Some(upper) if error <= upper => "as much as the noise".to_owned(),
         Some(upper) => format!("{} times the noise", spoken(error / upper)),
@@ -121,81 +124,84 @@ fn beside_noise(diagnosis: &Diagnosis, stage: &Stage) -> String {
 /// Error of the baseline model.
 fn error(diagnosis: &Diagnosis) -> String {
     let (stage, unit) = (&diagnosis.baseline, unit(diagnosis));
-    let beside = beside_noise(diagnosis, stage);
-    let trained = spoken(stage.fit.train_rmse);
+    let trained = stage.fit.train_rmse;
     match Validated::rmse_of_all(&stage.validated) {
         Some(unseen) => format!(
-            "The error of the baseline model is {trained}{unit} RMS in training and {}{unit} on the unseen {}, {beside}.",
+            "The error of the baseline model is {}{unit} RMS in training and {}{unit} on the unseen {}, {}.",
+            spoken(trained),
             spoken(unseen),
-            recordings(stage.validated.len())
+            recordings(stage.validated.len()),
+            beside_noise(diagnosis, unseen)
         ),
         None => format!(
-            "The error of the baseline model is {trained}{unit} RMS, {beside}; not yet tested on unseen recordings (--validate)."
+            "The error of the baseline model is {}{unit} RMS, {}; not yet tested on unseen recordings (--validate).",
+            spoken(trained),
+            beside_noise(diagnosis, trained)
         ),
     }
 }
 
-/// Change of the error by the findings.
+/// Errors of a model: in training, and calibrated on unseen recordings, where there are any.
+type Errors = (f64, Option<f64>);
+
+/// Change of the error by the findings, then by what is suspected.
 fn change(diagnosis: &Diagnosis) -> String {
-    let (before, after) = (&diagnosis.baseline, last(diagnosis));
-    let unit = unit(diagnosis);
-    let beside = beside_noise(diagnosis, after);
-    let pronoun = if diagnosis.findings.len() == 1 {
-        "With it"
-    } else {
-        "With them"
+    let of = |stage: &Stage| {
+        let unseen = Validated::rmse_of_all(&stage.validated);
+        (stage.fit.train_rmse, unseen)
     };
-    let unseen =
-        Validated::rmse_of_all(&before.validated).zip(Validated::rmse_of_all(&after.validated));
-    let alone = with_findings_alone(diagnosis).map(|rung| {
-        let errors = rung.unseen_rmse.filter(|_| unseen.is_some());
-        errors.unwrap_or(rung.train_rmse)
-    });
-    // The findings and the suspects each have their own part of the way.
-    let (with, on_the_way) = match alone {
-        None => (pronoun.to_owned(), None),
-        Some(alone) if !diagnosis.suspects.is_empty() => (pronoun.to_owned(), Some(alone)),
-        Some(_) => (pronoun.to_owned(), None),
+    let before = of(&diagnosis.baseline);
+    let last = of(last(diagnosis));
+    let alone = with_findings_alone(diagnosis).map(|rung| (rung.train_rmse, rung.unseen_rmse));
+    let n_unseen = diagnosis.baseline.validated.len();
+    let with = match (diagnosis.findings.len(), alone) {
+        (_, None) if !diagnosis.suspects.is_empty() => "With findings and suspects",
+        (1, _) => "With it",
+        _ => "With them",
     };
-    let with = if diagnosis.suspects.is_empty() || on_the_way.is_some() {
-        with
-    } else {
-        format!("{with} and what is suspected")
-    };
-    let change = |before: f64, after: f64| match on_the_way {
-        None => format!("{}{unit} RMS", from_to(before, after)),
-        Some(alone) => format!(
-            "{}{unit} RMS, with what is only suspected to {}{unit}",
-            from_to(before, alone),
-            spoken(after)
-        ),
-    };
-    match unseen {
-        Some((before, falls)) if falls < before => format!(
-            "{with} the error on the unseen {} falls {}, {beside}{}.",
-            recordings(after.validated.len()),
-            change(before, falls),
-            if rests(diagnosis).is_some() {
-                "; the rest follows neither drive nor state"
-            } else {
-                ""
-            }
-        ),
-        Some((before, falls)) => format!(
-            "{with} the error on the unseen {} does not fall: it goes {}{unit} RMS, and the findings hold for the training recordings only.",
-            recordings(after.validated.len()),
-            from_to(before, falls)
-        ),
+    let place = match before.1 {
+        Some(_) => format!("unseen {}", recordings(n_unseen)),
         None => format!(
-            "{with} the error on the training {} falls {}, {beside}; not yet tested on unseen recordings (--validate).",
-            recordings(after.fit.recordings.len()),
-            change(before.fit.train_rmse, after.fit.train_rmse)
+            "training {}",
+            recordings(diagnosis.baseline.fit.recordings.len())
         ),
-    }
+    };
+    let error = |errors: Errors| errors.1.unwrap_or(errors.0);
+    let [first, after] = [before, alone.unwrap_or(last)].map(error);
+    let unit = unit(diagnosis);
+    let falls = if after < first {
+        format!(
+            "falls {}{unit} RMS, {}",
+            from_to(first, after),
+            beside_noise(diagnosis, after)
+        )
+    } else {
+        format!(
+            "does not fall: it goes {}{unit} RMS, and the findings hold for the training recordings only",
+            from_to(first, after)
+        )
+    };
+    let suspects = alone.map_or(String::new(), |_| {
+        let several = if diagnosis.suspects.len() == 1 {
+            "the suspect"
+        } else {
+            "the suspects"
+        };
+        format!(
+            "; with {several} below to {}{unit}, {}",
+            spoken(error(last)),
+            beside_noise(diagnosis, error(last))
+        )
+    });
+    let untested = match before.1 {
+        Some(_) => "",
+        None => "; not yet tested on unseen recordings (--validate)",
+    };
+    format!("{with} the error on the {place} {falls}{suspects}{untested}.")
 }
 
-/// The model with all findings and no suspect, if it stands on the ladder.
-fn with_findings_alone(diagnosis: &Diagnosis) -> Option<&Rung> {
+/// The model with all findings and no suspect, if it stands on the ladder beside one with suspects.
+pub(super) fn with_findings_alone(diagnosis: &Diagnosis) -> Option<&Rung> {
     let is_suspect = |rung: &Rung| {
         let mut suspects = diagnosis.suspects.iter();
         suspects.any(|one| rung.added.contains(&one.effect))
@@ -213,16 +219,15 @@ fn with_findings_alone(diagnosis: &Diagnosis) -> Option<&Rung> {
 /// Error over the noise from which on the rest is worth a word.
 const MORE_THAN_NOISE: f64 = 1.5;
 
-/// Share of draws in which chance predicts the rest of the error as well as a curve of drive and state; `None` where the rest is hardly more than
-/// noise, or follows them.
-pub(super) fn rests(diagnosis: &Diagnosis) -> Option<f64> {
+/// Share of draws in which chance predicts the rest of the error as well as a curve of drive and state; `None` where the rest is hardly
+/// more than noise, or follows them.
+pub(super) fn chance_of_rest(diagnosis: &Diagnosis) -> Option<f64> {
     let is_named = matches!(
         diagnosis.verdict,
         Verdict::Explained | Verdict::Ambiguous | Verdict::ExplainedInPart
     );
-    let floor = diagnosis.noise_floor;
-    let error = last(diagnosis).fit.train_rmse;
-    let is_more = error > MORE_THAN_NOISE * floor.upper.unwrap_or(floor.lower);
+    let upper = diagnosis.noise_floor.upper?;
+    let is_more = last(diagnosis).fit.train_rmse > MORE_THAN_NOISE * upper;
     failed(diagnosis, RuleId::Predicted)
         .filter(|_| is_named && is_more && diagnosis.remainder.is_none())
 }

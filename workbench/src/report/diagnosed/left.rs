@@ -6,8 +6,8 @@ use comfy_table::{Cell, Table};
 use identify::Validated;
 use missing_physics::{Diagnosis, Finding, NoiseClass, Remainder, RuleId, Verdict};
 
-use super::headline::{from_to, last, rests, unit};
-use super::traces::passed;
+use super::headline::{chance_of_rest, from_to, last, unit, with_findings_alone};
+use super::traces::{failed, passed};
 use crate::report::number::{significant, spoken, spoken_percent};
 use crate::report::table::{right, table};
 use crate::report::words::{block_name, named, recordings};
@@ -58,7 +58,7 @@ pub(super) fn ladder(diagnosis: &Diagnosis) -> Table {
     table
 }
 
-/// Instructions for reading [`ladder`]; empty without unseen recordings.
+/// Instructions for reading [`ladder`].
 pub(super) fn how_to_read_ladder(diagnosis: &Diagnosis) -> &'static str {
     let mut rungs = diagnosis.ladder.iter();
     if rungs.any(|rung| rung.unseen_rmse.is_some()) {
@@ -72,7 +72,12 @@ pub(super) fn how_to_read_ladder(diagnosis: &Diagnosis) -> &'static str {
 
 /// Share of the explainable error that is explained, and where it was tested.
 pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
-    let (extended, explained) = (diagnosis.extended.as_ref()?, diagnosis.explained?);
+    // What only suspects explain is explained by no finding.
+    let extended = diagnosis
+        .extended
+        .as_ref()
+        .filter(|_| !diagnosis.findings.is_empty())?;
+    let explained = diagnosis.explained?;
     let (share, interval, place) = match (explained.validate, explained.train) {
         (Some(share), _) => {
             let n_unseen = diagnosis.baseline.validated.len();
@@ -93,12 +98,9 @@ pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
         (None, _) => return None,
     };
     let shown = spoken_percent(share);
-    // A noise level that is only a lower bound makes the share one, too.
-    let is_least = diagnosis.noise_floor.upper.is_none() && shown != spoken_percent(1.0);
     let amount = match shown == spoken_percent(1.0) {
         true => "All".to_owned(),
         false if share <= 0.0 => "Nothing".to_owned(),
-        false if is_least => format!("At least {shown}"),
         false => shown.clone(),
     };
     let ends = interval.map(|ends| ends.map(spoken_percent));
@@ -106,22 +108,29 @@ pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
     let ends = ends.map_or(String::new(), |[lower, upper]| {
         format!(" (95 % interval: {lower} to {upper})")
     });
-    let mut text = format!("{amount} of the explainable error{ends} is explained {place}.");
-    if matches!(interval, Some([lower, _]) if lower <= 0.0) && !diagnosis.findings.is_empty() {
+    let with = match diagnosis.suspects.len() {
+        0 => "",
+        1 => ", the suspect included",
+        _ => ", the suspects included",
+    };
+    let mut text = format!("{amount} of the explainable error{ends} is explained {place}{with}.");
+    if matches!(interval, Some([lower, _]) if lower <= 0.0) {
         text += " What was not seen does not bear the findings out.";
     }
-    let predicted = diagnosis
-        .baseline
-        .predicted_rmse
-        .zip(extended.stage.predicted_rmse);
-    let calibrated = Validated::rmse_of_all(&extended.stage.validated);
-    let worse = predicted.zip(calibrated);
-    if let Some(((before, after), _)) =
-        worse.filter(|((_, after), calibrated)| *after > WORSE_PREDICTED * calibrated)
+    let after = match with_findings_alone(diagnosis) {
+        Some(rung) => (rung.predicted_rmse, rung.unseen_rmse),
+        None => (
+            extended.stage.predicted_rmse,
+            Validated::rmse_of_all(&extended.stage.validated),
+        ),
+    };
+    if let (Some(before), (Some(after), Some(calibrated))) =
+        (diagnosis.baseline.predicted_rmse, after)
+        && after > WORSE_PREDICTED * calibrated
     {
         let _ = write!(
             text,
-            " Predicted instead of calibrated, the error goes {}{}: expect that of a run that is not recorded yet.",
+            " Predicted instead of calibrated, the error goes {}{}: expect that of the next run.",
             from_to(before, after),
             unit(diagnosis)
         );
@@ -141,15 +150,13 @@ pub(super) fn noise(diagnosis: &Diagnosis) -> Option<String> {
             spoken(floor.lower)
         ),
     };
-    let forbids = "Tests then see effects where there are none, so that an effect is suspected, not named, unless cycles are \
-                   repeated.";
     match floor.class {
         NoiseClass::White | NoiseClass::Colored => None,
         NoiseClass::OneOverF => Some(format!(
-            "Noise level: {size}. It grows toward low frequencies without end. {forbids}"
+            "Noise level: {size}. It grows toward low frequencies without end, as a slow drift does: repeat cycles to tell them apart."
         )),
         NoiseClass::Quantized => Some(format!(
-            "Noise level: {size}. The converter's step exceeds it. {forbids}"
+            "Noise level: {size}. The converter's step exceeds it: a finer range of the sensor would show more."
         )),
     }
 }
@@ -162,17 +169,24 @@ pub(super) fn rest(diagnosis: &Diagnosis) -> Option<String> {
     match diagnosis.verdict {
         Verdict::ExplainedInPart => Some(match passed(diagnosis, RuleId::Slow) {
             Some(times) => format!(
-                "Left: a slow wander, {} times the noise between neighboring samples, that follows neither drive nor state and does not come \
-                 back from run to run. Record the surroundings, and the rest position before and after.",
+                "Left: a slow wander, {} times the noise between neighboring samples, in which no dependence on drive or state was found. Record \
+                 the surroundings, and the rest position before and after.",
                 spoken(times)
             ),
-            None => "Left: more than noise.".to_owned(),
+            None => match failed(diagnosis, RuleId::UnseenShare) {
+                Some(share) => format!(
+                    "Left: the findings explain {} of the explainable error of the unseen recordings (needs ≥ {}).",
+                    spoken_percent(share),
+                    spoken_percent(RuleId::UnseenShare.rule().threshold)
+                ),
+                None => "Left: more than noise.".to_owned(),
+            },
         }),
         Verdict::Explained | Verdict::Ambiguous => {
-            let chance = rests(diagnosis)?;
+            let chance = chance_of_rest(diagnosis)?;
             Some(format!(
-                "Left: {}{} RMS in training, of unknown cause. A free curve of drive and state predicts it hardly better than chance, which does as \
-                 well in {} of draws (of physics in at most {}).",
+                "Left: {}{} RMS in training, of unknown cause. No dependence on drive or state was found in it: chance predicts it as well as a free curve \
+                 in {} of draws (needs ≤ {}).",
                 spoken(last(diagnosis).fit.train_rmse),
                 unit(diagnosis),
                 spoken_percent(chance),

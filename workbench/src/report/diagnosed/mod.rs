@@ -26,7 +26,7 @@ use super::label::label;
 use super::number::{count, significant};
 use super::repeated;
 use super::table::unpadded;
-use super::words::{full_stop, listed, wrapped};
+use super::words::{full_stop, wrapped};
 use crate::sanity::{self, Implausible};
 
 /// Title of the differences from run to run.
@@ -126,8 +126,8 @@ impl Diagnosed<'_> {
         let parts: Vec<&str> = parts.collect();
         (!parts.is_empty()).then(|| {
             format!(
-                "CUT SHORT, as --effort or --time-limit-s asked: {} were not searched to the end. A finding may have rivals that were not tried.",
-                listed(&parts, "and")
+                "CUT SHORT, as --effort or --time-limit-s asked. Not searched to the end: {}.",
+                parts.join("; ")
             )
         })
     }

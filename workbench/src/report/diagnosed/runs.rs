@@ -67,9 +67,30 @@ pub(super) fn said(diagnosis: &Diagnosis) -> Option<String> {
     let unseen = last.validated.iter().map(|one| one.name.as_str());
     let first = label(&last.fit.recordings[0].name, trained.chain(unseen));
     Some(format!(
-        "By the fit, runs differ from {first} by up to {} (-v: each with its interval).",
-        parts.join(", ")
+        "Each run therefore has a state of its own: beside {first} up to {}{}.",
+        parts.join(", "),
+        if is_told(last) {
+            ""
+        } else {
+            "; no difference in training is told from zero by itself"
+        }
     ))
+}
+
+/// True if the interval of a difference between training runs leaves zero out.
+fn is_told(stage: &Stage) -> bool {
+    let places = COLUMNS
+        .iter()
+        .filter_map(|column| place(stage, column.name));
+    places
+        .flat_map(|place| {
+            stage.fit.parameters[place]
+                .intervals
+                .iter()
+                .skip(1)
+                .flatten()
+        })
+        .any(|interval| interval.lower > 0.0 || interval.upper < 0.0)
 }
 
 /// True if a parameter of the single runs is free.
