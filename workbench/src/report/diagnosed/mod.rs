@@ -104,7 +104,7 @@ impl Diagnosed<'_> {
         lines.join("\n") + "\n"
     }
 
-    /// What cannot be, then the headline.
+    /// Implausible values, then the headline.
     fn first_lines(&self) -> Vec<String> {
         let implausible = sanity::lines(&self.implausible);
         let implausible = implausible.lines().map(ToOwned::to_owned);
