@@ -329,8 +329,14 @@ fn with_time(
         Depth::Verdict
     });
     let has_converged = diagnosis.verdict != Verdict::NotConverged;
-    let predicted = all_predicted(plain, &diagnosis, &rig)?;
-    let drawn = has_converged.then(|| drawn(&diagnosed, &predicted));
+    // Simulated only for those who want to see it.
+    let is_shown = args.pictures.plot || places.plots.is_some() || places.report.is_some();
+    let predicted = if is_shown || places.series.is_some() {
+        all_predicted(plain, &diagnosis, &rig)?
+    } else {
+        Vec::new()
+    };
+    let drawn = (is_shown && has_converged).then(|| drawn(&diagnosed, &predicted));
     if let Some(drawn) = &drawn {
         text += &args.pictures.of(args.quiet, || {
             let worst = &drawn.compared[0];

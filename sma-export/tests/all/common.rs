@@ -1,6 +1,7 @@
 //! Rods, drives, and what the program makes of them.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::print_stdout, reason = "tests say what they find")]
 
 use pid_tune::{
     AntiWindup, DerivativeOf, DriveLimits, Pid, PidGains, PidParams, Sample as PidSample,
@@ -231,6 +232,30 @@ pub(crate) fn apart(expected: &[[f64; 2]], found: &[[f64; 2]], stroke: f64) -> [
         largest[1] = largest[1].max((a[1] - b[1]).abs());
     }
     largest
+}
+
+/// Asserts that source computes what the program computes: to the last bit, or, where it calls a library of its own, to 1e-12 of the stroke
+/// and 1e-10 K.
+pub(crate) fn assert_agrees(
+    model: &Exported,
+    [expected, found]: [&[[f64; 2]]; 2],
+    by_library: &[EffectId],
+) {
+    let active: Vec<&str> = model.setting.active.iter().map(EffectId::id).collect();
+    let [output, kelvin] = apart(expected, found, 5.0);
+    println!("{active:?}: {output:e} of the stroke, {kelvin:e} K");
+    let is_bound = |&one: &EffectId| model.setting.active.contains(one);
+    if by_library.iter().any(is_bound) {
+        assert!(
+            output <= 1e-12 && kelvin <= 1e-10,
+            "{active:?}: {output:e} {kelvin:e}"
+        );
+    } else {
+        assert!(
+            bits(expected) == bits(found),
+            "{active:?}: {output:e} {kelvin:e}"
+        );
+    }
 }
 
 pub(crate) fn bits(rows: &[[f64; 2]]) -> Vec<[u64; 2]> {

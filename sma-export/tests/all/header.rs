@@ -13,8 +13,8 @@ use wiener::Drive;
 use wiener::hysteresis::Rule;
 
 use crate::common::{
-    AMBIENT_DEGC, apart, bits, controlled, deeply_nested, drives, exported, plain, setpoints,
-    simulated, with_controllers, with_effects,
+    AMBIENT_DEGC, apart, assert_agrees, bits, controlled, deeply_nested, drives, exported, plain,
+    setpoints, simulated, with_controllers, with_effects,
 };
 
 const WARNINGS: [&str; 7] = [
@@ -162,19 +162,7 @@ fn every_exported_effect_agrees_with_the_program() {
         let active: Vec<&str> = model.setting.active.iter().map(EffectId::id).collect();
         let expected = simulated(model, &drives[m]);
         let found = &found[m * n_samples..][..n_samples];
-        let [output, kelvin] = apart(&expected, found, 5.0);
-        println!("{active:?}: {output:e} of the stroke, {kelvin:e} K");
-        if model.setting.active.contains(EffectId::SupplyLag) {
-            assert!(
-                output <= 1e-12 && kelvin <= 1e-10,
-                "{active:?}: {output:e} {kelvin:e}"
-            );
-        } else {
-            assert!(
-                bits(&expected) == bits(found),
-                "{active:?}: {output:e} {kelvin:e}"
-            );
-        }
+        assert_agrees(model, [&expected, found], &[EffectId::SupplyLag]);
         // It acts.
         assert!(bits(&expected) != bits(&without), "{active:?}");
     }

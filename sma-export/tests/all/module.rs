@@ -10,8 +10,8 @@ use sma_effects::EffectId;
 use sma_export::{Exported, python_module};
 
 use crate::common::{
-    AMBIENT_DEGC, apart, bits, controlled, deeply_nested, drives, plain, setpoints, simulated,
-    with_controllers, with_effects,
+    AMBIENT_DEGC, assert_agrees, bits, controlled, deeply_nested, drives, plain, setpoints,
+    simulated, with_controllers, with_effects,
 };
 
 /// Python 3: `PYTHON`, or `python3`. A machine without one says so.
@@ -83,25 +83,9 @@ fn a_module_agrees_with_the_program() {
     assert_eq!(found.len(), models.len() * n_samples);
     let by_library = [EffectId::SupplyLag, EffectId::Backlash];
     for (m, model) in models.iter().enumerate() {
-        let active: Vec<&str> = model.setting.active.iter().map(EffectId::id).collect();
         let expected = simulated(model, &drives[m]);
         let found = &found[m * n_samples..][..n_samples];
-        let [output, kelvin] = apart(&expected, found, 5.0);
-        if by_library
-            .iter()
-            .any(|&one| model.setting.active.contains(one))
-        {
-            println!("{active:?}: {output:e} of the stroke, {kelvin:e} K");
-            assert!(
-                output <= 1e-12 && kelvin <= 1e-10,
-                "{active:?}: {output:e} {kelvin:e}"
-            );
-        } else {
-            assert!(
-                bits(&expected) == bits(found),
-                "{active:?}: {output:e} {kelvin:e}"
-            );
-        }
+        assert_agrees(model, [&expected, found], &by_library);
     }
 }
 

@@ -207,10 +207,6 @@ impl Diagnosed<'_> {
             (unit, _) => format!("{} {unit}", spoken(size)),
         };
         match entry.status {
-            Status::Detected if self.diagnosis.findings.is_empty() => (
-                "suspected",
-                "reduces the error, but not enough for a finding".to_owned(),
-            ),
             Status::Detected => ("detected", or_else(&self.diagnosis.findings, entry.effect)),
             Status::Ambiguous if self.is_suspect(entry.effect) => (
                 "suspected",
