@@ -4,28 +4,42 @@ use wiener::hysteresis::LoopFamily;
 
 use crate::{Bounds, ParameterInfo, Scale};
 
-/// Name of the tails of a loop of relays.
-pub(crate) const RELAY_TAILS: &str = "relay_tails";
+/// Names of the parameters that a loop of another family has beyond those of the paper's loop.
+pub(crate) const FAMILY_PARAMETERS: [&str; 5] = [
+    "branch_asymmetry",
+    "loop_bend_1",
+    "loop_bend_2",
+    "loop_bend_3",
+    "relay_tails",
+];
 
-/// Parameters of a family that the paper's loop does not have, behind those of the baseline model: of relays their tails, see
-/// [`LoopFamily::Relays`]. None where a model file of an earlier version says nothing of them: they are 0 there.
+/// Admissible ends of these parameters, and, within them, those that are searched. Bends within them let no slope turn its sign.
+const ENDS: [[[f64; 2]; 2]; 5] = [
+    [[-0.8, 0.8], [-0.8, 0.8]],
+    [[-0.333, 0.333], [-0.333, 0.333]],
+    [[-0.333, 0.666], [-0.333, 0.666]],
+    [[-0.333, 0.333], [-0.333, 0.333]],
+    [[0.0, 4.0], [0.0, 2.0]],
+];
+
+/// Parameters of a family that the paper's loop does not have, behind those of the baseline model: of a loop of relays or kinetics
+/// the difference of its branches' spreads ([`LimitingLoop::with_asymmetry`](wiener::hysteresis::LimitingLoop::with_asymmetry)) and
+/// three bends ([`Hysteresis::with_bends`](wiener::hysteresis::Hysteresis::with_bends)), and of relays their tails
+/// ([`LoopFamily::Relays`]). In files of earlier versions, which lack some of them, these are 0.
 #[must_use]
 pub fn parameters_of_family(family: LoopFamily) -> Vec<ParameterInfo> {
-    match family {
-        LoopFamily::Proximity | LoopFamily::Kinetics => Vec::new(),
-        LoopFamily::Relays => {
-            let searched = Bounds {
-                lower: 0.0,
-                upper: 2.0,
-            };
-            let admissible = Bounds {
-                lower: 0.0,
-                upper: 4.0,
-            };
-            vec![ParameterInfo {
-                admissible,
-                ..ParameterInfo::searched(RELAY_TAILS, "1", Scale::Linear, searched)
-            }]
+    let count = match family {
+        LoopFamily::Proximity => 0,
+        LoopFamily::Kinetics => 4,
+        LoopFamily::Relays => 5,
+    };
+    let of = |(name, ends): (&&'static str, &[[f64; 2]; 2])| {
+        let [admissible, searched] = ends.map(|[lower, upper]| Bounds { lower, upper });
+        ParameterInfo {
+            admissible,
+            ..ParameterInfo::searched(name, "1", Scale::Linear, searched)
         }
-    }
+    };
+    let all = FAMILY_PARAMETERS.iter().zip(&ENDS);
+    all.take(count).map(of).collect()
 }

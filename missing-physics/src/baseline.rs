@@ -14,7 +14,7 @@ use crate::model::case::prior;
 use crate::watch::{Caller, Watched};
 
 /// Error of the baseline model with what belongs to the recordings left open, over that without, from which they do not ask for it.
-const ASKED_FOR: f64 = 0.95;
+pub(crate) const ASKED_FOR: f64 = 0.95;
 
 /// Starts of that fit, beside the place where the baseline model ended.
 const FEW_STARTS: u64 = 4;

@@ -19,7 +19,7 @@ use crate::model::unseen;
 use crate::next::rivals::next;
 use crate::noise::floor::measured;
 use crate::report::catalogue::{catalogue, finding};
-use crate::report::diagnosis::{Diagnosis, Finding, Stage};
+use crate::report::diagnosis::{Diagnosis, Explained, Finding, Stage};
 use crate::report::explained::explained;
 use crate::report::held::{extended, held_to, told};
 use crate::report::ladder::ladder;
@@ -209,11 +209,15 @@ impl Opened<'_> {
             }
         }
         let cases = families::cases(&case, &fits);
+        let beside = families::beside(catalogue_set);
         for case in &cases {
-            coarse_searches.push(begun(case, catalogue_set.without(Candidate::other_loop()))?);
+            coarse_searches.push(begun(case, beside)?);
         }
         if goes_on {
-            families::grow(&mut coarse_searches)?;
+            // Where a loop leaves nothing that a curve finds, by itself or with one effect, more effects are in vain.
+            if is_thorough || !leading(&completing.audited(&coarse_searches)?).is_whole() {
+                families::grow(&mut coarse_searches)?;
+            }
             completing.completed(&mut coarse_searches)?;
         }
         let of_families = families::cases(&fine_case, &fits);
@@ -243,7 +247,7 @@ impl Opened<'_> {
         let mut decided = decide(&population, &known);
         let ceiling = population.ceiling()[0] / case.layout.n_outputs() as f64;
         let mut simulations =
-            plain.simulations + fits.iter().map(|(_, fit)| fit.simulations).sum::<u64>();
+            plain.simulations + fits.iter().map(|other| other.fit.simulations).sum::<u64>();
         simulations += searches.iter().map(Search::simulations).sum::<u64>();
         simulations += coarse_searches.iter().map(Search::simulations).sum::<u64>();
         let mut search = searches.swap_remove(place);
@@ -255,14 +259,10 @@ impl Opened<'_> {
             let after = unseen::unseen(&extended.model, &extended.stage.fit.point(0), unseen)?;
             let before = unseen::unseen(base, &plain.point(0), unseen)?;
             let own = explained([&before, &after], decided.explained, ceiling, config.seed);
-            shares = Some(own);
-            decided = held_to(
-                decided,
-                &mut search,
-                extended,
-                (own, [&before, &after]),
-                unseen,
-            )?;
+            let errors = ([&before, &after], ceiling);
+            let (held, by_findings) = held_to(decided, &mut search, extended, errors, unseen)?;
+            decided = held;
+            shares = Some(Explained { by_findings, ..own });
         }
         let explained = shares;
         caller.tell(DiagnoseProgress::Locate)?;

@@ -41,8 +41,8 @@ pub use report::saved::{RestoredModel, parse_model, read_model, saved_effects};
 pub use screen::screening::{ScreenConfig, Screened, Screening, screen};
 pub(crate) use sma_effects::{
     Belongs, EffectBlock, EffectId, EffectInfo, EffectParameter, EffectSet, EffectValues, Extended,
-    ExtendedPlant, Hypothesis, Member, Need, Occurrence, PhysicsError, Role, Setting, Sign,
-    Smoothness,
+    ExtendedPlant, FamilyShape, Hypothesis, Member, Need, Occurrence, PhysicsError, Role, Setting,
+    Sign, Smoothness,
 };
 pub use watch::DiagnoseProgress;
 pub use wiener::hysteresis::LoopFamily;

@@ -5,7 +5,7 @@ use recording::Recording;
 
 use crate::model::case::Case;
 use crate::model::coarse::coarse;
-use crate::search::families::plain_fits;
+use crate::search::families::{OtherBaseline, plain_fits};
 use crate::{LoopFamily, Setting};
 
 /// Error over that of the paper's loop up to which a loop counts: of two that leave errors of one size neither is the rod's, and
@@ -41,8 +41,8 @@ pub fn other_loops(
     let case = Case::new(base, fit, &few, setting);
     let others = plain_fits(&case, STARTS, seed)?.into_iter();
     Ok(others
-        .filter(|(_, other)| other.train_rmse <= OF_ONE_SIZE * fit.train_rmse)
-        .map(|(family, fit)| OtherLoop { family, fit })
+        .filter(|other| other.fit.train_rmse <= OF_ONE_SIZE * fit.train_rmse)
+        .map(|OtherBaseline { family, fit, .. }| OtherLoop { family, fit })
         .collect())
 }
 

@@ -39,6 +39,8 @@ pub struct EffectInfo {
     pub costly: bool,
     /// True if a [`LoopFamily`](wiener::hysteresis::LoopFamily) other than the paper's is reported under its name.
     pub names_loop_families: bool,
+    /// True if it is a part of what loops of the other families are free to be.
+    pub within_loop_families: bool,
     /// True if a recorded temperature of the surroundings already contains it, so that a thermometer beside the rod settles
     /// it.
     pub settled_by_ambient_record: bool,
@@ -65,6 +67,7 @@ impl EffectInfo {
         needs_in_recording: &[],
         costly: false,
         names_loop_families: false,
+        within_loop_families: false,
         settled_by_ambient_record: false,
         mean_acts_as: None,
     };

@@ -31,7 +31,7 @@ mod state;
 mod values;
 
 pub use effects::{
-    AmbientDrift, Backlash, DeadTime, EffectId, EffectValues, EndConduction, EndStop,
+    AmbientDrift, Backlash, DeadTime, EffectId, EffectValues, EndConduction, EndStop, FamilyShape,
     FunctionalFatigue, LatentHeat, LoopAsymmetry, LoopShape, NaturalConvection, OutputLag,
     PhaseDependentResistance, RPhase, Radiation, ReturnPointMemory, SensorDrift,
     SensorNonlinearity, StressCoupling, SupplyLag, SupplyLimit, ThermalExpansion, ThermocoupleLag,

@@ -110,9 +110,18 @@ impl<const L: usize> Plants<L> {
             Hypothesis::checked(setting.hypotheses, &lane.own)?;
         }
         let baseline = Wiener::new(setting.drive, setting.rule, params)?;
-        let asymmetry = values.map(|lane| lane.loop_asymmetry.loop_asymmetry);
+        let is_papers = setting.loop_family == LoopFamily::Proximity;
+        let asymmetry = values.map(|lane| {
+            let own = lane.loop_asymmetry.loop_asymmetry;
+            if is_papers {
+                own
+            } else {
+                own + lane.family.asymmetry
+            }
+        });
         let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
-        let tails = values.map(|lane| lane.relay_tails);
+        let tails = values.map(|lane| lane.family.tails);
+        let bends = [0, 1, 2].map(|k| values.map(|lane| lane.family.bends[k]));
         let proximity = SineProximity::new(params.map(|lane| lane.zeta))?;
         // Relays remember all reversals: that they do is what they are.
         let rule = match setting.loop_family {
@@ -131,7 +140,8 @@ impl<const L: usize> Plants<L> {
                 },
             )
             .of_family(setting.loop_family)
-            .with_tails(tails)?,
+            .with_tails(tails)?
+            .with_bends(bends)?,
         };
         let own = Own::new(setting.hypotheses, values);
         let effects = Effects::new(values, &base);
@@ -141,7 +151,8 @@ impl<const L: usize> Plants<L> {
             heat: ZoneHeat::new(heat)?,
             hysteresis: Hysteresis::new(limits, proximity, rule)
                 .of_family(setting.loop_family)
-                .with_tails(tails)?,
+                .with_tails(tails)?
+                .with_bends(bends)?,
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),
             offset: params.map(|lane| lane.offset),

@@ -48,6 +48,12 @@ pub enum HysteresisError {
         /// Rejected value.
         value: f64,
     },
+    /// Bends of a loop that would make its branches turn back.
+    #[error("bends of the loop lower a slope by {value} of it: must be from 0 to 1")]
+    Bends {
+        /// Rejected sum |c_1| + max(-c_2, c_2/2) + |c_3|.
+        value: f64,
+    },
     /// A start temperature is infinite or NaN.
     #[error("start temperature = {value} °C: must be finite")]
     StartTemperature {

@@ -26,6 +26,8 @@ pub enum LoopFamily {
     ///
     /// with the factor that leads the branch to its return point, which is 1 for relays that are all wider than 0. One
     /// part in a thousand takes no heed of the other temperature, so that from every start all relays can be reached.
+    /// Bends change the distribution of either temperature, see
+    /// [`Hysteresis::with_bends`](crate::Hysteresis::with_bends).
     Relays,
     /// Cosine kinetics of Liang and Rogers \[LiangRogers1990\], of what is left to transform, skewed:
     ///
@@ -35,7 +37,8 @@ pub enum LoopFamily {
     /// ```
     ///
     /// and below, mirrored, cooling. ζ = ½ is the source's; above it a transformation sets in sharply and ends slowly. An
-    /// excursion in which nothing transforms leaves no trace; any other starts anew.
+    /// excursion in which nothing transforms leaves no trace; any other starts anew. Bends change the course of sin², see
+    /// [`Hysteresis::with_bends`](crate::Hysteresis::with_bends).
     Kinetics,
 }
 
@@ -137,6 +140,15 @@ impl<const L: usize> Curves<L> {
         match self {
             Self::Relays(relays) => Self::Relays(Relays { tails, ..relays }),
             Self::Kinetics(_) => self,
+        }
+    }
+
+    /// Curves with bends c_1, c_2, c_3.
+    pub(crate) fn with_bends(self, bends: [[f64; L]; 3]) -> Self {
+        let bends = Bends(bends);
+        match self {
+            Self::Relays(relays) => Self::Relays(Relays { bends, ..relays }),
+            Self::Kinetics(kinetics) => Self::Kinetics(Kinetics { bends, ..kinetics }),
         }
     }
 
@@ -285,6 +297,35 @@ fn of<const L: usize>(both: &[[f64; L]; 2], sign: f64, lane: usize) -> f64 {
     if sign < 0.0 { cooling } else { heating }
 }
 
+/// Bends of the course of a transformation, of lanes side by side.
+///
+/// ```text
+/// p' = p + Σ_k c_k φ_k(p),   φ_k' = P_k(1 - 2p)
+/// φ_1 = p(1 - p),   φ_2 = p(1 - p)(1 - 2p),   φ_3 = p(1 - p)(5(1 - 2p)² - 1)/4
+/// ```
+///
+/// P_k are Legendre's polynomials, from -1 to 1, and P_2 from -½: with |c_1| + max(-c_2, c_2/2) + |c_3| ≤ 1 a course that rises goes
+/// on rising.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Bends<const L: usize>([[f64; L]; 3]);
+
+impl<const L: usize> Bends<L> {
+    const NONE: Self = Self([[0.0; L]; 3]);
+
+    /// p' of a course p that rises (`sign` = 1) or falls (-1) while a transformation goes on, and dp'/dp.
+    #[inline(always)]
+    fn bent(&self, lane: usize, sign: f64, p: f64) -> Way {
+        let [skew, bend, third] = self.0.map(|lanes| lanes[lane]);
+        // Of a course that falls, 1 - p is what has been gone: odd terms change their sign.
+        let (skew, third) = (sign * skew, sign * third);
+        let x = 1.0 - 2.0 * p;
+        let square = x * x;
+        let added = p * (1.0 - p) * (skew + bend * x + third * (1.25 * square - 0.25));
+        let slope = skew * x + bend * (1.5 * square - 0.5) + third * (x * (2.5 * square - 1.5));
+        (p + added, 1.0 + slope)
+    }
+}
+
 /// Relays of lanes side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Relays<const L: usize> {
@@ -292,6 +333,7 @@ pub(crate) struct Relays<const L: usize> {
     odds: [f64; L],
     /// τ.
     tails: [f64; L],
+    bends: Bends<L>,
     /// Where half of them have switched, K, and 1/deviation, 1/K, on heating and on cooling.
     middle_k: [[f64; L]; 2],
     per_k: [[f64; L]; 2],
@@ -309,6 +351,7 @@ impl<const L: usize> Relays<L> {
         Self {
             odds: zeta.map(|zeta| libm::exp(LOG_ODDS * zeta)),
             tails: [0.0; L],
+            bends: Bends::NONE,
             middle_k: [lanes(1.0, &middle_k), lanes(-1.0, &middle_k)],
             per_k: [lanes(1.0, &per_k), lanes(-1.0, &per_k)],
         }
@@ -347,7 +390,8 @@ impl<const L: usize> Relays<L> {
         let share = 1.0 / (2.0 + expm1(-x * (LINEAR + CUBIC * x * x)));
         let steepness = (LINEAR + 3.0 * CUBIC * x * x) * nearer_slope;
         let density = share * (1.0 - share) * steepness * per_k;
-        (share, density)
+        let (share, slope) = self.bends.bent(lane, sign, share);
+        (share, density * slope)
     }
 }
 
@@ -402,6 +446,7 @@ pub(crate) struct Kinetics<const L: usize> {
     finish_k: [[f64; L]; 2],
     /// k.
     skew: [f64; L],
+    bends: Bends<L>,
 }
 
 impl<const L: usize> Kinetics<L> {
@@ -416,6 +461,7 @@ impl<const L: usize> Kinetics<L> {
             start_k: [lanes(1.0, -1.0), lanes(-1.0, -1.0)],
             finish_k: [lanes(1.0, 1.0), lanes(-1.0, 1.0)],
             skew: zeta.map(|zeta| libm::expm1(LOG_SKEW * (zeta - 0.5))),
+            bends: Bends::NONE,
         }
     }
 }
@@ -452,6 +498,7 @@ impl<const L: usize> Transforms<L> for Kinetics<L> {
         let is_over = progress >= 1.0;
         let stretched = (1.0 + skew) * per * per;
         let slope_per_k = 2.0 * FRAC_PI_2 * along.scale * stretched * sine * cosine;
-        (sine * sine, if is_over { 0.0 } else { slope_per_k })
+        let (share, slope) = self.bends.bent(lane, 1.0, sine * sine);
+        (share, if is_over { 0.0 } else { slope_per_k * slope })
     }
 }

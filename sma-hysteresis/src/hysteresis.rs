@@ -3,7 +3,11 @@ use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::memory::{Memory, Rule, Rules};
 use crate::path::{Paths, Reversal};
 use crate::proximity::{Proximity, SineProximity};
+use crate::vectors::widest_vectors;
 use crate::{HysteresisError, LoopFamily};
+
+/// Rounding of a sum of bends that is 1.
+const SUM_ROUNDING: f64 = 1e-12;
 
 /// Fraction and slope, as [`Hysteresis::peek`] returns them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +62,32 @@ impl<const L: usize> Hysteresis<L> {
             return Err(HysteresisError::Tails { value });
         }
         self.curves = self.curves.map(|curves| curves.with_tails(tails));
+        Ok(self)
+    }
+
+    /// Bends the course of the transformation, so that a loop of relays or kinetics takes another shape.
+    ///
+    /// ```text
+    /// p' = p + Σ_k c_k φ_k(p),   φ_k' = P_k(1 - 2p),   |c_1| + max(-c_2, c_2/2) + |c_3| ≤ 1
+    /// φ_1 = p(1 - p),   φ_2 = p(1 - p)(1 - 2p),   φ_3 = p(1 - p)(5(1 - 2p)² - 1)/4
+    /// ```
+    ///
+    /// P_k are Legendre's polynomials; the sum is the most by which a slope falls. p is the share of the relays that have switched, or of what is left to transform that
+    /// kinetics have transformed, on heating and, mirrored, on cooling. So the limiting curves change and the memory does not.
+    /// The first index of `bends` is k - 1. The paper's loop has no bends and stays as it is.
+    ///
+    /// # Errors
+    ///
+    /// [`HysteresisError::Bends`] if the sum is no number up to 1: branches would turn back.
+    pub fn with_bends(mut self, bends: [[f64; L]; 3]) -> Result<Self, HysteresisError> {
+        for lane in 0..L {
+            let [skew, bend, third] = bends.map(|lanes| lanes[lane]);
+            let value = skew.abs() + (-bend).max(0.5 * bend) + third.abs();
+            if !(0.0..=1.0 + SUM_ROUNDING).contains(&value) {
+                return Err(HysteresisError::Bends { value });
+            }
+        }
+        self.curves = self.curves.map(|curves| curves.with_bends(bends));
         Ok(self)
     }
 }
@@ -232,14 +262,19 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     }
 
     /// [`Hysteresis::peek`] where the share of the material is what is known.
-    #[inline(always)]
+    ///
+    /// A call, that the paper's loop, which comes here in no sample, stays short wherever it is inlined.
+    #[inline(never)]
     fn peek_at_share(
         &self,
         curves: &Curves<L>,
         paths: &Paths<L>,
         temperature_k: &[f64; L],
     ) -> Sensed<L> {
-        let (mut fraction, mut slope_per_k) = curves.levels(paths, temperature_k);
+        let (mut fraction, mut slope_per_k) = widest_vectors(
+            #[inline(always)]
+            || curves.levels(paths, temperature_k),
+        );
         for l in 0..L {
             let (at, per_share) = self.limits.fraction_of_share(l, fraction[l]);
             fraction[l] = at;
@@ -252,14 +287,17 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     }
 
     /// [`Hysteresis::commit`] on a branch that was changed already.
-    #[inline(always)]
+    #[inline(never)]
     fn commit_at_share(
         &self,
         curves: &Curves<L>,
         memory: &mut Memory<L>,
         temperature_k: &[f64; L],
     ) -> [f64; L] {
-        let (mut fraction, _) = curves.levels(memory.paths(), temperature_k);
+        let (mut fraction, _) = widest_vectors(
+            #[inline(always)]
+            || curves.levels(memory.paths(), temperature_k),
+        );
         for l in 0..L {
             memory.advance(l, temperature_k[l]);
             fraction[l] = self.limits.fraction_of_share(l, fraction[l]).0;

@@ -230,10 +230,10 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::UnseenShare,
         name: "unseen-share",
-        statistic: "share of what could be explained of the unseen recordings that is",
+        statistic: "share of what could be explained of the unseen recordings that the names alone explain",
         comparison: Comparison::AtLeast,
         threshold: 0.8,
         basis: Basis::Chosen,
-        reason: "what is explained is explained on recordings that were not used",
+        reason: "what is explained is explained by what is named, on recordings that were not used",
     },
 ];

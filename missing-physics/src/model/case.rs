@@ -118,13 +118,22 @@ impl<'a> Case<'a> {
         &self.recorded
     }
 
-    /// Case of this rig with a loop of another family; `fit` is the plain fit with that loop.
-    pub(crate) fn of_family(&self, loop_family: LoopFamily, fit: &'a Fit) -> Self {
+    /// Case of this rig with a loop of another family; `base` is the baseline model and `fit` its fit with that loop.
+    pub(crate) fn of_family<'b>(
+        &self,
+        loop_family: LoopFamily,
+        base: &'b WienerModel,
+        fit: &'b Fit,
+    ) -> Case<'b>
+    where
+        'a: 'b,
+    {
         let setting = Setting {
             loop_family,
             ..self.setting
         };
-        Self {
+        Case {
+            base,
             fit,
             setting,
             // Temperatures on one scale: models of all families are compared.

@@ -8,7 +8,8 @@ use recording::Recording;
 use wiener::Block;
 
 use crate::{
-    Belongs, Candidate, CandidateSet, EffectValues, Extended, LoopFamily, Member, Setting,
+    Belongs, Candidate, CandidateSet, EffectValues, Extended, FamilyShape, LoopFamily, Member,
+    Setting,
 };
 
 /// Factor by which a gain may leave that of the baseline, either way.
@@ -163,12 +164,21 @@ impl ExtendedModel {
 
 /// No effects, and what the loop's family has of the last of the parameters before theirs.
 pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValues {
-    let relay_tails = match (family, plain.last()) {
-        (LoopFamily::Relays, Some(&tails)) => tails,
-        _ => 0.0,
+    let family = match (family, plain) {
+        (LoopFamily::Relays, &[.., asymmetry, skew, bend, third, tails]) => FamilyShape {
+            asymmetry,
+            bends: [skew, bend, third],
+            tails,
+        },
+        (LoopFamily::Kinetics, &[.., asymmetry, skew, bend, third]) => FamilyShape {
+            asymmetry,
+            bends: [skew, bend, third],
+            tails: 0.0,
+        },
+        _ => FamilyShape::default(),
     };
     EffectValues {
-        relay_tails,
+        family,
         ..EffectValues::default()
     }
 }

@@ -177,9 +177,24 @@ fn is_of_run(info: &ParameterInfo) -> bool {
 }
 
 impl Unseen {
+    /// Of stretches alone, samples and squares of each.
+    #[cfg(test)]
+    pub(crate) fn of_squares(stretches: Vec<(f64, f64)>) -> Self {
+        Self {
+            stretches,
+            residual: Vec::new(),
+        }
+    }
+
     /// Sum of squares.
     pub(crate) fn squares(&self) -> f64 {
         self.stretches.iter().map(|(_, squares)| squares).sum()
+    }
+
+    /// Mean square; `None` of no samples.
+    pub(crate) fn mean_square(&self) -> Option<f64> {
+        let n: f64 = self.stretches.iter().map(|(n, _)| n).sum();
+        (n > 0.0).then(|| self.squares() / n)
     }
 
     /// Share of what it changes against another model that comes true, and the standard error of that by stretches; `None` where

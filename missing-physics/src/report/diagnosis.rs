@@ -146,6 +146,8 @@ pub struct Explained {
     pub validate: Option<f64>,
     /// 95 % interval of the latter, by blocks.
     pub validate_interval: Option<[f64; 2]>,
+    /// On the unseen recordings by the model with the findings alone; `None` without unseen recordings or findings.
+    pub by_findings: Option<f64>,
 }
 
 /// An effect that is missing from the baseline model.

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use identify::{IdentifyError, ParameterState, Validated};
+use identify::{IdentifyError, ParameterState};
 use recording::Recording;
 
 use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
+use crate::model::case::Node;
 use crate::model::elsewhere::{predicted, spread, validated};
 use crate::model::unseen::{self, Unseen};
-use crate::report::diagnosis::{Explained, ExtendedStage, Stage};
+use crate::report::diagnosis::{ExtendedStage, Stage};
+use crate::report::explained::share;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily, Role};
 
@@ -17,6 +19,9 @@ const TWICE: f64 = 2.0;
 
 /// Error on unseen recordings up to which a model does as well there, over that on the training's, and over the baseline model's.
 const AS_NEAR: f64 = 1.2;
+
+/// Share of the explainable error on unseen recordings that a model explains, up to which they do not bear it out.
+const HALF: f64 = 0.5;
 
 /// Standard error of the share of a change that comes true, from which it says nothing.
 const TOLD: f64 = 0.5;
@@ -80,16 +85,17 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
 }
 
 /// Decision, held to the recordings that were not used: a name that makes them worse becomes a suspect, and an error
-/// that is not explained there does not count as explained.
+/// that the names alone do not explain there does not count as explained. `ceiling` is the mean square that there is no way below.
+/// It is returned with the share that the names alone explain.
 pub(crate) fn held_to(
     mut decided: Decided,
     search: &mut Search<'_>,
     extended: &ExtendedStage,
-    (shares, [before, with]): (Explained, [&Unseen; 2]),
+    ([before, with], ceiling): ([&Unseen; 2], f64),
     unseen: &[Recording],
-) -> Result<Decided, IdentifyError> {
+) -> Result<(Decided, Option<f64>), IdentifyError> {
     if unseen.is_empty() || decided.named.is_empty() {
-        return Ok(decided);
+        return Ok((decided, None));
     }
     let effects: CandidateSet = extended.effects.iter().copied().collect();
     let mut fallen = CandidateSet::EMPTY;
@@ -119,28 +125,64 @@ pub(crate) fn held_to(
         .partition(|named| fallen.contains(named.effect));
     decided.named = named;
     decided.suspects.extend(fallen);
-    let share = shares.validate.unwrap_or(1.0);
-    let is_explained = decided.traces.ask(RuleId::UnseenShare, "", share)
-        || with.squares() < AS_NEAR.powi(2) * before.squares() && is_as_near(extended, unseen)?;
     if decided.named.is_empty() {
         // They made these recordings worse: what is left to say is what the baseline model leaves.
         decided.verdict = decided.nameless;
-    } else if !is_explained && share > 0.5 {
+        return Ok((decided, None));
+    }
+    let names: CandidateSet = decided.named.iter().map(|named| named.effect).collect();
+    let alone = match names_alone(search, effects, names)? {
+        Some(node) if node.effects != effects => {
+            Some(unseen::unseen(&node.model, &node.points[0], unseen)?)
+        }
+        _ => None,
+    };
+    let alone = alone.as_ref().unwrap_or(with);
+    let by_names = share([before, alone], ceiling);
+    let of_names = by_names.unwrap_or(1.0);
+    let is_explained = decided.traces.ask(RuleId::UnseenShare, "", of_names)
+        || alone.squares() < AS_NEAR.powi(2) * before.squares()
+            && is_as_near([alone, with], extended, unseen)?;
+    // What suspects explain beside the names does not speak against these.
+    let is_borne_out = share([before, with], ceiling).is_none_or(|whole| whole > HALF);
+    if !is_explained && is_borne_out {
         decided.verdict = Verdict::ExplainedInPart;
     } else if !is_explained {
         decided.verdict = Verdict::Unexplained;
         decided.suspects.append(&mut decided.named);
     }
-    Ok(decided)
+    Ok((decided, by_names))
 }
 
-/// True if the error of a model on the unseen recordings is no larger than two sources together make it: its error on
-/// the training, where the noise is larger than it was measured, and the uncertainty of its parameters, where the
-/// training did not go.
-fn is_as_near(extended: &ExtendedStage, unseen: &[Recording]) -> Result<bool, IdentifyError> {
+/// The model with names and without what is only suspected; `None` where no fit of it stands.
+fn names_alone<'s>(
+    search: &'s mut Search<'_>,
+    effects: CandidateSet,
+    names: CandidateSet,
+) -> Result<Option<&'s Node>, IdentifyError> {
+    let mut set = effects;
+    for effect in effects.iter().filter(|&effect| !names.contains(effect)) {
+        let Some(less) = search.exchanged(set, effect, None)? else {
+            return Ok(None);
+        };
+        set = less;
+    }
+    Ok(search.get(set))
+}
+
+/// True if the error of the names alone on the unseen recordings is no larger than two sources together make it: the error of the
+/// extended model on the training, where the noise is larger than it was measured, and the uncertainty of its parameters, where the
+/// training did not go. That is at most what the extended model itself leaves there.
+fn is_as_near(
+    [alone, with]: [&Unseen; 2],
+    extended: &ExtendedStage,
+    unseen: &[Recording],
+) -> Result<bool, IdentifyError> {
+    let (Some(error), Some(left)) = (alone.mean_square(), with.mean_square()) else {
+        return Ok(false);
+    };
     let ExtendedStage { model, stage, .. } = extended;
     let spread = spread(model, &stage.fit, &stage.validated, unseen)?;
-    let most = (AS_NEAR * stage.fit.train_rmse).powi(2) + TWICE.powi(2) * spread;
-    let rmse = Validated::rmse_of_all(&stage.validated);
-    Ok(rmse.is_some_and(|rmse| rmse.powi(2) < most))
+    let uncertain = (TWICE.powi(2) * spread).min(left);
+    Ok(error < (AS_NEAR * stage.fit.train_rmse).powi(2) + uncertain)
 }

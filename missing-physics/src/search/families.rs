@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector};
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel};
 use recording::order::rising;
 
 use crate::agreed::agreed;
+use crate::baseline::ASKED_FOR;
 use crate::decide::leading;
 use crate::evidence::Population;
 use crate::model::case::{Case, Node};
@@ -25,63 +26,97 @@ const NEARLY: f64 = 4.0;
 /// Mean square of what is left over that of another loop from which a search with the first is in vain.
 const IN_VAIN: f64 = 2.0;
 
+/// A baseline model with a loop of another family than the paper's.
+#[derive(Debug, Clone)]
+pub(crate) struct OtherBaseline {
+    pub(crate) family: LoopFamily,
+    /// With what belongs to each recording left open, where the recordings ask for it.
+    pub(crate) base: WienerModel,
+    pub(crate) fit: Fit,
+}
+
 /// Baseline models of all other families, each fitted from so many starts beside the place where the paper's ended, the nearest
 /// first.
 pub(crate) fn plain_fits(
     case: &Case<'_>,
     starts: u64,
     seed: u64,
-) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
+) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let fitted = OTHERS.into_iter().map(|family| {
-        let model = case.of_family(family, case.fit).model(CandidateSet::EMPTY);
-        let vector = ParameterVector::new(model.parameters(), case.training.len());
-        let config = FitConfig {
-            from: vec![case.fit.coordinates(&vector)],
-            starts,
-            ..case.fit_config(&case.fit.noise, seed)
+        let fit_from = |base: &WienerModel, from: &Fit, starts: u64| {
+            let model = case.of_family(family, base, case.fit);
+            let model = model.model(CandidateSet::EMPTY);
+            let vector = ParameterVector::new(model.parameters(), case.training.len());
+            let config = FitConfig {
+                from: vec![from.coordinates(&vector)],
+                starts,
+                ..case.fit_config(&case.fit.noise, seed)
+            };
+            let go_on = &mut |_: &_| ControlFlow::Continue(());
+            agreed(&case.watched(&model), case.training, &config, go_on)
         };
-        let go_on = &mut |_: &_| ControlFlow::Continue(());
-        Ok((
-            family,
-            agreed(&case.watched(&model), case.training, &config, go_on)?,
-        ))
+        let base = case.base.clone();
+        let open = base.with_unknowns(case.training);
+        if open.parameters() == base.parameters() {
+            let fit = fit_from(&base, case.fit, starts)?;
+            return Ok(OtherBaseline { family, base, fit });
+        }
+        // A loop that is wrong hides what a recording's own parameters would do: with the right one they are asked for again.
+        let with = fit_from(&open, case.fit, starts)?;
+        let mut without = fit_from(&base, &with, 0)?;
+        without.simulations += with.simulations;
+        let is_asked_for = with.train_rmse < ASKED_FOR * without.train_rmse;
+        let (base, fit) = if is_asked_for {
+            (open, with)
+        } else {
+            (base, without)
+        };
+        Ok(OtherBaseline { family, base, fit })
     });
     let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;
-    rising(&mut fits, |(_, fit)| fit.train_rmse);
+    rising(&mut fits, |other| other.fit.train_rmse);
     Ok(fits)
 }
 
 /// Those of the families that come nearer than the paper's.
-pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<(LoopFamily, Fit)>, IdentifyError> {
+pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let mut fits = plain_fits(case, STARTS, seed)?;
-    let nearest = fits[0].1.train_rmse;
+    let nearest = fits[0].fit.train_rmse;
     let most = (NEARLY * nearest).min(case.fit.train_rmse);
-    fits.retain(|(_, fit)| fit.train_rmse < most);
+    fits.retain(|other| other.fit.train_rmse < most);
     Ok(fits)
 }
 
 /// True if the rig's loop is of another family: by itself it leaves less than half of the mean square that the paper's
 /// loop leaves with any one effect that has a form of its own.
-pub(crate) fn is_another(fits: &[(LoopFamily, Fit)], papers: &Search<'_>) -> bool {
+pub(crate) fn is_another(fits: &[OtherBaseline], papers: &Search<'_>) -> bool {
     let has_form = |node: &&Node| node.effects.iter().all(|one| !one.info().flexible);
     let with_one = papers.nodes().filter(has_form).map(Node::mean_square);
     let least = with_one.fold(f64::INFINITY, f64::min);
     let nearest = fits.first();
-    nearest.is_some_and(|(_, fit)| IN_VAIN * fit.train_rmse.powi(2) < least)
+    nearest.is_some_and(|other| IN_VAIN * other.fit.train_rmse.powi(2) < least)
 }
 
 /// Those alone that come about as near with nothing missing as a model of the paper's loop does with what it names: what
 /// another loop shows by itself is a rival of every name, since each is but a formula.
-pub(crate) fn retain_rivals(fits: &mut Vec<(LoopFamily, Fit)>, named: Option<&Node>) {
+pub(crate) fn retain_rivals(fits: &mut Vec<OtherBaseline>, named: Option<&Node>) {
     let most = named.map_or(0.0, |node| IN_VAIN * node.mean_square());
-    fits.retain(|(_, fit)| fit.train_rmse.powi(2) <= most);
+    fits.retain(|other| other.fit.train_rmse.powi(2) <= most);
 }
 
 /// The rig with each of these loops.
-pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [(LoopFamily, Fit)]) -> Vec<Case<'a>> {
+pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [OtherBaseline]) -> Vec<Case<'a>> {
     fits.iter()
-        .map(|(family, fit)| case.of_family(*family, fit))
+        .map(|other| case.of_family(other.family, &other.base, &other.fit))
         .collect()
+}
+
+/// Those of the candidates that a loop of another family does not already have in it.
+pub(crate) fn beside(catalogue: CandidateSet) -> CandidateSet {
+    let own = catalogue
+        .iter()
+        .filter(|one| one.info().within_loop_families);
+    own.fold(catalogue, CandidateSet::without)
 }
 
 /// Goes the whole way with the paper's loop, the first, and with each other that does not stay further from the recordings than

@@ -82,9 +82,11 @@ class Diagnosed(Reported):
     baseline: Stage
     #: The model with what was found; ``None`` where nothing was.
     extended: Stage | None
-    #: Share of the explainable error that is explained, 0 to 1, on unseen recordings, with its 95 % interval.
+    #: Share of the explainable error that findings and suspects explain, 0 to 1, on unseen recordings, with its 95 % interval.
     explained_fraction: float | None
     explained_interval: Interval | None
+    #: The same by the findings alone; ``None`` without findings or unseen recordings.
+    explained_by_findings: float | None
     #: Lower and upper estimate of the noise, in ``output_unit``.
     noise_floor: tuple[float | None, float | None]
     #: Part of the model where the mismatch is: "drive", "heat-balance", "transformation", "displacement"; ``None`` without one.
@@ -197,6 +199,7 @@ def _diagnosed(
         extended=None if raw["extended"] is None else _stage(raw["extended"]),
         explained_fraction=explained["validate"],
         explained_interval=interval(explained["validate_interval"]),
+        explained_by_findings=explained["by_findings"],
         noise_floor=(floor["lower"], floor["upper"]),
         block=raw["mismatch"]["block"],
         catalogue=tuple(_entry(one) for one in raw["catalogue"]),

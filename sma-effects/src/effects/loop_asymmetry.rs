@@ -31,6 +31,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     presence: Presence::Seldom,
     acts_like: &[],
     needs_in_recording: &[Occurrence::BothBranches],
+    within_loop_families: true,
     ..EffectInfo::ORDINARY
 };
 

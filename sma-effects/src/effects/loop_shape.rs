@@ -43,6 +43,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     acts_like: &[],
     needs_in_recording: &[],
     names_loop_families: true,
+    within_loop_families: true,
     ..EffectInfo::ORDINARY
 };
 

@@ -67,6 +67,19 @@ mod supply_limit;
 mod thermal_expansion;
 mod thermocouple_lag;
 
+/// Shape of a loop of relays or kinetics; 0 is the family's own.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FamilyShape {
+    /// Relative difference of the spreads on cooling and on heating, beside that of the effect; both add up to less
+    /// than 1. See [`LimitingLoop::with_asymmetry`](wiener::hysteresis::LimitingLoop::with_asymmetry).
+    pub asymmetry: f64,
+    /// Bends c_1 to c_3 with |c_1| + max(-c_2, c_2/2) + |c_3| ≤ 1. See
+    /// [`Hysteresis::with_bends`](wiener::hysteresis::Hysteresis::with_bends).
+    pub bends: [f64; 3],
+    /// Tails of relays, 0 to 4. See [`Hysteresis::with_tails`](wiener::hysteresis::Hysteresis::with_tails).
+    pub tails: f64,
+}
+
 /// Makes the closed set of effects, their values, and the calls of their hooks.
 macro_rules! effects {
     ($($name:ident: $module:ident,)+) => {
@@ -96,9 +109,8 @@ macro_rules! effects {
                 #[doc = concat!("Values of [`EffectId::", stringify!($name), "`].")]
                 pub $module: $name,
             )+
-            /// Tails of the relays of a loop, 0 to 4; loops of other families have none. See
-            /// [`Hysteresis::with_tails`](wiener::hysteresis::Hysteresis::with_tails).
-            pub relay_tails: f64,
+            /// What loops of relays or kinetics have beyond the parameters of the paper's loop, which has none of it.
+            pub family: FamilyShape,
             /// Values of the setting's own hypotheses, by hypothesis and parameter; see
             /// [`Hypothesis::values`](crate::Hypothesis::values).
             pub own: [[f64; MOST_PARAMETERS]; MOST_HYPOTHESES],

@@ -123,6 +123,10 @@ fn what_waits_for_a_reversal_says_so() {
 fn facts_of_single_effects() {
     assert_eq!(ids(|info| info.costly), ["end-conduction"]);
     assert_eq!(ids(|info| info.names_loop_families), ["loop-shape"]);
+    assert_eq!(
+        ids(|info| info.within_loop_families),
+        ["loop-shape", "loop-asymmetry"]
+    );
     assert_eq!(ids(EffectInfo::is_of_sensor), ["thermocouple-lag"]);
     assert_eq!(
         ids(|info| info.settled_by_ambient_record),

@@ -15,14 +15,25 @@ fn any_family() -> impl Strategy<Value = LoopFamily> {
     prop_oneof![Just(LoopFamily::Relays), Just(LoopFamily::Kinetics)]
 }
 
-/// A family and the tails of its relays.
-fn any_kind() -> impl Strategy<Value = (LoopFamily, f64)> {
-    (any_family(), prop_oneof![Just(0.0), 0.0..2.0])
+/// A family, the tails of its relays, and its bends.
+type Kind = (LoopFamily, f64, [f64; 3]);
+
+fn any_kind() -> impl Strategy<Value = Kind> {
+    let bend = || -0.3333..0.3333;
+    let bends = prop_oneof![
+        Just([0.0; 3]),
+        (bend(), -0.3333..0.6666, bend()).prop_map(|(skew, bend, third)| [skew, bend, third])
+    ];
+    (any_family(), prop_oneof![Just(0.0), 0.0..2.0], bends)
 }
 
-fn of_kind(kind: (LoopFamily, f64), shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
-    let (family, tails) = kind;
-    of_family(family, shape, rule).with_tails([tails]).unwrap()
+fn of_kind(kind: Kind, shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
+    let (family, tails, bends) = kind;
+    of_family(family, shape, rule)
+        .with_tails([tails])
+        .unwrap()
+        .with_bends(bends.map(|bend| [bend]))
+        .unwrap()
 }
 
 fn of_family(family: LoopFamily, shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
@@ -112,7 +123,7 @@ proptest! {
         shape in any_shape(), tails in 0.0..2.0, path in any_path(), top in 50.0..60.0,
         inner in prop::collection::vec(0.0..1.0, 1..40),
     ) {
-        let material = of_kind((LoopFamily::Relays, tails), shape, Rule::Nested);
+        let material = of_kind((LoopFamily::Relays, tails, [0.0; 3]), shape, Rule::Nested);
         let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
         walk(&material, &mut memory, &path);
         let left = walk(&material, &mut memory, &[top]);
@@ -220,6 +231,60 @@ fn relays_with_tails() {
     // The paper's loop has none.
     let paper = material(width, spread, 0.5, Rule::Nested);
     assert_eq!(paper.with_tails([1.0]).unwrap(), paper);
+}
+
+/// Limiting curves of both directions by the formula of the bends, and refusals.
+#[test]
+fn loops_with_bends() {
+    let bends = [0.3, -0.25, 0.2];
+    let bent = |p: f64| {
+        let x = 1.0 - 2.0 * p;
+        let terms = [1.0, x, (5.0 * x * x - 1.0) / 4.0];
+        let sum: f64 = bends
+            .iter()
+            .zip(terms)
+            .map(|(bend, term)| bend * term)
+            .sum();
+        p + p * (1.0 - p) * sum
+    };
+    for family in [LoopFamily::Relays, LoopFamily::Kinetics] {
+        let straight = of_family(family, (8.0, 3.0, 0.6), Rule::Nested);
+        let material = straight.with_bends(bends.map(|bend| [bend])).unwrap();
+        for (branch, from) in [(Branch::Cooling, -1e5), (Branch::Heating, 1e5)] {
+            for temperature in [-14.0, -9.0, -7.0, 0.0, 5.0, 8.0, 11.0] {
+                let [shown, plain] = [&material, &straight].map(|material| {
+                    let mut memory = material.on_limiting_curve(branch, [from]);
+                    walk(material, &mut memory, &[temperature])
+                });
+                // Of what cools it is the share that has been lost that bends.
+                let expected = if from < 0.0 {
+                    bent(plain)
+                } else {
+                    1.0 - bent(1.0 - plain)
+                };
+                assert!(
+                    (shown - expected).abs() < 1e-9,
+                    "{family}: {shown} {expected}"
+                );
+            }
+        }
+    }
+    let paper = material(8.0, 3.0, 0.6, Rule::Nested);
+    assert_eq!(paper.with_bends([[0.2]; 3]).unwrap(), paper);
+    for bends in [[0.5, 0.4, 0.4], [0.2, -0.5, 0.4], [f64::NAN; 3]] {
+        let refused = paper.with_bends(bends.map(|bend| [bend])).unwrap_err();
+        let refused = refused.to_string();
+        assert!(
+            refused.starts_with("bends of the loop lower a slope by "),
+            "{refused}"
+        );
+    }
+    // A bend that is strongest in the middle may be larger one way than the other.
+    assert!(
+        material(8.0, 3.0, 0.6, Rule::Nested)
+            .with_bends([[0.2], [1.2], [0.2]])
+            .is_ok()
+    );
 }
 
 /// Relays that are all alike, ζ = 1: nearly a single play with a normal curve behind it.

@@ -178,7 +178,7 @@ impl StaticDiagnosed<'_> {
             "runs": null,
             "baseline": of_loop.map_or(nothing, |one| stage(&one.without)),
             "extended": extended,
-            "explained_fraction": {"train": null, "validate": null, "validate_interval": null},
+            "explained_fraction": {"train": null, "validate": null, "validate_interval": null, "by_findings": null},
             "mismatch": {
                 "block": null, "block_probability": null, "blocks": [], "cells": [], "spans": [], "bands": [],
             },

@@ -54,6 +54,7 @@ impl Diagnosed<'_> {
                 "train": explained.and_then(|explained| explained.train),
                 "validate": explained.and_then(|explained| explained.validate),
                 "validate_interval": explained.and_then(|explained| explained.validate_interval),
+                "by_findings": explained.and_then(|explained| explained.by_findings),
             },
             "mismatch": mismatch(&diagnosis.mismatch),
             "findings": diagnosis.findings.iter().map(finding).collect::<Vec<_>>(),

@@ -108,12 +108,26 @@ pub(super) fn explained(diagnosis: &Diagnosis) -> Option<String> {
     let ends = ends.map_or(String::new(), |[lower, upper]| {
         format!(" (95 % interval: {lower} to {upper})")
     });
-    let with = match diagnosis.suspects.len() {
+    let suspects = match diagnosis.suspects.len() {
         0 => "",
-        1 => ", the suspect included",
-        _ => ", the suspects included",
+        1 => "the suspect",
+        _ => "the suspects",
     };
-    let mut text = format!("{amount} of the explainable error{ends} is explained {place}{with}.");
+    let by_findings = explained
+        .by_findings
+        .filter(|own| spoken_percent(*own) != shown);
+    let mut text = match by_findings {
+        Some(own) => format!(
+            "The findings explain {} of the explainable error {place}, and with {suspects} {shown}{ends}.",
+            spoken_percent(own)
+        ),
+        None if suspects.is_empty() => {
+            format!("{amount} of the explainable error{ends} is explained {place}.")
+        }
+        None => format!(
+            "{amount} of the explainable error{ends} is explained {place}, {suspects} included."
+        ),
+    };
     if matches!(interval, Some([lower, _]) if lower <= 0.0) {
         text += " What was not seen does not bear the findings out.";
     }
