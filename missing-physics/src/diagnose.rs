@@ -171,18 +171,25 @@ impl Opened<'_> {
         };
         let tau_s = plain.tau_s();
         let noise = measured(training, tau_s);
-        if !has_converged && !plain.converged() {
-            return Ok(Diagnosis {
-                repeats,
-                ..Diagnosis::not_converged(baseline, &noise, config.seed)
-            });
-        }
+        let is_found = has_converged || plain.converged();
         let fine_case = Case::new(base, plain, training, config.setting).watched_by(caller);
         caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
         let few = coarse(base, plain, training)?;
         let case = Case::new(base, plain, &few, fine_case.setting).watched_by(caller);
         let few_noise = measured(&few, tau_s);
         let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
+        let mut fits = Vec::new();
+        if !is_found {
+            if all.contains(Candidate::other_loop()) {
+                fits = families::fits(&case, config.seed)?;
+            }
+            if !families::has_another(&fits, plain) {
+                return Ok(Diagnosis {
+                    repeats,
+                    ..Diagnosis::not_converged(baseline, &noise, config.seed)
+                });
+            }
+        }
         let catalogue_set = testable(&fine_case, &fine_case.baseline()?, all)?;
         let begun = |case, catalogue| begun(case, catalogue, &few_noise, config.seed);
         let few_blocks = blocks(&case.layout, &few, GAP * tau_s);
@@ -190,15 +197,16 @@ impl Opened<'_> {
         let mut coarse_searches = vec![begun(&case, catalogue_set)?];
         caller.tell_of_search()?;
         // A loop of another family bends what is found of the rest: it comes before more effects do.
-        let mut fits = Vec::new();
-        if catalogue_set.contains(Candidate::other_loop())
+        if fits.is_empty()
+            && catalogue_set.contains(Candidate::other_loop())
             && is_anything(&completing.audited(&coarse_searches)?)
             && !case.leaves_out(Part::OtherLoops)
         {
             fits = families::fits(&case, config.seed)?;
         }
         let is_thorough = config.effort == Effort::Thorough && !fits.is_empty();
-        let mut goes_on = is_thorough || families::is_another(&fits, &coarse_searches[0]);
+        let mut goes_on =
+            is_thorough || !is_found || families::is_another(&fits, &coarse_searches[0]);
         if !goes_on {
             // More effects than one are worth their search where a curve finds more than one has.
             let population = completing.completed(&mut coarse_searches)?;
@@ -236,6 +244,12 @@ impl Opened<'_> {
         let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
         caller.tell(DiagnoseProgress::Refit)?;
         let (place, effects) = at(&searches, leading(&population));
+        if !is_found && place == 0 {
+            return Ok(Diagnosis {
+                repeats,
+                ..Diagnosis::not_converged(baseline, &noise, config.seed)
+            });
+        }
         let known = known(
             &searches[place],
             effects,

@@ -87,6 +87,14 @@ pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<OtherBaseline>, Ide
     Ok(fits)
 }
 
+/// True if a loop of another family has one minimum, with less than half of the mean square, where the paper's has many.
+pub(crate) fn has_another(fits: &[OtherBaseline], papers: &Fit) -> bool {
+    let square = |fit: &Fit| fit.train_rmse.powi(2);
+    let nearest = fits.first();
+    nearest
+        .is_some_and(|other| other.fit.converged() && IN_VAIN * square(&other.fit) < square(papers))
+}
+
 /// True if the rig's loop is of another family: by itself it leaves less than half of the mean square that the paper's
 /// loop leaves with any one effect that has a form of its own.
 pub(crate) fn is_another(fits: &[OtherBaseline], papers: &Search<'_>) -> bool {
@@ -155,4 +163,33 @@ pub(crate) fn begun<'c>(
     let mut search = Search::new(case, case.baseline()?, catalogue, noise.highest(), seed)?;
     search.grow_by_one()?;
     Ok(search)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::synthetic::Synthetic;
+    use crate::{EffectSet, EffectValues};
+
+    #[test]
+    fn another_loop_stands_in_where_it_has_one_minimum_and_half_of_the_error() {
+        let synthetic = Synthetic::of(EffectSet::EMPTY, EffectValues::default(), 1);
+        let case = synthetic.case();
+        let papers = case.fit;
+        let with = |share: f64, agreeing_starts: u64| OtherBaseline {
+            family: LoopFamily::Relays,
+            base: case.base.clone(),
+            fit: Fit {
+                train_rmse: share * papers.train_rmse,
+                agreeing_starts,
+                starts: 5,
+                ..papers.clone()
+            },
+        };
+        assert!(papers.termination.is_minimum());
+        assert!(has_another(&[with(0.7, 2)], papers));
+        assert!(!has_another(&[with(0.72, 2)], papers));
+        assert!(!has_another(&[with(0.7, 1)], papers));
+        assert!(!has_another(&[], papers));
+    }
 }

@@ -109,7 +109,7 @@ macro_rules! effects {
                 #[doc = concat!("Values of [`EffectId::", stringify!($name), "`].")]
                 pub $module: $name,
             )+
-            /// What loops of relays or kinetics have beyond the parameters of the paper's loop, which has none of it.
+            /// Shape of a loop of relays or kinetics; the paper's loop has none.
             pub family: FamilyShape,
             /// Values of the setting's own hypotheses, by hypothesis and parameter; see
             /// [`Hypothesis::values`](crate::Hypothesis::values).

@@ -111,8 +111,19 @@ impl Diagnosed<'_> {
         let headline = [headline(self.diagnosis)];
         implausible
             .chain(headline)
+            .chain(self.other_minima())
             .chain(self.cut_short())
             .collect()
+    }
+
+    /// Doubt of the baseline model's own error, in a sentence; `None` if its starts agree.
+    fn other_minima(&self) -> Option<String> {
+        let is_open = !self.diagnosis.baseline.fit.converged();
+        (is_open && self.diagnosis.verdict != Verdict::NotConverged).then(|| {
+            "No two starts of the baseline model end at one minimum, so its error may be smaller than stated. With a loop \
+             of another family they do."
+                .to_owned()
+        })
     }
 
     /// Parts of the search that were left out, in a sentence; `None` if it went to its end.
