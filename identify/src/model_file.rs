@@ -228,7 +228,7 @@ impl SavedModel {
     /// # Errors
     ///
     /// [`IdentifyError::Toml`] for what is not such a file, [`IdentifyError::Value`] and
-    /// [`IdentifyError::Saved`] for what cannot be, each with line and column.
+    /// [`IdentifyError::Saved`] for what cannot be, each with line and column; [`IdentifyError::Untrained`].
     pub fn parse_with(
         file: &str,
         text: &str,
@@ -250,6 +250,11 @@ impl SavedModel {
             .filter(|one| one.role == Role::Train)
             .map(|one| one.name.as_str())
             .collect();
+        if trained.is_empty() {
+            return Err(IdentifyError::Untrained {
+                file: file.to_owned(),
+            });
+        }
         let rod = RodFile {
             rod: parsed.rod,
             surroundings: parsed.surroundings,

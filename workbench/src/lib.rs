@@ -22,7 +22,7 @@ mod turned;
 pub use columns::in_columns_of;
 pub use error::WorkbenchError;
 pub use first_rod::{FirstRod, first_rod};
-pub use inputs::hashed;
+pub use inputs::{hashed, sha256_of};
 pub use known_to_a_range::{carry_resistivity, carry_specific_heat};
 pub use place::Place;
 pub use recordings::{
