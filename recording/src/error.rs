@@ -426,25 +426,6 @@ pub enum RecordingError {
         n_samples: usize,
     },
 
-    /// A span in the middle is to be left out.
-    #[error(
-        "{file}: {start_s} to {end_s} s: within the recording, and what comes after does not begin as what comes before ends; \
-         expected a span at its start or its end, or one of the parts: --window {file}:{first_s}..{start_s} or --window \
-         {file}:{end_s}..{last_s}"
-    )]
-    ExcludedInside {
-        /// The file.
-        file: String,
-        /// Start of the span, s.
-        start_s: f64,
-        /// Its end, s.
-        end_s: f64,
-        /// First time stamp of the recording, s.
-        first_s: f64,
-        /// Last time stamp, s.
-        last_s: f64,
-    },
-
     /// The surroundings are recorded, and stated besides.
     #[error(
         "{file}: ambient_degc = {ambient_degc} °C is stated of it under [recordings], and it has a column of that; expected one of the two"

@@ -40,7 +40,7 @@ class Use:
 
     #: From when to when each recording is used, s, by its name.
     window_s: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    #: A span at the start or the end of each recording that is left out, s, by its name.
+    #: A span of each recording that is left out, s, by its name. One in the middle leaves two recordings, ``name:from..to``.
     exclude_s: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     #: Every how manieth row is used, with the mean of those around it.
     decimate: int | None = None
