@@ -91,7 +91,9 @@ pub enum RecordingError {
     },
 
     /// A file without rows of numbers.
-    #[error("{file}: no table; expected rows of at least two numbers")]
+    #[error(
+        "{file}: no table; expected rows of at least two numbers; where commas stand in numbers, save with semicolons or tabs between fields"
+    )]
     NoTable {
         /// The file.
         file: String,

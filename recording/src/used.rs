@@ -34,7 +34,7 @@ impl Recording {
                 file: self.name().to_owned(),
             });
         }
-        if spans_s.iter().any(|[start_s, end_s]| !(start_s <= end_s)) {
+        if !spans_s.iter().all(|[start_s, end_s]| start_s <= end_s) {
             // No span: nothing would be left.
             return self.slice(0..0).map(|none| vec![none]);
         }

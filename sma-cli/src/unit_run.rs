@@ -65,7 +65,7 @@ pub(crate) enum Ended {
 #[derive(Debug)]
 enum Ran {
     /// By itself: the same inputs end so again.
-    Of(Unit),
+    Of(Box<Unit>),
     /// By something else, which is said.
     Else(String),
 }
@@ -195,21 +195,27 @@ fn ran(task: Task, output: &Output) -> Ran {
     match (output.status.code(), output.status.signal()) {
         (Some(code), _) if is(code, DONE) || is(code, NOT_TO_BE_USED) => {
             match serde_json::from_slice(&output.stdout) {
-                Ok(result @ Value::Object(_)) => Ran::Of(Unit::done(task, code, result)),
+                Ok(result @ Value::Object(_)) => Ran::Of(Box::new(Unit::done(task, code, result))),
                 _ => Ran::Else(format!(
                     "ended with code {code}, but without a result: {said}"
                 )),
             }
         }
-        (Some(code), _) if is(code, BAD_INPUT) => Ran::Of(Unit::failed(task, Some(code), said)),
-        (Some(PANIC), _) => Ran::Of(Unit::failed(task, Some(PANIC), &crash("panic", said))),
+        (Some(code), _) if is(code, BAD_INPUT) => {
+            Ran::Of(Box::new(Unit::failed(task, Some(code), said)))
+        }
+        (Some(PANIC), _) => Ran::Of(Box::new(Unit::failed(
+            task,
+            Some(PANIC),
+            &crash("panic", said),
+        ))),
         (Some(code), _) => Ran::Else(format!("ended with code {code}: {said}")),
         (None, Some(_)) if said.contains("memory allocation of ") => Ran::Else(format!(
             "{said}: the machine had no memory left; the same call goes on"
         )),
         (None, Some(signal)) if FAULTS.contains(&signal) => {
             let said = crash(&format!("signal {signal}"), said);
-            Ran::Of(Unit::failed(task, None, &said))
+            Ran::Of(Box::new(Unit::failed(task, None, &said)))
         }
         (None, signal) => Ran::Else(format!(
             "was killed (signal {}), perhaps because the machine had no memory left; the same call goes on",
@@ -282,7 +288,7 @@ mod tests {
             stderr: stderr.into(),
         };
         match ran(task, &output) {
-            Ran::Of(unit) => Ok(unit),
+            Ran::Of(unit) => Ok(*unit),
             Ran::Else(said) => Err(said),
         }
     }

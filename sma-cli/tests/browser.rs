@@ -58,7 +58,7 @@ addEventListener("load", () => {
   });
   const wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
   const tables = [...document.querySelectorAll("table")].filter((table) => table.querySelector("th button")).map((table) => {
-    const of = (column) => [...table.tBodies[0].rows].map((row) => row.cells[column].textContent.trim());
+    const of = (column) => [...table.tBodies[0].rows].map((row) => row.cells[column]?.textContent.trim() ?? "");
     return [...table.querySelectorAll("th button")].map((button, column) => {
       const first = of(column), heading = button.closest("th");
       const pressed = [0, 1, 2].map(() => {
@@ -70,7 +70,7 @@ addEventListener("load", () => {
       return { first, pressed };
     });
   });
-  const found = { faults, figures, tables, dark: getComputedStyle(document.body).backgroundColor };
+  const found = { faults, figures, tables, wide, dark: getComputedStyle(document.body).backgroundColor };
   const text = document.createElement("pre");
   text.id = "found";
   text.textContent = JSON.stringify(found);
