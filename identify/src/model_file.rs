@@ -28,14 +28,14 @@ pub(crate) const SCHEMA_VERSION: i64 = 1;
 /// The first lines of a file.
 const HEAD: &str = "\
 # A model identified by `sma identify`; `sma simulate` and `sma identify --from-model` read it.
-# The tables before the first [[parameter]] are those of the rod file.
+# The tables before the parameters are those of the rod file.
 
 ";
 
 /// The first lines of a file of a model with effects.
 const HEAD_WITH_EFFECTS: &str = "\
 # A model with effects found by `sma diagnose`; `sma simulate` and `sma tune` read it.
-# The tables before the first [[parameter]] are those of the rod file.
+# The tables before the parameters are those of the rod file.
 
 ";
 

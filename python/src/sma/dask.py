@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import itertools
 import json
 import os
 import subprocess
@@ -18,6 +19,7 @@ import sys
 import tempfile
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
 
@@ -69,15 +71,19 @@ def run_units(
             f"scheduler = {scheduler}: {error}; expected the address of a Dask scheduler, such as tcp://10.0.0.1:8786"
         ) from None
     with client:
-        done, n_ended = distributed.as_completed(loop=client.loop), 0
+        done, n_sent, n_ended = distributed.as_completed(loop=client.loop), 0, 0
 
-        def send(n_units: int) -> None:
-            for _, unit in zip(range(n_units), waiting, strict=False):
+        def send() -> int:
+            # Workers come and go.
+            n_wanted = max(UNITS_PER_THREAD * sum(client.nthreads().values()), UNITS_PER_THREAD)
+            units = list(itertools.islice(waiting, max(n_wanted - (n_sent - n_ended), 0)))
+            for unit in units:
                 # No result of Dask's own memory: a unit is run again where its file is gone.
                 done.add(client.submit(run_unit, unit, key=f"sma-{unit.name}-{os.urandom(4).hex()}", pure=False))
+            return len(units)
 
         try:
-            send(max(UNITS_PER_THREAD * sum(client.nthreads().values()), UNITS_PER_THREAD))
+            n_sent += send()
             for future in done:
                 try:
                     ran = future.result()
@@ -89,10 +95,18 @@ def run_units(
                 n_ended += 1
                 if show is not None:
                     show(f"batch {n_ended}/{len(rigs)}")
-                send(1)
-        except BaseException:
+                n_sent += send()
+        except CancelledError as error:
+            raise ProgramError(
+                f"{scheduler}: the scheduler is gone, or dropped a unit ({error}); the same call goes on"
+            ) from None
+        except BaseException as error:
             client.cancel(list(done.futures))
-            raise
+            if isinstance(error, SmaError) or not isinstance(error, Exception):
+                raise
+            raise ProgramError(
+                f"a worker: {type(error).__name__}: {error}; expected sma-actuator, the same wheel as here, on all machines"
+            ) from error
         finally:
             clear()
     return said
