@@ -214,6 +214,14 @@ pub enum IdentifyError {
         /// File.
         file: String,
     },
+    /// A model file names no recording that the model was fitted to.
+    #[error(
+        "{file}: recording: none has role = \"train\"; expected the recordings that the model was fitted to, as --save-model writes them"
+    )]
+    Untrained {
+        /// File.
+        file: String,
+    },
     /// A model has no form in TOML.
     #[error("model of {file}: cannot be written")]
     Unwritable {

@@ -1,5 +1,6 @@
 //! `model.toml`: how a saved model is written.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use recording::Columns;
@@ -8,6 +9,7 @@ use toml::Spanned;
 use wiener::hysteresis::{LoopFamily, REVERSAL_DEAD_BAND_K, Rule};
 
 use crate::model_entries::Reading;
+use crate::recording_use::RecordingTable;
 use crate::rod::{DriveTable, LimitsTable, LoadTable, RodFile, RodTable, Surroundings};
 use crate::saved_model::{Provenance, Role, SavedModel, SavedRecording, Scores};
 use crate::source::{Source, read};
@@ -26,14 +28,14 @@ pub(crate) const SCHEMA_VERSION: i64 = 1;
 /// The first lines of a file.
 const HEAD: &str = "\
 # A model identified by `sma identify`; `sma simulate` and `sma identify --from-model` read it.
-# The tables from [rod] to [columns] are those of the rod file.
+# The tables before the parameters are those of the rod file.
 
 ";
 
 /// The first lines of a file of a model with effects.
 const HEAD_WITH_EFFECTS: &str = "\
 # A model with effects found by `sma diagnose`; `sma simulate` and `sma tune` read it.
-# The tables from [rod] to [columns] are those of the rod file.
+# The tables before the parameters are those of the rod file.
 
 ";
 
@@ -98,6 +100,8 @@ struct ModelFile {
     limits: LimitsTable,
     #[serde(default)]
     columns: Columns,
+    #[serde(default)]
+    recordings: BTreeMap<String, RecordingTable>,
     parameter: Vec<Spanned<ParameterTable>>,
     covariance: Spanned<ParameterCovariance>,
     integration: Spanned<IntegrationTable>,
@@ -228,7 +232,7 @@ impl SavedModel {
     /// # Errors
     ///
     /// [`IdentifyError::Toml`] for what is not such a file, [`IdentifyError::Value`] and
-    /// [`IdentifyError::Saved`] for what cannot be, each with line and column.
+    /// [`IdentifyError::Saved`] for what cannot be, each with line and column; [`IdentifyError::Untrained`].
     pub fn parse_with(
         file: &str,
         text: &str,
@@ -250,6 +254,11 @@ impl SavedModel {
             .filter(|one| one.role == Role::Train)
             .map(|one| one.name.as_str())
             .collect();
+        if trained.is_empty() {
+            return Err(IdentifyError::Untrained {
+                file: file.to_owned(),
+            });
+        }
         let rod = RodFile {
             rod: parsed.rod,
             surroundings: parsed.surroundings,
@@ -257,6 +266,7 @@ impl SavedModel {
             load: parsed.load,
             limits: parsed.limits,
             columns: parsed.columns,
+            recordings: parsed.recordings,
             ..RodFile::default()
         };
         let rod = Rod::of(&source, rod)?;

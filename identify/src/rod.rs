@@ -308,10 +308,18 @@ impl Rod {
         })
     }
 
-    /// The tables of the file that say what the rig is, as they are written there; `[model]`, which says what
+    /// The tables of the file that say what the rig is and which parts of its recordings count, as they are written there; `[model]`, which says what
     /// to do with it, is not among them.
     pub(crate) fn tables(&self) -> toml::Table {
-        const TABLES: [&str; 6] = ["rod", "surroundings", "drive", "load", "limits", "columns"];
+        const TABLES: [&str; 7] = [
+            "rod",
+            "surroundings",
+            "drive",
+            "load",
+            "limits",
+            "columns",
+            "recordings",
+        ];
         let mut tables: toml::Table = toml::from_str(&self.text).unwrap_or_default();
         tables.retain(|key, _| TABLES.contains(&key));
         tables

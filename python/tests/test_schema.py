@@ -39,3 +39,11 @@ def test_tune(tuned: tuple[sma.Tuned, list[str]]) -> None:
 
 def test_inspect() -> None:
     check("inspect", sma.inspect([BUNDLED / "train.csv", BUNDLED / "validate.csv"]).raw)
+
+
+def test_batch() -> None:
+    rigs = [
+        sma.Rig("whole", BUNDLED / "rod.toml", BUNDLED / "train.csv"),
+        sma.Rig("none", BUNDLED / "rod.toml", BUNDLED / "rod.toml"),
+    ]
+    check("batch", sma.batch(rigs, do="identify").raw)

@@ -91,7 +91,9 @@ pub enum RecordingError {
     },
 
     /// A file without rows of numbers.
-    #[error("{file}: no table; expected rows of at least two numbers")]
+    #[error(
+        "{file}: no table; expected rows of at least two numbers; where commas stand in numbers, save with semicolons or tabs between fields"
+    )]
     NoTable {
         /// The file.
         file: String,
@@ -424,25 +426,6 @@ pub enum RecordingError {
         end: usize,
         /// Samples of the recording.
         n_samples: usize,
-    },
-
-    /// A span in the middle is to be left out.
-    #[error(
-        "{file}: {start_s} to {end_s} s: within the recording, and what comes after does not begin as what comes before ends; \
-         expected a span at its start or its end, or one of the parts: --window {file}:{first_s}..{start_s} or --window \
-         {file}:{end_s}..{last_s}"
-    )]
-    ExcludedInside {
-        /// The file.
-        file: String,
-        /// Start of the span, s.
-        start_s: f64,
-        /// Its end, s.
-        end_s: f64,
-        /// First time stamp of the recording, s.
-        first_s: f64,
-        /// Last time stamp, s.
-        last_s: f64,
     },
 
     /// The surroundings are recorded, and stated besides.

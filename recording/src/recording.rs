@@ -98,6 +98,12 @@ impl Recording {
         self
     }
 
+    /// This recording under another name.
+    pub(crate) fn named(mut self, name: String) -> Self {
+        self.parts.name = name;
+        self
+    }
+
     /// This recording, in surroundings of one temperature, °C.
     pub(crate) fn with_ambient(&self, ambient_degc: f64) -> Result<Self, RecordingError> {
         let parts = RecordingParts {

@@ -16,47 +16,61 @@ const FEWEST_AT_REST: usize = 10;
 const SETTLED: f64 = 0.01;
 
 impl Recording {
-    /// The recording without a span at its start or its end, s, both ends of the span left out, too; says so among its
+    /// The parts that spans leave of the recording, s, both ends of a span left out, too; each says so among its
     /// [`Recording::adaptations`].
+    ///
+    /// A span at the start or the end leaves one part, with the name of the recording. One in the middle leaves two. The state in which
+    /// the second begins is not that in which the first ends, so they are recordings of their own, named by their first and last time
+    /// stamp as a window of the recording is: `run3.csv:0..32.9` and `run3.csv:41.1..60`.
     ///
     /// # Errors
     ///
-    /// [`RecordingError::ExcludedInside`] for a span with samples on both sides: the state in which the second part begins is not that
-    /// in which the first ends. [`RecordingError::NoTime`] for static data, [`RecordingError::RangeOutside`] if fewer than two samples
-    /// are left, or the end is not behind the start.
-    pub fn excluding(&self, start_s: f64, end_s: f64) -> Result<Self, RecordingError> {
+    /// [`RecordingError::NoTime`] for static data, [`RecordingError::RangeOutside`] if nothing is left, if fewer than two samples are
+    /// between two spans, or if the end of a span is not behind its start.
+    pub fn excluding(&self, spans_s: &[[f64; 2]]) -> Result<Vec<Self>, RecordingError> {
         let time_s = self.time_s();
-        let (Some(&first_s), Some(&last_s)) = (time_s.first(), time_s.last()) else {
+        if time_s.is_empty() {
             return Err(RecordingError::NoTime {
                 file: self.name().to_owned(),
             });
-        };
-        let (before, after) = match start_s <= end_s {
-            true => (
-                time_s.partition_point(|time_s| *time_s < start_s),
-                time_s.partition_point(|time_s| *time_s <= end_s),
-            ),
+        }
+        if !spans_s.iter().all(|[start_s, end_s]| start_s <= end_s) {
             // No span: nothing would be left.
-            false => (0, self.len()),
+            return self.slice(0..0).map(|none| vec![none]);
+        }
+        let is_left = |time_s: &f64| {
+            let mut spans = spans_s.iter();
+            !spans.any(|[start_s, end_s]| start_s <= time_s && time_s <= end_s)
         };
-        let left = match (before, after) {
-            (0, after) => after..self.len(),
-            (before, after) if after >= self.len() => 0..before,
-            _ => {
-                return Err(RecordingError::ExcludedInside {
-                    file: self.name().to_owned(),
-                    start_s,
-                    end_s,
-                    first_s,
-                    last_s,
-                });
+        let is_left: Vec<bool> = time_s.iter().map(is_left).collect();
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for (k, _) in is_left.iter().enumerate().filter(|(_, is_left)| **is_left) {
+            match parts.last_mut() {
+                Some(last) if last.end == k => last.end = k + 1,
+                _ => parts.push(k..k + 1),
             }
+        }
+        if parts.is_empty() {
+            parts.push(0..0);
+        }
+        let n_parts = parts.len();
+        let part = |range: Range<usize>| {
+            let mut part = self.slice(range)?.adapted_by(self.adaptations().to_vec());
+            for [start_s, end_s] in spans_s {
+                let what = format!("{start_s} to {end_s} s of it are left out");
+                part = part.also_adapted_by(Adaptation::of_recording(what));
+            }
+            if n_parts > 1 {
+                let [first_s, last_s] = [part.time_s()[0], part.time_s()[part.len() - 1]]
+                    .map(|time_s| (1e3 * time_s).round() / 1e3);
+                let what = "the parts are recordings of their own, each with its start and offset";
+                part = part
+                    .named(format!("{}:{first_s}..{last_s}", self.name()))
+                    .also_adapted_by(Adaptation::of_recording(what.to_owned()));
+            }
+            Ok(part)
         };
-        let done = Adaptation::of_recording(format!("{start_s} to {end_s} s of it are left out"));
-        Ok(self
-            .slice(left)?
-            .adapted_by(self.adaptations().to_vec())
-            .also_adapted_by(done))
+        parts.into_iter().map(part).collect()
     }
 
     /// The recording in surroundings of one temperature, °C; says so among its [`Recording::adaptations`].

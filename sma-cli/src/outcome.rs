@@ -60,6 +60,16 @@ pub(crate) fn with_sources(error: &dyn Error) -> String {
     texts.join(": ")
 }
 
+/// True for a file that is there and cannot be read: no permission, no answer of a disk, too many open files. It may be read the next
+/// time, so it says nothing of the input.
+pub(crate) fn is_of_the_machine(error: &(dyn Error + 'static)) -> bool {
+    /// ENOENT, ENOTDIR, EISDIR, ENAMETOOLONG, ELOOP: there is no such file.
+    const NO_FILE: [i32; 5] = [2, 20, 21, 36, 40];
+    let chain = std::iter::successors(Some(error), |&error| error.source());
+    let mut codes = chain.filter_map(|error| error.downcast_ref::<io::Error>()?.raw_os_error());
+    codes.any(|code| !NO_FILE.contains(&code))
+}
+
 /// Exit codes; clap itself ends with 2 for a call that is no call of this program.
 fn code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
@@ -120,6 +130,14 @@ mod tests {
         assert_eq!(code(&Ok(Outcome::Implausible)), 4);
         assert_eq!(code(&Err(TuneError::NoRest.into())), 4);
         assert_eq!(code(&Err(TuneError::NoStarts.into())), 3);
+        for (os_error, expected) in [(2, false), (21, false), (5, true), (13, true), (24, true)] {
+            let error = WorkbenchError::Read {
+                path: "run.csv".into(),
+                source: io::Error::from_raw_os_error(os_error),
+            };
+            assert_eq!(is_of_the_machine(&error), expected, "{os_error}");
+        }
+        assert!(!is_of_the_machine(&IdentifyError::NoRecordings));
         let closed = io::Error::from(io::ErrorKind::BrokenPipe);
         assert_eq!(code(&Err(closed.into())), 0);
     }

@@ -10,7 +10,7 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
-use crate::outcome::{BAD_INPUT, DONE, NOT_TO_BE_USED, with_sources};
+use crate::outcome::{BAD_INPUT, DONE, NOT_TO_BE_USED, is_of_the_machine, with_sources};
 use workbench::WorkbenchError;
 use workbench::fleet::{Failure, Listed, RigFiles, Role, Task, Unit, Units, named};
 
@@ -26,6 +26,8 @@ const FAULTS: [i32; 6] = [4, 5, 6, 7, 8, 11];
 pub(crate) struct UnitRun<'a> {
     /// This program.
     pub(crate) program: PathBuf,
+    /// SHA-256 of its file, in hexadecimal.
+    pub(crate) program_sha256: &'a str,
     /// Command on each rig.
     pub(crate) command: &'static str,
     /// Its flags that can move a result.
@@ -52,8 +54,8 @@ pub(crate) enum Ended {
     Refused(Failure),
     /// There is no file of it.
     Open {
-        /// Name of the unit.
-        unit: String,
+        /// Name of the unit; `None` where a file of the rig cannot be read now.
+        unit: Option<String>,
         /// Why.
         failure: Failure,
     },
@@ -63,7 +65,7 @@ pub(crate) enum Ended {
 #[derive(Debug)]
 enum Ran {
     /// By itself: the same inputs end so again.
-    Of(Unit),
+    Of(Box<Unit>),
     /// By something else, which is said.
     Else(String),
 }
@@ -79,10 +81,19 @@ impl UnitRun<'_> {
     fn ended(&self, number: usize, rig: &Listed, notes: &mut Vec<String>) -> Ended {
         let files = match &rig.files {
             Ok(files) => files,
+            Err(why) if rig.is_unread => {
+                notes.push(why.clone());
+                return open(None, why);
+            }
             Err(why) => return refused(why, &[], notes),
         };
         let task = match self.task(files) {
             Ok(task) => task,
+            Err(error) if is_of_the_machine(&error) => {
+                let said = with_sources(&error);
+                notes.push(said.clone());
+                return open(None, &said);
+            }
             Err(error) => {
                 let names = named(files).into_iter();
                 let names: Vec<String> = names.map(|(_, name, _)| shown(&name)).collect();
@@ -98,7 +109,7 @@ impl UnitRun<'_> {
             Err(fault) => notes.push(format!("{}; it does not count", with_sources(&fault))),
         }
         if !self.is_run {
-            return open(unit, "no result in the folders that were merged");
+            return open(Some(unit), "no result in the folders that were merged");
         }
         let folder = self.place.join(number.to_string());
         let ended = match self.in_folder(&folder, files, task) {
@@ -107,11 +118,11 @@ impl UnitRun<'_> {
                 notes.extend(failure.map(|failure| failure.sentence.clone()));
                 match self.units.keep(&result, &folder) {
                     Ok(()) => Ended::Kept { unit },
-                    Err(error) => open(unit, &with_sources(&error)),
+                    Err(error) => open(Some(unit), &with_sources(&error)),
                 }
             }
-            Ok(Ran::Else(said)) => open(unit, &said),
-            Err(error) => open(unit, &with_sources(error.as_ref())),
+            Ok(Ran::Else(said)) => open(Some(unit), &said),
+            Err(error) => open(Some(unit), &with_sources(error.as_ref())),
         };
         if let Ended::Open { failure, .. } = &ended {
             notes.push(failure.sentence.clone());
@@ -121,9 +132,10 @@ impl UnitRun<'_> {
         ended
     }
 
-    fn task(&self, files: &RigFiles) -> Result<Task, WorkbenchError> {
-        let version = env!("CARGO_PKG_VERSION");
-        Task::of(version, self.command, self.flags.clone(), files)
+    /// The task of a rig.
+    pub(crate) fn task(&self, files: &RigFiles) -> Result<Task, WorkbenchError> {
+        let of = [env!("CARGO_PKG_VERSION"), self.program_sha256];
+        Task::of(of, self.command, self.flags.clone(), files)
     }
 
     /// Runs a task in a folder where its files have the names that they have in the task, so that no result tells where they lie.
@@ -183,21 +195,27 @@ fn ran(task: Task, output: &Output) -> Ran {
     match (output.status.code(), output.status.signal()) {
         (Some(code), _) if is(code, DONE) || is(code, NOT_TO_BE_USED) => {
             match serde_json::from_slice(&output.stdout) {
-                Ok(result @ Value::Object(_)) => Ran::Of(Unit::done(task, code, result)),
+                Ok(result @ Value::Object(_)) => Ran::Of(Box::new(Unit::done(task, code, result))),
                 _ => Ran::Else(format!(
                     "ended with code {code}, but without a result: {said}"
                 )),
             }
         }
-        (Some(code), _) if is(code, BAD_INPUT) => Ran::Of(Unit::failed(task, Some(code), said)),
-        (Some(PANIC), _) => Ran::Of(Unit::failed(task, Some(PANIC), &crash("panic", said))),
+        (Some(code), _) if is(code, BAD_INPUT) => {
+            Ran::Of(Box::new(Unit::failed(task, Some(code), said)))
+        }
+        (Some(PANIC), _) => Ran::Of(Box::new(Unit::failed(
+            task,
+            Some(PANIC),
+            &crash("panic", said),
+        ))),
         (Some(code), _) => Ran::Else(format!("ended with code {code}: {said}")),
         (None, Some(_)) if said.contains("memory allocation of ") => Ran::Else(format!(
             "{said}: the machine had no memory left; the same call goes on"
         )),
         (None, Some(signal)) if FAULTS.contains(&signal) => {
             let said = crash(&format!("signal {signal}"), said);
-            Ran::Of(Unit::failed(task, None, &said))
+            Ran::Of(Box::new(Unit::failed(task, None, &said)))
         }
         (None, signal) => Ran::Else(format!(
             "was killed (signal {}), perhaps because the machine had no memory left; the same call goes on",
@@ -221,7 +239,7 @@ fn refused(why: &str, names: &[String], notes: &mut Vec<String>) -> Ended {
     Ended::Refused(Failure::said(why, names))
 }
 
-fn open(unit: String, why: &str) -> Ended {
+fn open(unit: Option<String>, why: &str) -> Ended {
     let failure = Failure::said(why, std::iter::empty());
     Ended::Open { unit, failure }
 }
@@ -259,6 +277,7 @@ mod tests {
     fn ended(status: i32, stdout: &str, stderr: &str) -> Result<Unit, String> {
         let task = Task {
             version: "0.1.0".to_owned(),
+            program: "0a".repeat(32),
             command: "diagnose".to_owned(),
             flags: Vec::new(),
             input: Vec::new(),
@@ -269,7 +288,7 @@ mod tests {
             stderr: stderr.into(),
         };
         match ran(task, &output) {
-            Ran::Of(unit) => Ok(unit),
+            Ran::Of(unit) => Ok(*unit),
             Ran::Else(said) => Err(said),
         }
     }

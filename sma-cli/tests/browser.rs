@@ -56,8 +56,21 @@ addEventListener("load", () => {
       zoomed,
     };
   });
-  const root = document.documentElement;
-  const found = { faults, figures, wide: root.scrollWidth - root.clientWidth, dark: getComputedStyle(document.body).backgroundColor };
+  const wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+  const tables = [...document.querySelectorAll("table")].filter((table) => table.querySelector("th button")).map((table) => {
+    const of = (column) => [...table.tBodies[0].rows].map((row) => row.cells[column]?.textContent.trim() ?? "");
+    return [...table.querySelectorAll("th button")].map((button, column) => {
+      const first = of(column), heading = button.closest("th");
+      const pressed = [0, 1, 2].map(() => {
+        button.focus();
+        // As the Enter key does.
+        document.activeElement.click();
+        return [heading.getAttribute("aria-sort"), of(column)];
+      });
+      return { first, pressed };
+    });
+  });
+  const found = { faults, figures, tables, wide, dark: getComputedStyle(document.body).backgroundColor };
   const text = document.createElement("pre");
   text.id = "found";
   text.textContent = JSON.stringify(found);
@@ -76,6 +89,56 @@ fn chromium() -> Option<PathBuf> {
         .iter()
         .flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
     places.into_iter().find(|place| place.is_file())
+}
+
+/// Cells as numbers, if all that have one do.
+fn numbers(cells: &[&str]) -> Option<Vec<f64>> {
+    let number = |cell: &&str| {
+        let digits = cell.trim_start_matches(|c: char| !c.is_ascii_digit() && c != '.' && c != '-');
+        let digits = digits.replace(',', "");
+        let number = |end: usize| digits.get(..end)?.parse::<f64>().ok();
+        (1..=digits.len()).rev().find_map(number)
+    };
+    cells.iter().map(number).collect()
+}
+
+/// Presses on the headings of a table sort it by their columns: rising, falling, as it was.
+fn assert_sorts(table: &Value, case: &str) {
+    let strings = |cells: &'_ Value| -> Vec<String> {
+        let cells = cells.as_array().unwrap().iter();
+        cells
+            .map(|cell| cell.as_str().unwrap().to_owned())
+            .collect()
+    };
+    for column in table.as_array().unwrap() {
+        let first = strings(&column["first"]);
+        let [(rising, up), (falling, down), (none, last)] = [0, 1, 2].map(|k| {
+            let pressed = &column["pressed"][k];
+            (pressed[0].as_str(), strings(&pressed[1]))
+        });
+        assert_eq!(
+            [rising, falling, none],
+            [Some("ascending"), Some("descending"), None],
+            "{case}"
+        );
+        assert_eq!(last, first, "{case}");
+        let filled = |cells: &[String]| cells.iter().take_while(|cell| !cell.is_empty()).count();
+        let n_filled = filled(&up);
+        assert_eq!(n_filled, filled(&down), "{case}");
+        assert!(up[n_filled..].iter().all(String::is_empty), "{case}");
+        let up: Vec<&str> = up[..n_filled].iter().map(String::as_str).collect();
+        let down: Vec<&str> = down[..n_filled].iter().rev().map(String::as_str).collect();
+        let mut all = first.clone();
+        all.retain(|cell| !cell.is_empty());
+        all.sort();
+        let mut kept = up.clone();
+        kept.sort_unstable();
+        assert_eq!(kept, all, "{case}");
+        assert_eq!(up, down, "{case}");
+        if let Some(up) = numbers(&up) {
+            assert!(up.is_sorted(), "{up:?}, {case}");
+        }
+    }
 }
 
 /// Content of a page of some width, as a reader finds it.
@@ -176,6 +239,11 @@ fn every_report_can_be_read_and_used() {
             let case = format!("{name} at {width} px: {found:#}");
             assert_eq!(found["faults"].as_array().unwrap().len(), 0, "{case}");
             assert_eq!(found["wide"], 0, "{case}");
+            let tables = found["tables"].as_array().unwrap();
+            assert!(!tables.is_empty(), "{case}");
+            for table in tables {
+                assert_sorts(table, &case);
+            }
             let figures = found["figures"].as_array().unwrap();
             assert_eq!(figures.len(), page.matches("<figure").count(), "{case}");
             assert!(!figures.is_empty(), "{case}");

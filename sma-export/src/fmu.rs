@@ -134,10 +134,8 @@ fn description(exported: &Exported) -> String {
         left_out,
         ..
     } = &exported.labels;
-    let drive_unit = match exported.setting.drive {
-        Drive::Duty { .. } => "1",
-        _ => drive_unit.as_str(),
-    };
+    let is_duty = matches!(exported.setting.drive, Drive::Duty { .. });
+    let drive_unit = if is_duty { "1" } else { drive_unit.as_str() };
     let member = &exported.member;
     let effects: Vec<&str> = exported.setting.active.iter().map(|one| one.id()).collect();
     let mut about = format!("Shape-memory-alloy actuator; offset and start of {recording}");
@@ -198,13 +196,16 @@ fn description(exported: &Exported) -> String {
     let units: String = units.into_iter().map(unit).collect();
     let scalars: String = variables
         .iter()
-        .map(|&(variable, start, unit, about)| scalar(variable, start, unit, about))
+        .map(|&(variable, start, unit, about)| {
+            let is_duty = variable == FmuVariable::Drive && is_duty;
+            scalar(variable, start, (unit, is_duty), about)
+        })
         .collect();
     let model_name = model_file.rsplit('/').next().unwrap_or(model_file);
     format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{}" guid="{}" description="{}" version="{}" generationTool="sma {}" variableNamingConvention="flat" numberOfEventIndicators="0">
-  <CoSimulation modelIdentifier="{FMU_LIBRARY}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true" canSerializeFMUstate="false" providesDirectionalDerivative="false"/>
+  <CoSimulation modelIdentifier="{FMU_LIBRARY}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true" canNotUseMemoryManagementFunctions="true" canSerializeFMUstate="false" providesDirectionalDerivative="false"/>
   <UnitDefinitions>
 {units}  </UnitDefinitions>
   <DefaultExperiment startTime="0.0" stepSize="{}"/>
@@ -251,7 +252,13 @@ fn unit(name: &str) -> String {
     format!("    <Unit name=\"{}\">{base}</Unit>\n", escaped(name))
 }
 
-fn scalar(variable: FmuVariable, start: Option<f64>, unit: &str, about: &str) -> String {
+/// A variable. `is_share` says that its values lie from 0 to 1.
+fn scalar(
+    variable: FmuVariable,
+    start: Option<f64>,
+    (unit, is_share): (&str, bool),
+    about: &str,
+) -> String {
     let (causality, variability, initial) = if variable.is_output() {
         ("output", "continuous", "calculated")
     } else if variable.is_parameter() {
@@ -264,8 +271,13 @@ fn scalar(variable: FmuVariable, start: Option<f64>, unit: &str, about: &str) ->
         initial => format!(" initial=\"{initial}\""),
     };
     let start = start.map_or_else(String::new, |start| format!(" start=\"{start:?}\""));
+    let range = if is_share {
+        " min=\"0.0\" max=\"1.0\""
+    } else {
+        ""
+    };
     format!(
-        "    <ScalarVariable name=\"{}\" valueReference=\"{}\" description=\"{about}\" causality=\"{causality}\" variability=\"{variability}\"{initial}>\n      <Real unit=\"{}\"{start}/>\n    </ScalarVariable>\n",
+        "    <ScalarVariable name=\"{}\" valueReference=\"{}\" description=\"{about}\" causality=\"{causality}\" variability=\"{variability}\"{initial}>\n      <Real unit=\"{}\"{range}{start}/>\n    </ScalarVariable>\n",
         variable.name(),
         variable as u32,
         escaped(unit)

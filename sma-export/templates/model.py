@@ -344,6 +344,10 @@ class Plant:
         if abs(drive) > {{drive_limit}}:
             drive = math.copysign({{drive_limit}}, drive)
 #@end
+#@if is_duty
+        # A bridge is never on for less than none of the time, nor for more than all of it.
+        drive = 0.0 if drive < 0.0 else 1.0 if drive > 1.0 else drive
+#@end
 #@if is_current
         power_w_per_m = drive * drive * {{resistance_ohm_per_m}}
 #@end

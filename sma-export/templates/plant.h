@@ -26,7 +26,7 @@
 //@else
  * Numbers are double. {{tolerance_text}}
 //@end
- * C99, no allocation, no global state. Compile with -ffp-contract=off and without -ffast-math: a fused or
+ * C99, no allocation, no global state. Compile with -ffp-contract=off, without -ffast-math and -ffinite-math-only: a fused or
  * reordered sum has other last bits. Link with -lm.
  *
  * Example:
@@ -61,6 +61,9 @@
 
 #ifdef __FAST_MATH__
 #error "compile without -ffast-math"
+#endif
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0
+#error "compile without -ffinite-math-only: numbers that are none would no longer be noticed"
 #endif
 
 //@if float
@@ -988,6 +991,10 @@ static inline void {{p}}_plant_step({{p}}_plant *plant, {{p}}_real drive, {{p}}_
     if ({{P}}_FABS(drive) > {{P}}_DRIVE_LIMIT) {
         drive = {{P}}_COPYSIGN({{P}}_DRIVE_LIMIT, drive);
     }
+//@end
+//@if is_duty
+    /* A bridge is never on for less than none of the time, nor for more than all of it. */
+    drive = drive < 0 ? 0 : drive > 1 ? 1 : drive;
 //@end
 //@if is_current
     power_w_per_m = drive * drive * {{P}}_RESISTANCE_OHM_PER_M;

@@ -142,17 +142,20 @@ unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a str> {
     bytes.to_str().ok()
 }
 
-/// The values behind a pointer; none for the null pointer.
+/// The values behind a pointer; `None` for the null pointer where there should be some.
 ///
 /// # Safety
 ///
 /// The pointer is null, or of so many values that stay as they are.
-unsafe fn values<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
-    if pointer.is_null() || count == 0 {
-        return &[];
+unsafe fn values<'a, T>(pointer: *const T, count: usize) -> Option<&'a [T]> {
+    if count == 0 {
+        return Some(&[]);
+    }
+    if pointer.is_null() {
+        return None;
     }
     // SAFETY: as the caller promises, there are so many values.
-    unsafe { std::slice::from_raw_parts(pointer, count) }
+    Some(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
 /// Does with the component behind a pointer what a call is for.
@@ -337,10 +340,16 @@ pub unsafe extern "C" fn fmi2GetReal(
 ) -> c_int {
     // SAFETY: as the caller promises.
     let references = unsafe { values(references, count) };
-    if read.is_null() && !references.is_empty() {
-        return ERROR;
-    }
     let get = |slave: &mut Slave| {
+        let null = |what| SlaveError::Null {
+            call: "fmi2GetReal",
+            count,
+            what,
+        };
+        let references = references.ok_or_else(|| null("value references"))?;
+        if read.is_null() && !references.is_empty() {
+            return Err(null("values"));
+        }
         for (k, &reference) in references.iter().enumerate() {
             let value = slave.get(reference)?;
             // SAFETY: the k-th of so many places that the caller has made.
@@ -370,10 +379,14 @@ pub unsafe extern "C" fn fmi2SetReal(
     let references = unsafe { values(references, count) };
     // SAFETY: as the caller promises.
     let given = unsafe { values(given, count) };
-    if references.len() != given.len() {
-        return ERROR;
-    }
     let set = |slave: &mut Slave| {
+        let null = |what| SlaveError::Null {
+            call: "fmi2SetReal",
+            count,
+            what,
+        };
+        let references = references.ok_or_else(|| null("value references"))?;
+        let given = given.ok_or_else(|| null("values"))?;
         let mut pairs = references.iter().zip(given);
         pairs.try_for_each(|(&reference, &value)| slave.set(reference, value))
     };

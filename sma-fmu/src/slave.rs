@@ -9,7 +9,7 @@ use recording::read_text;
 use sha2::{Digest, Sha256};
 use sma_effects::{EffectId, EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
 use sma_export::{FmuVariable, fmu_guid};
-use wiener::{Input, Plant, WienerParams};
+use wiener::{Drive, Input, Plant, WienerParams};
 
 /// Most bytes of a model.
 const MOST_BYTES: u64 = 1 << 24;
@@ -35,6 +35,12 @@ pub(crate) enum SlaveError {
     Guid { found: String, expected: String },
     #[error("the plant is refused: {0}")]
     Plant(#[from] PhysicsError),
+    #[error("{call}: {count} variables, but no place for their {what}")]
+    Null {
+        call: &'static str,
+        count: usize,
+        what: &'static str,
+    },
     #[error("value reference {reference}: expected 0 to {}", FmuVariable::ALL.len() - 1)]
     Reference { reference: u32 },
     #[error("{name} = {value}: must be a finite number")]
@@ -281,8 +287,13 @@ impl Slave {
         if is_late && length_s > 0.0 && delay_s > LONGEST_SAMPLES * part_s {
             return Err(SlaveError::Delay { delay_s, length_s });
         }
+        let drive = self.supply.limited(self.value(FmuVariable::Drive));
         let input = Input {
-            drive: [self.supply.limited(self.value(FmuVariable::Drive))],
+            drive: [match self.setting.drive {
+                // A bridge is never on for less than none of the time, nor for more than all of it.
+                Drive::Duty { .. } => drive.clamp(0.0, 1.0),
+                _ => drive,
+            }],
             ambient_degc: self.value(FmuVariable::AmbientDegc),
         };
         if let Some((plant, state)) = &mut self.now.running {

@@ -42,8 +42,9 @@ fn sha256(path: &Path) -> io::Result<String> {
     }
 }
 
-/// Of bytes.
-pub(crate) fn sha256_of(bytes: &[u8]) -> String {
+/// SHA-256 of bytes, in hexadecimal.
+#[must_use]
+pub fn sha256_of(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 

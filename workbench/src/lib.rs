@@ -22,11 +22,11 @@ mod turned;
 pub use columns::in_columns_of;
 pub use error::WorkbenchError;
 pub use first_rod::{FirstRod, first_rod};
-pub use inputs::hashed;
+pub use inputs::{hashed, sha256_of};
 pub use known_to_a_range::{carry_resistivity, carry_specific_heat};
 pub use place::Place;
 pub use recordings::{
-    as_fitted, gap_notes, in_its_window, input_notes, is_trained_on, read_all,
+    as_fitted, as_simulated, gap_notes, in_its_window, input_notes, is_trained_on, read_all,
     read_perhaps_without_output,
 };
 pub use rig::{BEYOND, Rig, RigError};

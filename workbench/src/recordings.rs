@@ -11,23 +11,23 @@ use crate::WorkbenchError;
 use crate::report::inspected::{MOST_GAPS, gaps_at_once};
 use crate::report::number::significant;
 
-/// Reads recordings as a rod file describes them.
+/// Reads recordings as a rod file describes them: in the order of their files, several of a file from the middle of which a span is
+/// left out.
 ///
 /// # Errors
 ///
 /// [`WorkbenchError`] naming what is refused.
 pub fn read_all(rod: &Rod, paths: &[PathBuf]) -> Result<Vec<Recording>, WorkbenchError> {
     let options = rod.read_options();
-    paths
-        .iter()
-        .map(|path| {
-            let read = recording::read_csv(path, &options)?;
-            Ok(as_fitted(rod, path, read)?)
-        })
-        .collect()
+    let mut all = Vec::new();
+    for path in paths {
+        let read = recording::read_csv(path, &options)?;
+        all.extend(as_fitted(rod, path, read)?);
+    }
+    Ok(all)
 }
 
-/// A recording as it is fitted: what a rod file uses of it, [`mended`] unless the file says otherwise, with fewer rows or without a
+/// The parts of a recording as they are fitted: what a rod file uses of it, [`mended`] unless the file says otherwise, with fewer rows or without a
 /// drift if it says so.
 ///
 /// # Errors
@@ -37,44 +37,77 @@ pub fn as_fitted(
     rod: &Rod,
     path: &Path,
     recording: Recording,
-) -> Result<Recording, RecordingError> {
-    let mut used = in_its_window(rod, path, recording)?;
-    if rod.columns.may_mend() {
-        used = mended(&used);
-    }
+) -> Result<Vec<Recording>, RecordingError> {
     let wish = rod.use_of(path);
-    if let Some(n) = wish.decimate {
-        used = used.decimated(n)?;
-    }
-    if wish.detrend {
-        used = used.detrended()?;
-    }
-    Ok(used)
+    let as_fitted = |part: Recording| {
+        let mut used = part;
+        if rod.columns.may_mend() {
+            used = mended(&used);
+        }
+        if let Some(n) = wish.decimate {
+            used = used.decimated(n)?;
+        }
+        if wish.detrend {
+            used = used.detrended()?;
+        }
+        Ok(used)
+    };
+    let parts = in_its_window(rod, path, recording)?;
+    parts.into_iter().map(as_fitted).collect()
 }
 
-/// Part of a recording that a rod file uses, as it was recorded.
+/// A recording as it is simulated, and a note if it is not as it would be fitted: the drive in a span that is left out of the middle is
+/// known, and what comes after depends on it.
 ///
 /// # Errors
 ///
-/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::ExcludedInside`],
-/// [`RecordingError::AmbientTwice`].
+/// As [`as_fitted`].
+pub fn as_simulated(
+    rod: &Rod,
+    path: &Path,
+    recording: Recording,
+) -> Result<(Recording, Option<String>), RecordingError> {
+    let mut parts = as_fitted(rod, path, recording.clone())?;
+    if let (Some(only), true) = (parts.pop(), parts.is_empty()) {
+        return Ok((only, None));
+    }
+    let mut whole = rod.clone();
+    let mut wish = rod.use_of(path);
+    wish.exclude_s.clear();
+    whole.uses.insert(path.display().to_string(), wish);
+    let note = format!(
+        "{}: spans that are left out of a fit are simulated with what is around them",
+        recording.name()
+    );
+    let parts = as_fitted(&whole, path, recording)?.into_iter();
+    match { parts }.next() {
+        Some(whole) => Ok((whole, Some(note))),
+        None => unreachable!("no span is left out"),
+    }
+}
+
+/// The parts of a recording that a rod file uses, as they were recorded; one, unless a span is left out of the middle.
+///
+/// # Errors
+///
+/// [`RecordingError::RangeOutside`], [`RecordingError::NoTime`], [`RecordingError::AmbientTwice`].
 pub fn in_its_window(
     rod: &Rod,
     path: &Path,
     recording: Recording,
-) -> Result<Recording, RecordingError> {
+) -> Result<Vec<Recording>, RecordingError> {
     let wish = rod.use_of(path);
     let mut used = recording;
     if let Some([start_s, end_s]) = wish.window_s {
         used = used.within(start_s, end_s)?;
     }
-    for [start_s, end_s] in wish.exclude_s {
-        used = used.excluding(start_s, end_s)?;
-    }
     if let Some(ambient_degc) = wish.ambient_degc {
         used = used.surrounded_by(ambient_degc)?;
     }
-    Ok(used)
+    if wish.exclude_s.is_empty() {
+        return Ok(vec![used]);
+    }
+    used.excluding(&wish.exclude_s)
 }
 
 /// Reads a recording, or a drive alone where there is no output; whether there is.

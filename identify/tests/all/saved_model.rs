@@ -72,7 +72,13 @@ fn saved(text: &str) -> Saved {
 fn what_is_written_is_read_back() {
     let free = "[model]\nstart_rise_k = { bounds = [0.0, 20.0] }\nzeta = { fixed = 0.8 }\n";
     let static_heat = ROD.replace("specific_heat_j_per_kg_k = 500.0\n", "");
-    for text in [ROD, &format!("{ROD}{free}"), &static_heat] {
+    let uses = "[recordings.\"a.csv\"]\nwindow_s = [0, 900]\nexclude_s = [[3, 4], [7.5, 8]]\n";
+    for text in [
+        ROD,
+        &format!("{ROD}{free}"),
+        &format!("{ROD}{uses}"),
+        &static_heat,
+    ] {
         let Saved {
             fit,
             saved,
@@ -82,6 +88,8 @@ fn what_is_written_is_read_back() {
         let written = saved.to_toml().unwrap();
         let read = SavedModel::parse("model.toml", &written).unwrap();
         assert_eq!(read.to_toml().unwrap(), written);
+        assert_eq!(read.rod().uses, saved.rod().uses);
+        assert_eq!(read.rod().uses.is_empty(), !text.contains(uses));
         assert_eq!(read.parameters(), fit.parameters);
         assert_eq!(read.covariance(), &fit.covariance);
         assert_eq!(read.rule(), Rule::Nested);
@@ -218,6 +226,12 @@ fn what_a_model_file_may_not_say() {
     ] {
         assert_eq!(said(from, to), expected);
     }
+    let untrained = written.replace("role = \"train\"", "role = \"validate\"");
+    let fault = SavedModel::parse("model.toml", &untrained).unwrap_err();
+    assert_eq!(
+        fault.to_string(),
+        "model.toml: recording: none has role = \"train\"; expected the recordings that the model was fitted to, as --save-model writes them"
+    );
     // These name a fitted value too.
     let unknown = said("name = \"zeta\"", "name = \"zetta\"");
     let known = ": no such parameter; this model has tau_s, loop_center_degc, loop_half_width_k, \

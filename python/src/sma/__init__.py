@@ -13,6 +13,7 @@ and arrays. Bad input is an :class:`InputError` with file, line or row, and colu
 
 from __future__ import annotations
 
+from .batch import Batched, Estimate, Failure, Rig, Row, RowFinding, batch
 from .call import Model, ModelLike, RecordingLike, Recordings, RodLike, Use
 from .demo import Demo, demo
 from .diagnose import Diagnosed, Entry, Finding, Stage, diagnose
@@ -28,11 +29,14 @@ from .trial import Score, Tried, trial
 from .tune import Controller, Gains, Response, Tuned, tune
 
 __all__ = [
+    "Batched",
     "Channel",
     "Controller",
     "Demo",
     "Diagnosed",
     "Entry",
+    "Estimate",
+    "Failure",
     "Finding",
     "Gains",
     "Identified",
@@ -49,7 +53,10 @@ __all__ = [
     "RecordingLike",
     "Recordings",
     "Response",
+    "Rig",
     "RodLike",
+    "Row",
+    "RowFinding",
     "Score",
     "Series",
     "Simulated",
@@ -59,6 +66,7 @@ __all__ = [
     "Tried",
     "Tuned",
     "Use",
+    "batch",
     "demo",
     "diagnose",
     "identify",

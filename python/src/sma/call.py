@@ -40,7 +40,7 @@ class Use:
 
     #: From when to when each recording is used, s, by its name.
     window_s: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    #: A span at the start or the end of each recording that is left out, s, by its name.
+    #: A span of each recording that is left out, s, by its name. One in the middle leaves two recordings, ``name:from..to``.
     exclude_s: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     #: Every how manieth row is used, with the mean of those around it.
     decimate: int | None = None
@@ -100,22 +100,22 @@ class Call:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._holder.cleanup()
 
-    def rod(self, rod: RodLike) -> str:
-        """The path of a rod file."""
+    def rod(self, rod: RodLike, name: str = "rod.toml") -> str:
+        """The path of a rod file; one that is given as a dict is written under a name."""
         if not isinstance(rod, Mapping):
-            return self._path(rod)
-        return self._written("rod.toml", to_toml(rod))
+            return self.path(rod)
+        return self.written(name, to_toml(rod))
 
     def model(self, model: ModelLike) -> str:
         """The path of a model file."""
         if isinstance(model, Model):
-            return self._written("model.toml", model.toml)
+            return self.written("model.toml", model.toml)
         if isinstance(model, (str, os.PathLike)):
-            return self._path(model)
+            return self.path(model)
         if isinstance(model, HasModel):
             kept = model.model
             if kept is not None:
-                return self._written("model.toml", kept.toml)
+                return self.written("model.toml", kept.toml)
             raise InputError(
                 "this result keeps no model, since none is to be used; expected a path, a sma.Model, or another result"
             )
@@ -221,7 +221,8 @@ class Call:
         name = next((table.name for table in self._tables.values() if note.startswith(f"{table.name}: ")), None)
         return note if name is None else self.in_rows(name, note)
 
-    def _path(self, path: str | os.PathLike[str]) -> str:
+    def path(self, path: str | os.PathLike[str]) -> str:
+        """The path of a file that the program is given by its name."""
         text = os.fspath(path)
         if text == "-":
             raise InputError('"-" is stdin, which is not read here; expected a path')
@@ -234,7 +235,7 @@ class Call:
         if isinstance(given, (str, os.PathLike)):
             path = Path(given)
             if path.suffix.lower() not in files.READERS:
-                return self._path(given)
+                return self.path(given)
             given = files.read(path)
         table = as_table(given, name)
         file = re.sub(r"[^\w.\-]", "_", table.name).lstrip(".-") or "recording"
@@ -247,7 +248,8 @@ class Call:
         self._files.append(str(path))
         return str(path)
 
-    def _written(self, name: str, text: str) -> str:
+    def written(self, name: str, text: str) -> str:
+        """The path of a file with a text."""
         path = self._given / name
         path.write_text(text, encoding="utf-8")
         self._files.append(str(path))

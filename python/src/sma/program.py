@@ -72,7 +72,7 @@ def run(arguments: Sequence[str], *, progress: Progress = None, scratch: Path) -
 
     Ctrl-C ends it at once: KeyboardInterrupt is raised when it is gone. ``scratch`` is a folder for its stdout.
     """
-    show, clear = _shown(progress)
+    show, clear = shown(progress)
     output = scratch / "stdout"
     environment = os.environ | {"NO_COLOR": "1"}
     if show is not None:
@@ -122,7 +122,7 @@ def _end(child: subprocess.Popen[str]) -> None:
         child.wait()
 
 
-def _shown(progress: Progress) -> tuple[Callable[[str], None] | None, Callable[[], None]]:
+def shown(progress: Progress) -> tuple[Callable[[str], None] | None, Callable[[], None]]:
     """Where lines of progress go, and how the last one is cleared."""
     if progress is False or (progress is None and not _is_watched(sys.stderr)):
         return None, lambda: None

@@ -23,29 +23,55 @@ fn said(recording: &Recording) -> Vec<String> {
 }
 
 #[test]
-fn spans_at_the_ends_are_left_out_and_others_are_refused() {
+fn spans_at_the_ends_are_left_out_and_what_leaves_nothing_is_refused() {
     let plain = plain();
-    let left = plain
-        .excluding(-1.0, 5.05)
-        .unwrap()
-        .excluding(90.0, 99.9)
-        .unwrap();
+    let [left] = &plain.excluding(&[[-1.0, 5.05], [90.0, 99.9]]).unwrap()[..] else {
+        unreachable!("one part is left")
+    };
+    assert_eq!(left.name(), "run3.csv");
     assert_eq!(left.len(), 1000 - 51 - 100);
     assert_eq!(left.drive(), &plain.drive()[51..900]);
     assert_eq!(
-        said(&left),
+        said(left),
         [
             "-1 to 5.05 s of it are left out",
             "90 to 99.9 s of it are left out"
         ]
     );
-    assert_eq!(
-        plain.excluding(33.0, 41.0).unwrap_err().to_string(),
-        "run3.csv: 33 to 41 s: within the recording, and what comes after does not begin as what comes before ends; expected a span \
-         at its start or its end, or one of the parts: --window run3.csv:0..33 or --window run3.csv:41..99.9"
-    );
-    assert!(plain.excluding(-1.0, 200.0).is_err());
-    assert!(plain.excluding(f64::NAN, 5.0).is_err());
+    for spans in [
+        &[[-1.0, 200.0]][..],
+        &[[f64::NAN, 5.0]],
+        &[[5.0, 1.0]],
+        // One sample between two spans.
+        &[[10.0, 20.0], [20.15, 30.0]],
+    ] {
+        let fault = plain.excluding(spans).unwrap_err().to_string();
+        assert!(fault.starts_with("run3.csv: samples "), "{fault}");
+    }
+}
+
+#[test]
+fn a_span_in_the_middle_leaves_two_recordings() {
+    let plain = plain();
+    let parts = plain.excluding(&[[33.0, 41.0], [0.0, 0.05]]).unwrap();
+    let names: Vec<&str> = parts.iter().map(Recording::name).collect();
+    assert_eq!(names, ["run3.csv:0.1..32.9", "run3.csv:41.1..99.9"]);
+    let [before, after] = &parts[..] else {
+        unreachable!("two parts are left")
+    };
+    assert_eq!(before.output(), &plain.output()[1..330]);
+    assert_eq!(after.output(), &plain.output()[411..]);
+    assert_eq!(after.time_s(), &plain.time_s()[411..]);
+    for part in &parts {
+        assert_eq!(
+            said(part),
+            [
+                "33 to 41 s of it are left out",
+                "0 to 0.05 s of it are left out",
+                "the parts are recordings of their own, each with its start and offset"
+            ]
+        );
+    }
 }
 
 #[test]
@@ -143,7 +169,7 @@ fn static_data_have_no_spans() {
     .unwrap();
     let no_time = "loop.csv: no time; expected a recording with a time column";
     assert_eq!(
-        untimed.excluding(0.0, 1.0).unwrap_err().to_string(),
+        untimed.excluding(&[[0.0, 1.0]]).unwrap_err().to_string(),
         no_time
     );
     assert_eq!(untimed.detrended().unwrap_err().to_string(), no_time);

@@ -8,19 +8,21 @@ use std::thread::available_parallelism;
 use anyhow::bail;
 use blind_trial::in_order;
 use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
 
+use crate::commands::batch_unit::end_with_stdin;
 use crate::commands::trial::shard;
 use crate::memory::Memory;
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, with_sources};
 use crate::provenance::quoted;
 use crate::resume::on_interrupt;
 use crate::sink::{Delivery, Outputs, Sink, deliver};
 use crate::terminal::{bar, say, write_stdout};
 use crate::unit_run::{Ended, UnitRun};
 use crate::workplace::Workplace;
-use workbench::fleet::{Failure, Fleet, FleetError, Listed, Units};
-use workbench::page;
+use workbench::fleet::{Failure, Fleet, FleetError, Listed, Task, Units};
 use workbench::report::fleet::{FleetReport, Row, RowStatus, named};
+use workbench::{hashed, page};
 
 /// Diagnose or identify every rig of a fleet: what is done is kept, and a failure is a row.
 ///
@@ -35,7 +37,7 @@ use workbench::report::fleet::{FleetReport, Row, RowStatus, named};
     sma batch rigs --out a --shard 1/2\n  \
     sma batch rigs --out b --shard 2/2\n  \
     sma batch rigs --out whole --merge a b --csv whole/table.csv\n\n\
-    A result is a file units/HASH.json in the folder of --out, named by the SHA-256 of version, inputs and flags. The table\n\
+    A result is a file units/HASH.json in the folder of --out, named by the SHA-256 of program, inputs and flags. The table\n\
     is made of these files, so it has the same bytes however they came there.\n\n\
     Exit codes: 0 every rig has a result or a failure of its own, 1 some have neither: the same call goes on, 2 usage, 3 the fleet\n\
     cannot be read, 130 interrupted")]
@@ -48,7 +50,7 @@ pub(crate) struct BatchArgs {
     /// Command that is run on each rig.
     #[arg(long = "do", value_enum, default_value_t = Do::Diagnose)]
     command: Do,
-    /// Say which rigs and files would be taken, and stop.
+    /// Say which rigs and files would be taken, and stop; as JSON with --json, which names their units and what --out has of them.
     #[arg(long)]
     list: bool,
     /// Rigs under way at a time, each on one thread; 0 takes as many as there are processors. No result depends on it.
@@ -81,6 +83,9 @@ pub(crate) struct BatchArgs {
     /// No progress and no notes.
     #[arg(long, short)]
     quiet: bool,
+    /// End once stdin is closed, for programs that may be killed while they wait for this one.
+    #[arg(long, hide = true)]
+    end_with_stdin: bool,
 }
 
 /// Command that is run on each rig.
@@ -111,16 +116,27 @@ struct Places {
 
 /// Runs the command.
 pub(crate) fn run(args: &BatchArgs) -> anyhow::Result<Outcome> {
+    if args.end_with_stdin {
+        std::thread::Builder::new().spawn(end_with_stdin)?;
+    }
     let out = args.out.as_deref();
     let others: Vec<&Path> = args.merge.iter().map(PathBuf::as_path).collect();
     let without: Vec<&Path> = out.into_iter().chain(others).collect();
     let fleet = Fleet::read(&args.fleet, &without)?;
     let rigs = args.of_shard(&fleet.rigs);
     let Some(out) = out.filter(|_| !args.list) else {
-        write_stdout(&listed(&rigs))?;
         say(args.quiet, &fleet.left_out)?;
+        match &args.json {
+            Some(path) => {
+                let place = Outputs::beside(&[]).open(path)?;
+                place.write(&(args.listed_json(&fleet, &rigs)?.to_string() + "\n"))?;
+            }
+            None => write_stdout(&listed(&rigs))?,
+        }
         return Ok(Outcome::Done);
     };
+    let merged = args.merge.iter().map(|folder| Units::of(folder));
+    let merged = merged.collect::<Result<Vec<_>, _>>()?;
     let units = Units::make(out)?;
     let inputs: Vec<&Path> = rigs
         .iter()
@@ -130,7 +146,7 @@ pub(crate) fn run(args: &BatchArgs) -> anyhow::Result<Outcome> {
     let places = args.places(out, &inputs)?;
     say(args.quiet, &taken(&rigs))?;
     say(args.quiet, &fleet.left_out)?;
-    let ended = args.work(out, &units, &rigs)?;
+    let ended = args.work(out, &units, &merged, &rigs)?;
     let rows = rigs.iter().zip(ended);
     let report = FleetReport {
         command: args.command.name(),
@@ -196,7 +212,13 @@ impl BatchArgs {
     }
 
     /// Runs the rigs that have no result yet; how each ended, in their order.
-    fn work(&self, out: &Path, units: &Units, rigs: &[&Listed]) -> anyhow::Result<Vec<Ended>> {
+    fn work(
+        &self,
+        out: &Path,
+        units: &Units,
+        merged: &[Units],
+        rigs: &[&Listed],
+    ) -> anyhow::Result<Vec<Ended>> {
         let place = Workplace::make(out)?;
         let said = format!(
             "what has ended is in {}; the same call goes on",
@@ -207,25 +229,14 @@ impl BatchArgs {
             leaving.leave();
             said.clone()
         })?;
-        for folder in &self.merge {
-            say(self.quiet, &units.take(&Units::of(folder)?, place.path())?)?;
+        let program_sha256 = program_sha256()?;
+        for others in merged {
+            say(
+                self.quiet,
+                &units.take(others, place.path(), &program_sha256)?,
+            )?;
         }
-        let run = UnitRun {
-            program: std::env::current_exe()?,
-            command: self.command.name(),
-            flags: [
-                "--memory",
-                self.memory.name(),
-                "--seed",
-                &self.seed.to_string(),
-            ]
-            .map(str::to_owned)
-            .to_vec(),
-            units,
-            place: place.path(),
-            is_retried: self.retry,
-            is_run: self.merge.is_empty(),
-        };
+        let run = self.unit_run(units, place.path(), &program_sha256)?;
         let jobs = match self.jobs {
             0 => available_parallelism().map_or(1, std::num::NonZero::get),
             jobs => usize::from(jobs),
@@ -263,6 +274,65 @@ impl BatchArgs {
         }
     }
 
+    /// How units are run.
+    fn unit_run<'a>(
+        &self,
+        units: &'a Units,
+        place: &'a Path,
+        program_sha256: &'a str,
+    ) -> anyhow::Result<UnitRun<'a>> {
+        let seed = self.seed.to_string();
+        let flags = ["--memory", self.memory.name(), "--seed", &seed];
+        Ok(UnitRun {
+            program: std::env::current_exe()?,
+            program_sha256,
+            command: self.command.name(),
+            flags: flags.map(str::to_owned).to_vec(),
+            units,
+            place,
+            is_retried: self.retry,
+            is_run: self.merge.is_empty(),
+        })
+    }
+
+    /// The rigs, their files and their units, for programs that run them elsewhere.
+    fn listed_json(&self, fleet: &Fleet, rigs: &[&Listed]) -> anyhow::Result<Value> {
+        let kept = self.out.as_deref().and_then(|out| Units::of(out).ok());
+        let program_sha256 = program_sha256()?;
+        let nowhere = Units::at(Path::new(""));
+        let run = self.unit_run(&nowhere, Path::new(""), &program_sha256)?;
+        let listed = rigs.iter().map(|rig| {
+            let task = match &rig.files {
+                Ok(files) => run.task(files).map_err(|error| with_sources(&error)),
+                Err(why) => Err(why.clone()),
+            };
+            let unit = task.as_ref().ok().map(Task::name);
+            let read = unit
+                .as_ref()
+                .and_then(|unit| kept.as_ref()?.read(unit).ok()?);
+            let files = rig.files.as_ref().ok();
+            json!({
+                "rig": rig.name,
+                "unit": unit,
+                "kept": read.map(|unit| unit.status),
+                "failure": task.err(),
+                "rod": files.map(|files| &files.rod),
+                "train": files.map_or(&[][..], |files| &files.train),
+                "validate": files.map_or(&[][..], |files| &files.validate),
+            })
+        });
+        Ok(json!({
+            "schema_version": 1,
+            "command": "batch",
+            "version": env!("CARGO_PKG_VERSION"),
+            "seed": self.seed,
+            "do": self.command.name(),
+            "program": program_sha256,
+            "rigs": listed.collect::<Vec<_>>(),
+            "left_out": fleet.left_out,
+        }))
+    }
+
     /// The call but for what no result depends on.
     fn call(&self) -> String {
         let mut call = format!("sma batch {}", quoted(&self.fleet.to_string_lossy()));
@@ -275,6 +345,12 @@ impl BatchArgs {
         );
         call
     }
+}
+
+/// SHA-256 of this program's file.
+fn program_sha256() -> anyhow::Result<String> {
+    let own = hashed(&[&std::env::current_exe()?])?;
+    Ok(own.into_iter().map(|one| one.sha256).collect())
 }
 
 /// The rigs and their files, a line each.
@@ -319,9 +395,7 @@ fn taken(rigs: &[&Listed]) -> [String; 1] {
 fn row(rig: &Listed, ended: Ended, units: &Units) -> Row {
     match ended {
         Ended::Refused(failure) => Row::without(&rig.name, None, RowStatus::Failed, failure),
-        Ended::Open { unit, failure } => {
-            Row::without(&rig.name, Some(unit), RowStatus::Open, failure)
-        }
+        Ended::Open { unit, failure } => Row::without(&rig.name, unit, RowStatus::Open, failure),
         Ended::Kept { unit } => match units.read(&unit) {
             Ok(Some(kept)) => Row::of(&rig.name, &unit, &kept),
             // Somebody has removed it since.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use identify::{RigModel, SavedModel};
-use missing_physics::{RestoredModel, read_model};
+use missing_physics::{RestoredModel, parse_model};
 use pid_tune::{AntiWindup, DerivativeOf, PidGains, PidParams};
 use recording::{Quantity, open_regular, read_text};
 use serde::Deserialize;
@@ -14,7 +14,7 @@ use sma_export::{
     CNumbers, CPrefix, Controller, ExportError, Exported, FMU_LIBRARY, Labels, c_header, fmu,
     python_module,
 };
-use workbench::{Rig, WorkbenchError, controller, hashed};
+use workbench::{Rig, controller, sha256_of};
 
 use crate::commands::tune::TRACKING_SAMPLES;
 use crate::outcome::Outcome;
@@ -99,9 +99,11 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     inputs.extend(args.tuned.as_deref());
     inputs.extend(args.library.as_deref());
     let sink = Outputs::beside(&inputs).open(&args.output)?;
-    let saved = read_model(&args.model)?;
+    // Read once: a file that changes meanwhile is one model all the same.
+    let model_toml = text_of(&args.model)?;
+    let saved = parse_model(&args.model.display().to_string(), &model_toml)?;
     let model = RestoredModel::new(&saved)?;
-    let exported = exported(args, &saved, &model)?;
+    let exported = exported(args, &saved, &model, sha256_of(model_toml.as_bytes()))?;
     let result = match args.to {
         Language::C => {
             let numbers = if args.float {
@@ -116,10 +118,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
             c_header(&exported, numbers, &prefix)?.into_bytes()
         }
         Language::Python => python_module(&exported)?.into_bytes(),
-        Language::Fmu => {
-            let model_toml = text_of(&args.model)?;
-            fmu(&exported, &model_toml, &args.library()?)?
-        }
+        Language::Fmu => fmu(&exported, &model_toml, &args.library()?)?,
     };
     say(args.quiet, &notes(&saved, &exported))?;
     sink.write_bytes(&result)?;
@@ -200,6 +199,7 @@ fn exported(
     args: &ExportArgs,
     saved: &SavedModel,
     model: &RestoredModel<'_>,
+    sha256: String,
 ) -> anyhow::Result<Exported> {
     let tuned = match &args.tuned {
         Some(path) => Some(TunedFile::read(path)?),
@@ -238,7 +238,7 @@ fn exported(
         controller,
         labels: Labels {
             model_file: file(),
-            sha256: sha256(&args.model)?,
+            sha256,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             command: call(),
             drive_unit: drive_unit(rod.drive_kind).to_owned(),
@@ -290,14 +290,6 @@ fn left_out(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
         );
     }
     left_out
-}
-
-fn sha256(path: &Path) -> Result<String, WorkbenchError> {
-    let files = hashed(&[path])?;
-    Ok(files
-        .into_iter()
-        .next()
-        .map_or_else(String::new, |one| one.sha256))
 }
 
 /// Notes on what is assumed, and on what stays behind.

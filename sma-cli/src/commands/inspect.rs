@@ -41,7 +41,7 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
         None => Rod::parse("(no rod file)", "")?,
     };
     args.used.apply(&mut rod, &args.recordings)?;
-    let inspected = args
+    let parts = args
         .recordings
         .iter()
         .map(|path| {
@@ -55,15 +55,19 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
                 true => as_fitted(&rod, path, recording)?,
                 false => in_its_window(&rod, path, recording)?,
             };
-            let (mut inspection, used) = match rod.columns.may_mend() {
-                true => (inspect(&used), mended(&used)),
-                false => (inspect_as_recorded(&used), used),
+            let inspected = |used: Recording| {
+                let (mut inspection, used) = match rod.columns.may_mend() {
+                    true => (inspect(&used), mended(&used)),
+                    false => (inspect_as_recorded(&used), used),
+                };
+                inspection.adaptations.extend(guess.clone());
+                (inspection, used)
             };
-            inspection.adaptations.extend(guess);
-            Ok((inspection, used))
+            Ok(used.into_iter().map(inspected).collect())
         })
-        .collect::<anyhow::Result<Vec<(Inspection, Recording)>>>()?;
-    let (inspections, used): (Vec<Inspection>, Vec<Recording>) = inspected.into_iter().unzip();
+        .collect::<anyhow::Result<Vec<Vec<(Inspection, Recording)>>>>()?;
+    let inspected = parts.into_iter().flatten();
+    let (inspections, used): (Vec<Inspection>, Vec<Recording>) = inspected.unzip();
     let floor = repeat_floor(&used);
     let text = if args.json {
         let document = json!({

@@ -14,7 +14,7 @@ use crate::sink::Outputs;
 use crate::terminal::say;
 use workbench::report::number::significant;
 use workbench::report::plot::left;
-use workbench::{BEYOND, as_fitted, hashed, in_columns_of, read_perhaps_without_output};
+use workbench::{BEYOND, as_simulated, hashed, in_columns_of, read_perhaps_without_output};
 
 /// Predict what a rig does under a drive, as CSV that is itself a recording.
 ///
@@ -48,10 +48,15 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let (recording, has_output) =
         read_perhaps_without_output(&args.drive, &options).map_err(IdentifyError::from)?;
     let mut rod = saved.rod().clone();
+    let is_known = is_input(&saved, &args.drive)?;
+    if !is_known {
+        // What is kept of a recording of this name is of another one.
+        rod.uses.clear();
+    }
     args.used
         .apply(&mut rod, std::slice::from_ref(&args.drive))?;
-    let recording = as_fitted(&rod, &args.drive, recording).map_err(IdentifyError::from)?;
-    let is_known = is_input(&saved, &args.drive)?;
+    let (recording, as_a_whole) =
+        as_simulated(&rod, &args.drive, recording).map_err(IdentifyError::from)?;
     let fitted = fitted_to(&saved, &recording).filter(|_| has_output && is_known);
     let (point, met) = if let Some(r) = fitted {
         let point = saved.point(r);
@@ -104,6 +109,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
         ..RecordingParts::default()
     })?;
     let mut notes = notes(&saved, &recording, met);
+    notes.extend(as_a_whole);
     notes.extend(effects(&saved, &model));
     say(args.quiet, &notes)?;
     let mut csv = Vec::new();

@@ -12,7 +12,8 @@ pub(crate) struct UseArgs {
     /// Use only this span of a recording, s: run3.csv:20..140.
     #[arg(long, value_name = "FILE:A..B", value_parser = Span::parse)]
     window: Vec<Span>,
-    /// Leave this span at the start or the end of a recording out, s; may be given several times.
+    /// Leave this span of a recording out, s; may be given several times. What is before and behind a span in the middle is fitted as
+    /// two recordings.
     #[arg(long, value_name = "FILE:A..B", value_parser = Span::parse)]
     exclude: Vec<Span>,
     /// Use every Nth row of all recordings, with the means of those around it.

@@ -372,13 +372,147 @@ fn calls_that_would_harm_or_cannot_be_are_refused() {
             "fleet/wire-000.csv: is an input of this command",
         ),
         (
-            "batch fleet --out o --merge none",
-            1,
-            "none/units: cannot be read",
+            "batch fleet --out never --merge none",
+            3,
+            "none/units: cannot be read; expected a folder of results",
         ),
     ] {
         let (ended, _, said) = sma(place, call);
         assert_eq!(ended, code, "{said}");
         assert!(said.contains(expected), "{call}: {said}");
+    }
+    assert!(!place.join("never").exists());
+}
+
+/// A process that has ended, whose folder in /proc nobody can list.
+fn ended() -> Child {
+    let child = Command::new("true").spawn().unwrap();
+    let state = || fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+    while !state().contains(") Z ") {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child
+}
+
+#[test]
+fn a_rig_that_cannot_be_read_now_is_open_until_it_can() {
+    use std::os::unix::fs::symlink;
+    let folder = fleet(1, 0);
+    let place = folder.path();
+    let mut child = ended();
+    let unlisted = place.join("fleet/locked");
+    symlink(format!("/proc/{}/net", child.id()), &unlisted).unwrap();
+    let unread = place.join("fleet/wire-001.csv");
+    // Its first byte is of no page: reading it is an error of the machine, for everybody.
+    symlink("/proc/self/mem", &unread).unwrap();
+    let call = "batch fleet --do identify --out out --json - --quiet";
+    let (code, said, error) = sma(place, call);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("2 of 3 rigs have no result yet"), "{error}");
+    let document: Value = serde_json::from_str(&said).unwrap();
+    let rows: Vec<[&str; 3]> = document["rigs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| {
+            let sentence = row["failure"]["sentence"].as_str().unwrap_or_default();
+            [
+                row["rig"].as_str().unwrap(),
+                row["status"].as_str().unwrap(),
+                sentence,
+            ]
+        })
+        .collect();
+    assert_eq!(
+        rows,
+        [
+            [
+                "locked",
+                "open",
+                "the folder cannot be read: Invalid argument (os error 22)"
+            ],
+            ["wire-000.csv", "done", ""],
+            [
+                "wire-001.csv",
+                "open",
+                "wire-001.csv: cannot be read: Input/output error (os error 5)"
+            ],
+        ]
+    );
+    // The process of a unit says so as well, by another code than that of bad input.
+    let mut unit = Command::new(assert_cmd::cargo::cargo_bin("sma"))
+        .args("batch-unit identify fleet/rod.toml --train /proc/self/mem".split(' '))
+        .current_dir(place)
+        .stdin(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let held = unit.stdin.take();
+    assert_eq!(unit.wait().unwrap().code(), Some(1));
+    drop(held);
+    assert_eq!(sma(place, "identify fleet/rod.toml --train none.csv").0, 3);
+    child.wait().unwrap();
+    fs::remove_file(&unlisted).unwrap();
+    fs::remove_file(&unread).unwrap();
+    fs::write(&unread, recording(1, SAMPLES).unwrap()).unwrap();
+    succeeds(place, call);
+}
+
+#[test]
+fn another_build_of_the_program_makes_other_units() {
+    let folder = fleet(2, 0);
+    let place = folder.path();
+    let own = fs::read(assert_cmd::cargo::cargo_bin("sma")).unwrap();
+    let program = place.join("sma");
+    // A byte behind all that is run.
+    fs::write(&program, [&own[..], b"\n"].concat()).unwrap();
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    fs::set_permissions(&program, mode).unwrap();
+    let made = Command::new(&program)
+        .args("batch fleet --do identify --out other --quiet".split(' '))
+        .current_dir(place)
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{made:?}");
+    let merged = "batch fleet --do identify --out out --merge other";
+    let (code, _, notes) = sma(place, merged);
+    assert_eq!(code, 1, "{notes}");
+    assert!(
+        notes.contains(
+            "note: other/units: results of another build of the program: 2; they do not count here"
+        ),
+        "{notes}"
+    );
+    succeeds(place, "batch fleet --do identify --out out");
+    assert_eq!(files(&place.join("out/units")).len(), 4);
+}
+
+#[test]
+fn a_list_for_programs_names_units_and_what_is_kept() {
+    let folder = fleet(3, 1);
+    let place = folder.path();
+    let listed = |call: &str| {
+        let (said, _) = succeeds(place, call);
+        serde_json::from_str::<Value>(&said).unwrap()
+    };
+    let call = "batch fleet --do identify --out out";
+    let before = listed(&format!("{call} --list --json -"));
+    assert!(!place.join("out").exists());
+    succeeds(place, call);
+    let after = listed(&format!("{call} --list --json -"));
+    let units = files(&place.join("out/units"));
+    for (k, kept) in ["done", "failed", "done"].into_iter().enumerate() {
+        let (before, after) = (&before["rigs"][k], &after["rigs"][k]);
+        assert_eq!(before["rig"], format!("wire-00{k}.csv"));
+        assert_eq!(before["train"][0], format!("fleet/wire-00{k}.csv"));
+        assert_eq!(before["rod"], "fleet/rod.toml");
+        assert_eq!(
+            (&before["kept"], &before["failure"]),
+            (&Value::Null, &Value::Null)
+        );
+        assert_eq!(before["unit"], after["unit"]);
+        assert_eq!(after["kept"], kept);
+        let file = format!("{}.json", after["unit"].as_str().unwrap());
+        assert!(units.contains_key(&file), "{file}");
     }
 }

@@ -281,6 +281,20 @@ pub(crate) fn plain() -> Vec<Exported> {
     models
 }
 
+/// A model under a duty, with duties below 0 and above 1, and the same within 0 and 1.
+pub(crate) fn of_wild_duty() -> (Exported, [Vec<f64>; 2]) {
+    let model = exported(DRIVES[1], Rule::Nested, &[]);
+    let Drive::Duty { .. } = model.setting.drive else {
+        unreachable!("the second drive is a duty")
+    };
+    let beyond: Vec<f64> = currents_a(500)
+        .into_iter()
+        .map(|level| level - 1.0)
+        .collect();
+    let within = beyond.iter().map(|duty| duty.clamp(0.0, 1.0)).collect();
+    (model, [beyond, within])
+}
+
 /// Every effect that is a formula, at its typical sizes, then pairs that share the middle of a sample or its parts.
 pub(crate) fn with_effects() -> Vec<Exported> {
     let mut models: Vec<Exported> = Exported::formulas()

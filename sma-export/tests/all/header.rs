@@ -13,8 +13,8 @@ use wiener::Drive;
 use wiener::hysteresis::Rule;
 
 use crate::common::{
-    AMBIENT_DEGC, apart, assert_agrees, bits, controlled, deeply_nested, drives, exported, plain,
-    setpoints, simulated, with_controllers, with_effects,
+    AMBIENT_DEGC, apart, assert_agrees, bits, controlled, deeply_nested, drives, exported,
+    of_wild_duty, plain, setpoints, simulated, with_controllers, with_effects,
 };
 
 const WARNINGS: [&str; 7] = [
@@ -224,6 +224,44 @@ fn a_full_memory_forgets_as_that_of_the_program() {
     );
     let found = run(&cc, folder.path(), &body, &["-O1"], &drive);
     assert!(bits(&found) == bits(&simulated(&model, &drive)));
+}
+
+#[test]
+fn a_duty_beyond_its_range_acts_as_its_ends() {
+    let Some(cc) = compiler() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (model, [beyond, within]) = of_wild_duty();
+    let body = plants(
+        folder.path(),
+        std::slice::from_ref(&model),
+        CNumbers::Double,
+    );
+    let found = run(&cc, folder.path(), &body, &["-O1"], &beyond);
+    assert!(bits(&found) == bits(&simulated(&model, &within)));
+    assert!(bits(&found) != bits(&simulated(&model, &beyond)));
+}
+
+#[test]
+fn compilers_that_lose_nan_are_refused() {
+    let Some(cc) = compiler() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let model = exported(Drive::Current, Rule::Nested, &[]);
+    let header = c_header(&model, CNumbers::Double, &CPrefix::default()).unwrap();
+    std::fs::write(folder.path().join("rod.c"), header).unwrap();
+    let compiled = |flag: &str| {
+        let output = Command::new(&cc)
+            .args(["-std=c99", "-fsyntax-only", flag, "rod.c"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.success(), said)
+    };
+    assert!(compiled("-O2").0, "{}", compiled("-O2").1);
+    for flag in ["-ffinite-math-only", "-ffast-math"] {
+        let (is_compiled, said) = compiled(flag);
+        assert!(!is_compiled && said.contains(flag), "{flag}: {said}");
+    }
 }
 
 #[test]

@@ -10,8 +10,8 @@ use sma_effects::EffectId;
 use sma_export::{Exported, python_module};
 
 use crate::common::{
-    AMBIENT_DEGC, assert_agrees, bits, controlled, deeply_nested, drives, plain, setpoints,
-    simulated, with_controllers, with_effects,
+    AMBIENT_DEGC, assert_agrees, bits, controlled, deeply_nested, drives, of_wild_duty, plain,
+    setpoints, simulated, with_controllers, with_effects,
 };
 
 /// Python 3: `PYTHON`, or `python3`. A machine without one says so.
@@ -65,6 +65,23 @@ fn run(
         .collect()
 }
 
+/// Lines that step a plant through its rows.
+fn stepped() -> String {
+    format!(
+        "for drive in rows:\n    out.extend((plant.output, plant.temperature_degc))\n    plant.step(drive, {AMBIENT_DEGC:?})\n"
+    )
+}
+
+#[test]
+fn a_duty_beyond_its_range_acts_as_its_ends() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (model, [beyond, within]) = of_wild_duty();
+    let models = std::slice::from_ref(&model);
+    let found = run(&python, folder.path(), models, &beyond, &stepped());
+    assert!(bits(&found) == bits(&simulated(&model, &within)));
+}
+
 #[test]
 fn a_module_agrees_with_the_program() {
     let Some(python) = python() else { return };
@@ -72,9 +89,7 @@ fn a_module_agrees_with_the_program() {
     let models = [plain(), with_effects()].concat();
     let n_samples = 1_500;
     let drives = drives(&models, n_samples);
-    let step = format!(
-        "for drive in rows:\n    out.extend((plant.output, plant.temperature_degc))\n    plant.step(drive, {AMBIENT_DEGC:?})\n"
-    );
+    let step = stepped();
     let (nested, drive) = deeply_nested();
     let one = std::slice::from_ref(&nested);
     let found = run(&python, folder.path(), one, &drive, &step);

@@ -187,6 +187,26 @@ fn a_unit_has_the_bits_of_the_program_with_latent_heat_and_dead_time() {
 }
 
 #[test]
+fn a_duty_beyond_its_range_acts_as_its_ends() {
+    let model = MODEL
+        .replace("kind = \"current\"", "kind = \"duty\"\nsupply_v = 0.7")
+        .replace("drive_unit = \"A\"", "drive_unit = \"1\"")
+        .replace("drive_max = 2.793", "drive_max = 1.0");
+    let (folder, uri) = resources();
+    std::fs::write(folder.path().join("a wire/model.toml"), &model).unwrap();
+    let run = |duties: &[f64]| {
+        let unit = Instance::try_new(1, &guid_of(&model), &uri).unwrap();
+        unit.initialize();
+        unit.run(duties)
+    };
+    let within: Vec<f64> = drive().iter().map(|level| level - 1.0).collect();
+    let beyond: Vec<f64> = within.iter().map(|level| 3.0 * level).collect();
+    let clamped: Vec<f64> = beyond.iter().map(|duty| duty.clamp(0.0, 1.0)).collect();
+    assert!(run(&beyond) == run(&clamped));
+    assert!(run(&within) != run(&clamped));
+}
+
+#[test]
 fn a_state_that_was_kept_comes_back() {
     let (_folder, uri) = resources();
     let unit = Instance::new(&uri);
@@ -328,6 +348,39 @@ fn errors_are_logged_with_name_value_and_what_is_accepted() {
     let status = unsafe { fmi2GetReal(unit.0, &raw const reference, 1, &raw mut value) };
     assert_ne!(status, 0);
     assert_eq!(last(), "value reference 7: expected 0 to 6");
+    let no_values = std::ptr::null_mut();
+    // SAFETY: null pointers are not read.
+    let status = unsafe { fmi2GetReal(unit.0, std::ptr::null(), 2, &raw mut value) };
+    assert_eq!(status, 3);
+    assert_eq!(
+        last(),
+        "fmi2GetReal: 2 variables, but no place for their value references"
+    );
+    // SAFETY: as above, and there is one reference.
+    let status = unsafe { fmi2GetReal(unit.0, &raw const reference, 1, no_values) };
+    assert_eq!(status, 3);
+    assert_eq!(
+        last(),
+        "fmi2GetReal: 1 variables, but no place for their values"
+    );
+    // SAFETY: as above.
+    let status = unsafe { fmi2SetReal(unit.0, std::ptr::null(), 2, std::ptr::null()) };
+    assert_eq!(status, 3);
+    // SAFETY: as above.
+    let status = unsafe { fmi2SetReal(unit.0, &raw const reference, 1, std::ptr::null()) };
+    assert_eq!(status, 3);
+    assert_eq!(
+        last(),
+        "fmi2SetReal: 1 variables, but no place for their values"
+    );
+    let before = MODEL.replace("role = \"train\"", "role = \"validate\"");
+    std::fs::write(folder.path().join("model.toml"), &before).unwrap();
+    assert!(instantiate(1, &guid_of(&before), &elsewhere).is_none());
+    assert!(
+        last().starts_with("model.toml: recording: none has role = \"train\"; expected "),
+        "{}",
+        last()
+    );
 }
 
 #[test]

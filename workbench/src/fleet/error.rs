@@ -13,6 +13,14 @@ pub enum FleetError {
         /// Why.
         source: io::Error,
     },
+    /// A folder from which results are to be taken has none.
+    #[error("{}: cannot be read; expected a folder of results, as --out of another call made it", path.display())]
+    NoResults {
+        /// The folder of its units.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
     /// A file is no manifest by its name.
     #[error("{}: is no folder and no manifest; expected a folder of rigs, or a file that ends in .csv or .toml", path.display())]
     NotManifest {

@@ -64,7 +64,19 @@ struct Recordings {
 }
 
 impl Search<'_> {
+    /// Lists the rigs of a folder. One below the root that cannot be read is a row of the result, as its neighbors are.
     fn visit(&mut self, folder: &Path, rod_above: Option<&Path>) -> Result<(), FleetError> {
+        match self.read(folder, rod_above) {
+            Err(FleetError::Unreadable { path, source }) if path == folder && path != self.root => {
+                let why = format!("the folder cannot be read: {source}");
+                self.keep_as(folder, Err(why), true);
+                Ok(())
+            }
+            read => read,
+        }
+    }
+
+    fn read(&mut self, folder: &Path, rod_above: Option<&Path>) -> Result<(), FleetError> {
         let unreadable = |source| FleetError::Unreadable {
             path: folder.to_owned(),
             source,
@@ -137,6 +149,10 @@ impl Search<'_> {
     }
 
     fn keep(&mut self, place: &Path, files: Result<RigFiles, String>) {
+        self.keep_as(place, files, false);
+    }
+
+    fn keep_as(&mut self, place: &Path, files: Result<RigFiles, String>, is_unread: bool) {
         let within = place.strip_prefix(self.root).unwrap_or(place).as_os_str();
         let key = if within.is_empty() {
             OsStr::new(".")
@@ -144,7 +160,12 @@ impl Search<'_> {
             within
         };
         let name = key.to_string_lossy().into_owned();
-        self.found.push((key.to_owned(), Listed { name, files }));
+        let listed = Listed {
+            name,
+            files,
+            is_unread,
+        };
+        self.found.push((key.to_owned(), listed));
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Listed {
     pub name: String,
     /// Its files, or the reason why they do not make a rig.
     pub files: Result<RigFiles, String>,
+    /// True if the reason is a folder that cannot be read now: it may hold a rig.
+    pub is_unread: bool,
 }
 
 /// Files of a rig.

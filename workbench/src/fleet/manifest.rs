@@ -150,6 +150,7 @@ fn listed(path: &Path, entries: Vec<Entry>) -> Result<Fleet, FleetError> {
             files.into_iter().map(|file| folder.join(file)).collect()
         };
         rigs.push(Listed {
+            is_unread: false,
             name: entry.name,
             files: Ok(RigFiles {
                 rod: folder.join(entry.rod),

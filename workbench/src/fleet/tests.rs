@@ -284,7 +284,7 @@ fn task(folder: &Path, train: &str, seed: &str) -> Task {
         train: vec![folder.join(train)],
         validate: Vec::new(),
     };
-    Task::of("0.1.0", "diagnose", vec![seed.to_owned()], &files).unwrap()
+    Task::of(["0.1.0", "0a"], "diagnose", vec![seed.to_owned()], &files).unwrap()
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn of_two_folders_a_result_goes_before_a_failure() {
     one.keep(&failed, folder.path()).unwrap();
     other.keep(&done, folder.path()).unwrap();
     for (into, from) in [(&one, &other), (&other, &one)] {
-        assert!(into.take(from, folder.path()).unwrap().is_empty());
+        assert!(into.take(from, folder.path(), "0a").unwrap().is_empty());
         assert_eq!(into.read(&task.name()).unwrap(), Some(done.clone()));
     }
 }

@@ -10,7 +10,7 @@ use crate::WorkbenchError;
 use crate::inputs::{hashed, sha256_of};
 
 /// Version of the document of a unit.
-const SCHEMA_VERSION: u32 = 1;
+const SCHEMA_VERSION: u32 = 2;
 
 /// Everything that the result of a unit depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,6 +18,8 @@ const SCHEMA_VERSION: u32 = 1;
 pub struct Task {
     /// Version of the program.
     pub version: String,
+    /// SHA-256 of its file, in hexadecimal: two builds of one version may differ in their last digits.
+    pub program: String,
     /// The command: `diagnose` or `identify`.
     pub command: String,
     /// Flags that can move the result.
@@ -90,13 +92,13 @@ pub struct Failure {
 }
 
 impl Task {
-    /// A task on the files of a rig as they are now.
+    /// A task on the files of a rig as they are now, for a program of a version and of a SHA-256.
     ///
     /// # Errors
     ///
     /// [`WorkbenchError::Read`].
     pub fn of(
-        version: &str,
+        [version, program]: [&str; 2],
         command: &str,
         flags: Vec<String>,
         files: &RigFiles,
@@ -119,6 +121,7 @@ impl Task {
         });
         Ok(Self {
             version: version.to_owned(),
+            program: program.to_owned(),
             command: command.to_owned(),
             flags,
             input: input.collect::<Result<_, WorkbenchError>>()?,

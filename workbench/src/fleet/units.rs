@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use recording::read_text;
 
-use super::Unit;
+use super::{FleetError, Unit};
 use crate::WorkbenchError;
 
 /// Name of the folder in that of the results.
@@ -64,16 +64,23 @@ impl Units {
         Ok(Self { folder })
     }
 
+    /// Those of a folder for results that need not be there.
+    #[must_use]
+    pub fn at(out: &Path) -> Self {
+        let folder = out.join(FOLDER);
+        Self { folder }
+    }
+
     /// Those of another call, which must be there.
     ///
     /// # Errors
     ///
-    /// [`WorkbenchError::Read`].
-    pub fn of(out: &Path) -> Result<Self, WorkbenchError> {
+    /// [`FleetError::NoResults`].
+    pub fn of(out: &Path) -> Result<Self, FleetError> {
         let folder = out.join(FOLDER);
         match fs::read_dir(&folder) {
             Ok(_) => Ok(Self { folder }),
-            Err(source) => Err(WorkbenchError::Read {
+            Err(source) => Err(FleetError::NoResults {
                 path: folder,
                 source,
             }),
@@ -152,23 +159,39 @@ impl Units {
         written.map_err(|source| WorkbenchError::Write { path, source })
     }
 
-    /// Takes in the results of another folder; a result goes before a failure. Returns notes on files that are no results.
+    /// Takes in the results of another folder; a result goes before a failure. Returns notes on files that are no results, and on
+    /// results of another build than that of the SHA-256 `program`, which count in no table of this one.
     ///
     /// # Errors
     ///
     /// [`WorkbenchError::Read`], [`WorkbenchError::Write`].
-    pub fn take(&self, other: &Self, beside: &Path) -> Result<Vec<String>, WorkbenchError> {
+    pub fn take(
+        &self,
+        other: &Self,
+        beside: &Path,
+        program: &str,
+    ) -> Result<Vec<String>, WorkbenchError> {
         let mut notes = Vec::new();
+        let mut n_of_others = 0;
         for name in other.names()? {
             let has_result = matches!(self.read(&name), Ok(Some(own)) if own.failure.is_none());
             if has_result {
                 continue;
             }
             match other.read(&name) {
-                Ok(Some(unit)) => self.keep(&unit, beside)?,
+                Ok(Some(unit)) => {
+                    n_of_others += usize::from(unit.task.program != program);
+                    self.keep(&unit, beside)?;
+                }
                 Ok(None) => {}
                 Err(fault) => notes.push(format!("{fault}; it does not count")),
             }
+        }
+        if n_of_others > 0 {
+            notes.push(format!(
+                "{}: results of another build of the program: {n_of_others}; they do not count here",
+                other.folder.display()
+            ));
         }
         Ok(notes)
     }

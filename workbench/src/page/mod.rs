@@ -23,6 +23,7 @@ use crate::report::table::table;
 
 const STYLE: &str = include_str!("style.css");
 const CURSOR: &str = include_str!("cursor.js");
+const SORT: &str = include_str!("sort.js");
 
 /// A page in the making.
 #[derive(Debug)]
@@ -164,6 +165,7 @@ impl Page {
         if self.n_figures > 0 {
             self.line(&format!("<script>\n{CURSOR}</script>"));
         }
+        self.line(&format!("<script>\n{SORT}</script>"));
         self.text + "</body></html>\n"
     }
 }

@@ -10,6 +10,7 @@ use crate::page;
 
 fn task(command: &str) -> Task {
     Task {
+        program: "0a".repeat(32),
         version: "0.1.0".to_owned(),
         command: command.to_owned(),
         flags: Vec::new(),
