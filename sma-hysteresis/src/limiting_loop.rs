@@ -128,7 +128,8 @@ impl<const L: usize> LimitingLoop<L> {
     /// ```
     ///
     /// Where the two curves cross, far from the middle, a branch that starts beyond its own curve comes back to it as
-    /// one from within does.
+    /// one from within does. Kinetics have no such way back: from |a| = T_c/(2.25 h_0) on their curves cross where a
+    /// transformation is under way, and a reversal beyond the end of the other one is a jump there.
     ///
     /// # Errors
     ///

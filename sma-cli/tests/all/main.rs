@@ -20,6 +20,7 @@ mod init;
 mod inspect;
 #[path = "../../examples/make_fleet.rs"]
 mod make_fleet;
+mod mutations;
 mod reports;
 mod resume;
 mod shell;
