@@ -18,7 +18,7 @@ use workbench::{Rig, WorkbenchError, controller, hashed};
 
 use crate::commands::tune::TRACKING_SAMPLES;
 use crate::outcome::Outcome;
-use crate::provenance::call;
+use crate::provenance::{Unread, call};
 use crate::sink::Outputs;
 use crate::terminal::say;
 
@@ -99,6 +99,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     inputs.extend(args.tuned.as_deref());
     inputs.extend(args.library.as_deref());
     let sink = Outputs::beside(&inputs).open(&args.output)?;
+    let unread = Unread::of(&[&args.model]);
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let exported = exported(args, &saved, &model)?;
@@ -121,6 +122,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
             fmu(&exported, &model_toml, &args.library()?)?
         }
     };
+    unread.read(0, &[&args.model])?;
     say(args.quiet, &notes(&saved, &exported))?;
     sink.write_bytes(&result)?;
     Ok(Outcome::Done)

@@ -2,7 +2,11 @@
 //!
 //! A few dozen by default; `SMA_MUTATIONS=5000` tries as many (docs/reliability.md).
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests, which say what was tried"
+)]
 
 use std::collections::BTreeMap;
 use std::fs;
