@@ -29,6 +29,8 @@ struct Killed {
     meanwhile: &'static [&'static str],
     /// Files that tell of times, and differ.
     of_times: &'static [&'static str],
+    /// Kills of it in a hundred; those that take longest are killed least.
+    in_a_hundred: usize,
     /// False for one that a short run leaves out, since it takes seconds.
     is_short: bool,
 }
@@ -39,6 +41,7 @@ const COMMANDS: [Killed; 6] = [
                --save-model model-2.toml --report page.html --quiet --threads 1",
         meanwhile: &["kept"],
         of_times: &[],
+        in_a_hundred: 30,
         is_short: true,
     },
     Killed {
@@ -46,6 +49,7 @@ const COMMANDS: [Killed; 6] = [
                --report page.html --quiet --threads 1",
         meanwhile: &["kept"],
         of_times: &[],
+        in_a_hundred: 25,
         is_short: false,
     },
     Killed {
@@ -53,24 +57,28 @@ const COMMANDS: [Killed; 6] = [
                --quiet --threads 1",
         meanwhile: &[],
         of_times: &[],
+        in_a_hundred: 6,
         is_short: false,
     },
     Killed {
         call: "export model.toml --to c --quiet --output rod.h",
         meanwhile: &[],
         of_times: &[],
+        in_a_hundred: 18,
         is_short: true,
     },
     Killed {
         call: "batch rigs --do identify --out night --csv night/table.csv --json night/fleet.json --jobs 1 --quiet",
         meanwhile: &[],
         of_times: &[],
+        in_a_hundred: 18,
         is_short: true,
     },
     Killed {
         call: "trial --seed kills --family clean-outliers --cases 2 --jobs 1 --out t --json out.json --quiet",
         meanwhile: &[],
         of_times: &["t/times.csv", "t/runs.csv"],
+        in_a_hundred: 3,
         is_short: false,
     },
 ];
@@ -212,7 +220,7 @@ fn a_killed_command_leaves_no_torn_file_and_ends_with_the_same_bytes() {
     let mut said = Vec::new();
     for command in &commands {
         let (whole, took) = command.whole();
-        let wanted = n.div_ceil(commands.len());
+        let wanted = (n * command.in_a_hundred).div_ceil(100);
         let (mut n_killed, mut n_chains) = (0, 0);
         // One that ends before it can be killed ends the chain as well.
         while n_killed < wanted && n_chains < 4 * wanted {

@@ -18,6 +18,7 @@ mod generate_recording;
 mod identify;
 mod init;
 mod inspect;
+mod invariance;
 mod kills;
 #[path = "../../examples/make_fleet.rs"]
 mod make_fleet;

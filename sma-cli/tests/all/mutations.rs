@@ -53,7 +53,7 @@ const TOKENS: [&str; 24] = [
     "99999999999999999999",
 ];
 
-/// What a file is, and the calls that read it in the place of the sound one.
+/// A file, and the calls that read it in the place of the sound one.
 struct Kind {
     /// Its name in the folder.
     file: &'static str,
@@ -292,7 +292,7 @@ fn has_no_number(text: &str) -> bool {
     words.any(|word| matches!(word, "NaN" | "nan" | "inf" | "Infinity"))
 }
 
-/// What is wrong with how a call on a damaged file ended.
+/// Fault in how a call on a damaged file ended.
 fn fault(kind: &Kind, call: &str, output: &Output, took: Duration) -> Option<&'static str> {
     let stderr = said(output);
     let stdout = String::from_utf8_lossy(&output.stdout);
