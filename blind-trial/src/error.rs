@@ -84,6 +84,14 @@ pub enum TrialError {
         #[source]
         source: serde_json::Error,
     },
+    /// A line has another content than was written.
+    #[error("{}:{line}: was changed since it was written: its hash is that of another line", path.display())]
+    Damaged {
+        /// Which file.
+        path: PathBuf,
+        /// Which line, from 1.
+        line: usize,
+    },
     /// A line is there twice.
     #[error("{}:{line}: {key} is there twice", path.display())]
     Twice {

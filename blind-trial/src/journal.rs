@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -6,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use sha2::{Digest, Sha256};
 
 use crate::TrialError;
 
@@ -18,7 +20,16 @@ pub trait Line: Serialize + DeserializeOwned {
     fn key(&self) -> Self::Key;
 }
 
+/// Last member of a line: the SHA-256 of the line without it.
+const HASH: &str = ",\"line_sha256\":\"";
+/// End of that member, and of the line.
+const HASH_END: &str = "\"}";
+/// Digits of a hash.
+const DIGITS: usize = 64;
+
 /// A file of results: a JSON object a line, a line a case.
+///
+/// Each line ends with its own hash, so that a damaged one is seen. Lines without it are from versions that wrote none.
 ///
 /// Opening keeps all lines in it but one: a last line without its end, from a run that was cut off, is removed.
 #[derive(Debug)]
@@ -36,7 +47,7 @@ impl<L: Line> Journal<L> {
     ///
     /// # Errors
     ///
-    /// [`TrialError::File`], [`TrialError::InUse`], [`TrialError::Line`], [`TrialError::Twice`].
+    /// [`TrialError::File`], [`TrialError::InUse`], [`TrialError::Line`], [`TrialError::Damaged`], [`TrialError::Twice`].
     pub fn open(path: &Path) -> Result<Self, TrialError> {
         let failed = |source| TrialError::file(path, source);
         let mut file = OpenOptions::new()
@@ -70,7 +81,11 @@ impl<L: Line> Journal<L> {
     }
 
     fn keep(&mut self, index: usize, text: &str) -> Result<(), TrialError> {
-        let line: L = serde_json::from_str(text).map_err(|source| TrialError::Line {
+        let content = content_of(text).ok_or_else(|| TrialError::Damaged {
+            path: self.path.clone(),
+            line: index + 1,
+        })?;
+        let line: L = serde_json::from_str(&content).map_err(|source| TrialError::Line {
             path: self.path.clone(),
             line: index + 1,
             source,
@@ -107,17 +122,18 @@ impl<L: Line> Journal<L> {
         self.lines.values().map(|(line, _)| line)
     }
 
-    /// Adds a line at the end, and sees it to the disk's cache before it returns.
+    /// Adds a line at the end, and sees it to the disk before it returns.
     ///
     /// # Errors
     ///
     /// [`TrialError::File`].
     pub fn append(&mut self, line: L) -> Result<(), TrialError> {
         let text = serde_json::to_string(&line).map_err(io::Error::from);
-        let text = text.map_err(|source| TrialError::file(&self.path, source))? + "\n";
+        let text = text.map_err(|source| TrialError::file(&self.path, source))?;
+        let text = hashed(&text) + "\n";
         self.file
             .write_all(text.as_bytes())
-            .and_then(|()| self.file.flush())
+            .and_then(|()| self.file.sync_data())
             .map_err(|source| TrialError::file(&self.path, source))?;
         self.insert(line, text);
         Ok(())
@@ -154,6 +170,31 @@ impl<L: Line> Journal<L> {
             .map_err(|source| TrialError::file(&self.path, source))?;
         Self::open(&self.path)
     }
+}
+
+/// A line with its hash, which stands in the place of its last brace.
+fn hashed(content: &str) -> String {
+    let open = content.strip_suffix('}').unwrap_or(content);
+    format!("{open}{HASH}{}{HASH_END}", hexadecimal(content))
+}
+
+/// A line without its hash; `None` if the hash is that of another line.
+fn content_of(text: &str) -> Option<Cow<'_, str>> {
+    // What has the name of a hash and not its form is damaged, too.
+    let Some((open, rest)) = text.rsplit_once(HASH) else {
+        let end = text.strip_suffix(HASH_END);
+        let last = end.and_then(|end| end.get(end.len().checked_sub(DIGITS)?..));
+        let is_hash = last.is_some_and(|last| last.bytes().all(|byte| byte.is_ascii_hexdigit()));
+        return (!is_hash).then_some(Cow::Borrowed(text));
+    };
+    let hash = rest.strip_suffix(HASH_END)?;
+    let content = format!("{open}}}");
+    (hash.len() == DIGITS && hash == hexadecimal(&content)).then_some(Cow::Owned(content))
+}
+
+fn hexadecimal(text: &str) -> String {
+    let digest = Sha256::digest(text.as_bytes());
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]
@@ -239,6 +280,39 @@ mod tests {
         assert!(text.ends_with("bad.jsonl:2: not a result"), "{text}");
         let text = opened(&format!("{whole}{whole}"));
         assert!(text.ends_with("bad.jsonl:2: 0 is there twice"), "{text}");
+    }
+
+    #[test]
+    fn a_line_with_another_content_than_was_written_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cases.jsonl");
+        let whole = written(&path, &[3, 4]);
+        let second = whole.lines().nth(1).unwrap();
+        // Each byte in turn, but for the digits of the case itself: a damaged line is none of ours, or is seen.
+        for at in 0..second.len() {
+            let mut bytes = second.as_bytes().to_vec();
+            bytes[at] = if bytes[at] == b'5' { b'6' } else { b'5' };
+            let damaged = String::from_utf8(bytes).unwrap();
+            fs::write(&path, whole.replace(second, &damaged)).unwrap();
+            let text = Journal::<Number>::open(&path).unwrap_err().to_string();
+            let is_seen = text.ends_with(
+                "cases.jsonl:2: was changed since it was written: its hash is that of another line",
+            ) || text.ends_with("cases.jsonl:2: not a result");
+            assert!(is_seen, "{at}: {text}");
+        }
+    }
+
+    #[test]
+    fn lines_of_older_versions_have_no_hash_and_are_kept_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("old.jsonl");
+        let old = "{\"case\":0,\"value\":0.3333333333333333}\n";
+        fs::write(&path, old).unwrap();
+        let text = written(&path, &[1]);
+        assert!(text.starts_with(old), "{text}");
+        assert_eq!(text.matches(HASH).count(), 1, "{text}");
+        let journal: Journal<Number> = Journal::open(&path).unwrap();
+        assert!(journal.lines().eq(&[line(0), line(1)]));
     }
 
     #[test]

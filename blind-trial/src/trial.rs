@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, OpenOptions};
-use std::io::Write;
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
@@ -23,6 +23,8 @@ const TIMES: &str = "times.csv";
 const RUNS: &str = "runs.csv";
 /// Files of cases, where they are kept.
 const KEPT: &str = "cases";
+/// Files of cases under way, where they are not kept.
+const UNDER_WAY: &str = ".under-way";
 
 /// A trial: a folder with the seal of its answers and what came out.
 #[derive(Debug)]
@@ -85,12 +87,33 @@ impl Trial {
             Ok(text) => head.check(&path, &text)?,
             Err(_) => put(&path, &format!("{}\n", head.text()))?,
         }
-        Ok(Self {
+        let trial = Self {
             folder: folder.to_owned(),
             head,
             like,
             journal: Journal::open(&folder.join(CASES))?,
-        })
+        };
+        trial.tidy()?;
+        Ok(trial)
+    }
+
+    /// Removes what a run left behind that was killed. The journal is locked, so that no other one is under way here.
+    fn tidy(&self) -> Result<(), TrialError> {
+        let there = |result: io::Result<()>| match result {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        };
+        let path = self.folder.join(UNDER_WAY);
+        there(fs::remove_dir_all(&path)).map_err(|source| TrialError::file(&path, source))?;
+        for name in [TRIAL, SEALS, TIMES, CASES] {
+            let path = beside(&self.folder.join(name));
+            there(fs::remove_file(&path)).map_err(|source| TrialError::file(&path, source))?;
+        }
+        for name in [TIMES, RUNS] {
+            let path = self.folder.join(name);
+            cut_off(&path).map_err(|source| TrialError::file(&path, source))?;
+        }
+        Ok(())
     }
 
     /// Runs the cases of a plan that are not in the folder yet; returns how many failed.
@@ -121,8 +144,7 @@ impl Trial {
             config.jobs,
             |&id| {
                 let case = Case::around(like.as_ref(), &seed, id);
-                let kept_in = config.keep_files.then_some(&folder);
-                sound(&case, kept_in, config.asks_others)
+                sound(&case, &folder, config)
             },
             |ran| {
                 done += 1;
@@ -148,6 +170,7 @@ impl Trial {
                 }
             },
         );
+        self.tidy()?;
         match broken {
             Some(error) => Err(error),
             None => Ok(n_failed),
@@ -309,26 +332,48 @@ impl Head {
 }
 
 /// Runs a case in a folder of its own; a fault of the program in one leaves the others alone.
-fn sound(case: &Case, kept_in: Option<&PathBuf>, asks_others: bool) -> Result<Ran, TrialError> {
+fn sound(case: &Case, folder: &Path, config: RunConfig) -> Result<Ran, TrialError> {
     let id = case.id;
-    let run = || match kept_in {
-        Some(folder) => {
-            let folder = folder.join(KEPT).join(id.to_string());
-            fs::create_dir_all(&folder).map_err(|source| TrialError::file(&folder, source))?;
-            run_case(case, &folder, asks_others)
-        }
-        None => {
-            let folder = tempfile::tempdir()
-                .map_err(|source| TrialError::file(&std::env::temp_dir(), source))?;
-            run_case(case, folder.path(), asks_others)
-        }
+    let place = if config.keep_files { KEPT } else { UNDER_WAY };
+    let folder = folder.join(place).join(id.to_string());
+    let run = || {
+        fs::create_dir_all(&folder).map_err(|source| TrialError::file(&folder, source))?;
+        run_case(case, &folder, config.asks_others)
     };
-    catch_unwind(run).unwrap_or(Err(TrialError::Panicked { case: id }))
+    let ran = catch_unwind(run).unwrap_or(Err(TrialError::Panicked { case: id }));
+    if !config.keep_files {
+        // What cannot be removed now is removed at the end.
+        let _ = fs::remove_dir_all(&folder);
+    }
+    ran
+}
+
+/// Place of a file that has not its name yet.
+fn beside(path: &Path) -> PathBuf {
+    path.with_extension(match path.extension() {
+        Some(extension) if extension == "jsonl" => "jsonl.new",
+        _ => "new",
+    })
+}
+
+/// Removes a last line without its end, from a run that was killed.
+fn cut_off(path: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    let bytes = fs::read(path)?;
+    let whole = bytes.iter().rposition(|byte| *byte == b'\n');
+    let whole = whole.map_or(0, |end| end + 1);
+    if whole < bytes.len() {
+        let file = OpenOptions::new().write(true).open(path)?;
+        file.set_len(whole as u64)?;
+    }
+    Ok(())
 }
 
 /// Writes a file whole or not at all.
 fn put(path: &Path, text: &str) -> Result<(), TrialError> {
-    let beside = path.with_extension("new");
+    let beside = beside(path);
     fs::write(&beside, text)
         .and_then(|()| fs::rename(&beside, path))
         .map_err(|source| TrialError::file(path, source))
@@ -365,6 +410,25 @@ mod tests {
         let error = other.check_seal(&plan, &rows[&plan.to_string()]);
         let text = error.unwrap_err().to_string();
         assert!(text.starts_with("plan lab single=3: its answers have the seal "));
+    }
+
+    #[test]
+    fn what_a_killed_run_left_behind_is_removed_by_the_next() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        let left = place(UNDER_WAY).join("lab-single-0000");
+        fs::create_dir_all(&left).unwrap();
+        fs::write(left.join("rod.toml"), "[rod]").unwrap();
+        fs::write(place("seals.new"), "half a li").unwrap();
+        fs::write(place("cases.jsonl.new"), "half a li").unwrap();
+        fs::write(place(TIMES), "lab-single-0000,1.5,1\nlab-sing").unwrap();
+        drop(Trial::open(folder.path(), "a seed", None).unwrap());
+        let names = fs::read_dir(folder.path()).unwrap();
+        let mut names: Vec<_> = names.map(|one| one.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, [CASES, TIMES, TRIAL]);
+        let times = fs::read_to_string(place(TIMES)).unwrap();
+        assert_eq!(times, "lab-single-0000,1.5,1\n");
     }
 
     #[test]

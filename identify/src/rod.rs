@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 
 use recording::{Columns, Quantity, ReadOptions};
@@ -15,6 +15,9 @@ use crate::recording_use::{RecordingTable, RecordingUse, uses};
 use crate::source::{Source, read};
 use crate::supply::Supplied;
 use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState, Supply};
+
+/// Lengths and diameters that are read, mm: beyond, a section would be no number.
+const MEASURES_MM: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Resistivity of NiTi, Ω m, that stands in for a resistance which is not given.
 pub const NITI_OHM_M: f64 = 0.8e-6;
@@ -252,8 +255,15 @@ impl Rod {
             "rod.specific_heat_j_per_kg_k",
             &rod.specific_heat_j_per_kg_k,
         )?;
-        let mm = |key, value| -> Result<_, IdentifyError> {
-            Ok(source.positive(key, value)?.map(|mm| mm * 1e-3))
+        let mm = |key, value: &Option<Spanned<f64>>| -> Result<_, IdentifyError> {
+            match (source.positive(key, value)?, value) {
+                (Some(mm), Some(spanned)) if !MEASURES_MM.contains(&mm) => {
+                    let [least, most] = [MEASURES_MM.start(), MEASURES_MM.end()];
+                    let accepted = format!("must be from {least:e} to {most:e} mm");
+                    Err(source.value(key, spanned, accepted))
+                }
+                (mm, _) => Ok(mm.map(|mm| mm * 1e-3)),
+            }
         };
         let load = match load {
             None => None,

@@ -43,8 +43,14 @@ pub fn read_text(path: &Path, most_bytes: u64) -> io::Result<String> {
             format!("is larger than {most_bytes} bytes, the most that is read of such a file"),
         ));
     }
-    String::from_utf8(bytes)
-        .map_err(|_| io::Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+    String::from_utf8(bytes).map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+        io::Error::new(
+            ErrorKind::InvalidData,
+            format!("line {line} is no text in UTF-8"),
+        )
+    })
 }
 
 #[cfg(test)]
@@ -63,10 +69,9 @@ mod tests {
         assert!(large.to_string().starts_with("is larger than 4 bytes"));
         let refused = open_regular(folder.path()).unwrap_err();
         assert_eq!(refused.to_string(), "is a folder; expected a file");
-        fs::write(&path, b"\xff").unwrap();
-        assert_eq!(
-            read_text(&path, 4).unwrap_err().kind(),
-            ErrorKind::InvalidData
-        );
+        fs::write(&path, b"1\n2\xff").unwrap();
+        let no_text = read_text(&path, 4).unwrap_err();
+        assert_eq!(no_text.kind(), ErrorKind::InvalidData);
+        assert_eq!(no_text.to_string(), "line 2 is no text in UTF-8");
     }
 }

@@ -113,10 +113,13 @@ fn swing(levels: &[f64], time_s: &[f64]) -> Option<Swing> {
         return None;
     }
     let done = |level: &f64| (level - from) / way;
-    let left = levels.iter().rposition(|level| done(level) <= MARGIN)?;
     let come = levels
         .iter()
         .position(|level| done(level) >= 1.0 - MARGIN)?;
+    // Before that: a drive that wavers may have gone back almost to where it began, and come again.
+    let left = levels[..come]
+        .iter()
+        .rposition(|level| done(level) <= MARGIN)?;
     let held = levels[left..=come]
         .windows(2)
         .filter(|two| (two[1] - two[0]).abs() <= 0.0);
@@ -138,7 +141,7 @@ fn swing(levels: &[f64], time_s: &[f64]) -> Option<Swing> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RecordingParts;
+    use crate::{Quantity, RecordingParts};
 
     fn recording(levels: impl Iterator<Item = f64>) -> Recording {
         let drive: Vec<f64> = levels.collect();
@@ -164,6 +167,20 @@ mod tests {
     fn triangles(period: usize, height: f64) -> Recording {
         let part = move |k: usize| (k % (2 * period)) as f64 / period as f64;
         recording((0..600).map(move |k| height * (1.0 - (part(k) - 1.0).abs())))
+    }
+
+    /// Found by fuzzing.
+    #[test]
+    fn a_drive_that_goes_back_almost_the_whole_way_is_no_fault() {
+        let wavering = [0.5, 0.29, 0.485, 0.285, 1.0, 1.0, 0.0, 0.0];
+        let powers = Recording::new(RecordingParts {
+            time_s: Some((0..8).map(f64::from).collect()),
+            drive_quantity: Quantity::Power,
+            drive: wavering.to_vec(),
+            output: wavering.to_vec(),
+            ..RecordingParts::default()
+        });
+        assert!(!has_one_rate(&[powers.unwrap()]));
     }
 
     #[test]

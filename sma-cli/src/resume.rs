@@ -35,6 +35,8 @@ pub(crate) enum ResumeError {
         line: usize,
         source: serde_json::Error,
     },
+    #[error("{}: cannot be read", path.display())]
+    Read { path: PathBuf, source: io::Error },
     #[error("{}: is of another call, {command}; give that one, or another file", path.display())]
     OtherCall { path: PathBuf, command: String },
     #[error("{}: is of other recordings, or of another version of this program; give another file", path.display())]
@@ -139,11 +141,13 @@ impl From<&Provenance> for Of {
 
 impl Kept {
     fn open(path: &Path, of: Of) -> anyhow::Result<Self> {
-        let cannot = || format!("{}: cannot be read", path.display());
         let text = match read_text(path, MOST_BYTES) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(error).with_context(cannot),
+            Err(source) => {
+                let path = path.to_owned();
+                return Err(ResumeError::Read { path, source }.into());
+            }
         };
         // A last line without its end is from a run that was cut off; the first was written at once.
         let whole = &text[..text.rfind('\n').map_or(text.len(), |end| end + 1)];

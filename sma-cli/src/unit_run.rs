@@ -3,10 +3,8 @@
 use std::ffi::OsString;
 use std::fs;
 use std::io;
-use std::os::unix::fs::symlink;
-use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, ExitStatus, Output, Stdio};
 
 use serde_json::Value;
 
@@ -160,7 +158,8 @@ impl UnitRun<'_> {
             argument.push(name);
             recordings.push(argument);
         }
-        let mut process = Command::new(&self.program)
+        let mut command = Command::new(&self.program);
+        command
             .args(["batch-unit", self.command, "--quiet"])
             .args(["--threads", "1", "--json", "-"])
             .args(&self.flags)
@@ -168,12 +167,12 @@ impl UnitRun<'_> {
             .arg("--")
             .arg(rod)
             .current_dir(folder)
-            // Ctrl-C is for this process, whose end is theirs.
-            .process_group(0)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()?;
+            .stderr(Stdio::piped());
+        // Ctrl-C is for this process, whose end is theirs.
+        apart(&mut command);
+        let mut process = command.spawn()?;
         // Held as long as the process runs, which ends when it is closed.
         let held = process.stdin.take();
         let output = process.wait_with_output()?;
@@ -192,7 +191,7 @@ fn ran(task: Task, output: &Output) -> Ran {
     let said = said.trim();
     let said = said.strip_prefix("sma: ").unwrap_or(said);
     let is = |code: i32, of: u8| code == i32::from(of);
-    match (output.status.code(), output.status.signal()) {
+    match (output.status.code(), signal_of(output.status)) {
         (Some(code), _) if is(code, DONE) || is(code, NOT_TO_BE_USED) => {
             match serde_json::from_slice(&output.stdout) {
                 Ok(result @ Value::Object(_)) => Ran::Of(Box::new(Unit::done(task, code, result))),
@@ -254,9 +253,9 @@ fn link(path: &Path, name: &Path, place: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
     }
     let whole = std::path::absolute(path)?;
-    match symlink(&whole, name) {
+    match stand_for(&whole, name) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            if fs::read_link(name)? == whole {
+            if stands_for(&whole, name)? {
                 Ok(())
             } else {
                 Err(error)
@@ -266,10 +265,65 @@ fn link(path: &Path, name: &Path, place: &Path) -> io::Result<()> {
     }
 }
 
-#[cfg(test)]
+/// Where processes come in groups, of its own.
+#[cfg(unix)]
+fn apart(command: &mut Command) {
+    use std::os::unix::process::CommandExt;
+    command.process_group(0);
+}
+
+#[cfg(windows)]
+fn apart(command: &mut Command) {
+    use std::os::windows::process::CommandExt;
+    /// `CREATE_NEW_PROCESS_GROUP`.
+    const NEW_GROUP: u32 = 0x200;
+    command.creation_flags(NEW_GROUP);
+}
+
+#[cfg(not(any(unix, windows)))]
+fn apart(_: &mut Command) {}
+
+/// The signal that ended a process, where there are signals.
+#[cfg(unix)]
+fn signal_of(status: ExitStatus) -> Option<i32> {
+    std::os::unix::process::ExitStatusExt::signal(&status)
+}
+
+#[cfg(not(unix))]
+fn signal_of(_: ExitStatus) -> Option<i32> {
+    None
+}
+
+/// Makes a name for a file that is not there yet.
+#[cfg(unix)]
+fn stand_for(file: &Path, name: &Path) -> io::Result<()> {
+    std::os::unix::fs::symlink(file, name)
+}
+
+/// A copy: elsewhere links are for administrators, or for one drive.
+#[cfg(not(unix))]
+fn stand_for(file: &Path, name: &Path) -> io::Result<()> {
+    if name.exists() {
+        return Err(io::ErrorKind::AlreadyExists.into());
+    }
+    fs::copy(file, name).map(|_| ())
+}
+
+/// True if a name that is there is that of the file.
+#[cfg(unix)]
+fn stands_for(file: &Path, name: &Path) -> io::Result<bool> {
+    Ok(fs::read_link(name)? == file)
+}
+
+#[cfg(not(unix))]
+fn stands_for(file: &Path, name: &Path) -> io::Result<bool> {
+    Ok(fs::read(name)? == fs::read(file)?)
+}
+
+#[cfg(all(test, unix))]
 #[allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 mod tests {
-    use std::process::ExitStatus;
+    use std::os::unix::process::ExitStatusExt;
 
     use super::*;
 

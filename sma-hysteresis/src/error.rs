@@ -12,6 +12,14 @@ pub enum HysteresisError {
         /// Rejected value, K.
         value: f64,
     },
+    /// A width of no loop: with such numbers a fraction would be none.
+    #[error("{name} = {value:e} K: must be from 1e-30 to 1e30 K")]
+    Width {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Rejected value, K.
+        value: f64,
+    },
     /// A parameter is infinite or NaN.
     #[error("{name} = {value} {unit}: must be finite")]
     NotFinite {
@@ -90,12 +98,14 @@ pub enum HysteresisError {
     },
 }
 
-/// Accepts what is finite and > 0: `NaN` fails the comparison.
+/// Accepts widths that a loop can have, and more: `NaN` fails the comparison.
 pub(crate) fn positive_k(name: &'static str, value: f64) -> Result<f64, HysteresisError> {
-    if value > 0.0 && value.is_finite() {
+    if !(value > 0.0 && value.is_finite()) {
+        Err(HysteresisError::NotPositive { name, value })
+    } else if (1e-30..=1e30).contains(&value) {
         Ok(value)
     } else {
-        Err(HysteresisError::NotPositive { name, value })
+        Err(HysteresisError::Width { name, value })
     }
 }
 

@@ -97,7 +97,7 @@ impl<const L: usize> LimitingLoop<L> {
     ///
     /// # Errors
     ///
-    /// [`HysteresisError::NotPositive`] for a width that is not finite and > 0,
+    /// [`HysteresisError::NotPositive`] for a width that is not finite and > 0, [`HysteresisError::Width`] for one of no loop,
     /// [`HysteresisError::NotFinite`] for a center, [`HysteresisError::NoSwing`] for `ξ_s` = 0.
     pub fn new(lanes: [LoopParams; L]) -> Result<Self, HysteresisError> {
         for lane in &lanes {
@@ -129,6 +129,10 @@ impl<const L: usize> LimitingLoop<L> {
     ///
     /// Where the two curves cross, far from the middle, a branch that starts beyond its own curve comes back to it as
     /// one from within does.
+    ///
+    /// **The fraction jumps** at some reversals of an asymmetric loop, which no branch that is as steep as its limiting curve
+    /// can lead to: kinetics where |a| ≥ T_c/(2.25 h_0), since their curves cross where a transformation is under way; and
+    /// [`Rule::Nested`](crate::Rule::Nested) at the return point of a minor loop whose other branch is steeper.
     ///
     /// # Errors
     ///

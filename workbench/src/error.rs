@@ -42,6 +42,12 @@ pub enum WorkbenchError {
         /// Why.
         source: io::Error,
     },
+    /// An input is another one than when the command began.
+    #[error("{}: was changed while it was read; run the command again", path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
     /// A result cannot be written.
     #[error("{}: cannot be written", path.display())]
     Write {
@@ -178,6 +184,7 @@ impl WorkbenchError {
                 | Self::Wiener(_)
                 | Self::Tune(_)
                 | Self::Task(_)
+                | Self::Changed { .. }
                 | Self::Exists { .. }
                 | Self::OtherColumns { .. }
                 | Self::OnlyTemperature { .. }

@@ -8,6 +8,7 @@ pub mod fleet;
 mod inputs;
 pub mod kept;
 mod known_to_a_range;
+mod near_copy;
 pub mod next_run;
 pub mod page;
 mod place;

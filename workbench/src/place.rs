@@ -1,16 +1,13 @@
 //! Where a result goes: a file that appears whole or not at all.
 
-use std::fs::{OpenOptions, Permissions};
+use std::ffi::{OsStr, OsString};
+use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
 
 use crate::WorkbenchError;
-
-/// Permissions that the user's mask is taken from, as any new file has.
-const ANY_FILE: u32 = 0o666;
 
 /// A place for a result, opened before the work that makes it.
 #[derive(Debug)]
@@ -62,8 +59,9 @@ impl Place {
                 folder: folder.to_owned(),
             });
         }
+        remove_left(folder, &place);
         // Not kept: a program that is interrupted would leave it behind.
-        temporary_in(folder).map_err(cannot)?;
+        temporary_in(folder, &place).map_err(cannot)?;
         let folder = folder.to_owned();
         Ok(Self::File { folder, place })
     }
@@ -119,7 +117,12 @@ fn append(place: &Path) -> io::Result<std::fs::File> {
 }
 
 fn replace(folder: &Path, place: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut temporary = temporary_in(folder)?;
+    let mut temporary = temporary_in(folder, place)?;
+    // Held, so that another call does not take it for one that was left.
+    match temporary.as_file().lock() {
+        Err(error) if error.kind() != io::ErrorKind::Unsupported => return Err(error),
+        _ => {}
+    }
     temporary.write_all(bytes)?;
     // On the disk before it has its name: after a power cut the old file is there, or the new one.
     temporary.as_file().sync_all()?;
@@ -127,10 +130,77 @@ fn replace(folder: &Path, place: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
-    let temporary = Builder::new()
-        .permissions(Permissions::from_mode(ANY_FILE))
-        .tempfile_in(folder);
+/// Beginning of the names of files that are not in their place yet.
+fn beginning(place: &Path) -> OsString {
+    let mut name = OsString::from(".");
+    name.push(place.file_name().unwrap_or_default());
+    name.push(".part-");
+    name
+}
+
+/// Removes what calls left behind that were killed while they wrote. Of a call that is writing now it is locked; where there are
+/// no locks it stays.
+fn remove_left(folder: &Path, place: &Path) {
+    let beginning = beginning(place);
+    let is_ours = |name: &OsStr| {
+        let name = name.as_encoded_bytes();
+        name.starts_with(beginning.as_encoded_bytes())
+    };
+    for entry in folder.read_dir().into_iter().flatten().flatten() {
+        let path = entry.path();
+        let is_left = || {
+            let file = OpenOptions::new().append(true).open(&path);
+            file.is_ok_and(|file| file.try_lock().is_ok())
+        };
+        if is_ours(&entry.file_name()) && is_left() {
+            // Another call may be removing it.
+            let _ = std::fs::remove_file(&path);
+        }
+    }
+}
+
+fn temporary_in(folder: &Path, place: &Path) -> io::Result<NamedTempFile> {
+    let temporary = as_any_file(Builder::new().prefix(&beginning(place))).tempfile_in(folder);
     // Without the name of a file that nobody has asked for.
     temporary.map_err(|error| io::Error::from(error.kind()))
+}
+
+/// With the permissions of any new file, from which the user's mask is taken.
+#[cfg(unix)]
+fn as_any_file<'b, 'p>(builder: &'b mut Builder<'p, 'static>) -> &'b mut Builder<'p, 'static> {
+    use std::os::unix::fs::PermissionsExt;
+    builder.permissions(std::fs::Permissions::from_mode(0o666))
+}
+
+/// As the folder has it.
+#[cfg(not(unix))]
+fn as_any_file<'b, 'p>(builder: &'b mut Builder<'p, 'static>) -> &'b mut Builder<'p, 'static> {
+    builder
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_killed_call_left_is_removed_and_what_another_is_writing_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("out.json");
+        let left = folder.path().join(".out.json.part-a");
+        let held = folder.path().join(".out.json.part-b");
+        let other = folder.path().join(".other.json.part-c");
+        for path in [&left, &held, &other] {
+            std::fs::write(path, "{").unwrap();
+        }
+        let lock = std::fs::File::open(&held).unwrap();
+        lock.lock().unwrap();
+        let opened = Place::open(&place, &[]).unwrap();
+        assert!(!left.exists() && held.exists() && other.exists());
+        opened.write("{}").unwrap();
+        drop(lock);
+        Place::open(&place, &[]).unwrap();
+        assert!(!held.exists() && other.exists());
+        assert_eq!(std::fs::read_to_string(place).unwrap(), "{}");
+    }
 }

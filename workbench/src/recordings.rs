@@ -8,6 +8,7 @@ use recording::{
 };
 
 use crate::WorkbenchError;
+use crate::near_copy::is_near_copy;
 use crate::report::inspected::{MOST_GAPS, gaps_at_once};
 use crate::report::number::significant;
 
@@ -128,7 +129,7 @@ pub fn read_perhaps_without_output(
     }
 }
 
-/// True if a recording holds the data of a training recording.
+/// True if a recording holds the data of a training recording, or data that differ from them by less than noise.
 #[must_use]
 pub fn is_trained_on(recording: &Recording, training: &[Recording]) -> bool {
     twin(recording, training).is_some()
@@ -222,16 +223,7 @@ pub fn gap_notes<'a>(
     notes
 }
 
-/// The recording among others that has the same data.
+/// The recording among others that has the same data, up to what rounding or a little noise makes of them.
 fn twin<'a>(recording: &Recording, others: &'a [Recording]) -> Option<&'a Recording> {
-    others.iter().find(|other| same_data(recording, other))
-}
-
-/// True if two recordings hold the same data, whatever their names.
-fn same_data(one: &Recording, other: &Recording) -> bool {
-    let bits = |recording: &Recording| -> Vec<u64> {
-        let values = recording.drive().iter().chain(recording.output());
-        values.map(|value| value.to_bits()).collect()
-    };
-    one.len() == other.len() && bits(one) == bits(other)
+    others.iter().find(|other| is_near_copy(recording, other))
 }

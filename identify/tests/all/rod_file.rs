@@ -119,6 +119,25 @@ fn physical_nonsense_is_refused_with_its_place() {
 }
 
 #[test]
+fn measures_are_those_of_a_rod() {
+    // Found by fuzzing: the section of such a rod is no number.
+    for value in ["2e222", "1e-10"] {
+        for key in ["diameter_mm", "length_mm"] {
+            let column = key.len() + 4;
+            let refused = refused(&format!("[rod]\n{key} = {value}\n"));
+            assert!(
+                refused.starts_with(&format!("rod.toml:2:{column}: rod.{key} = ")),
+                "{refused}"
+            );
+            assert!(
+                refused.ends_with(": must be from 1e-9 to 1e9 mm"),
+                "{refused}"
+            );
+        }
+    }
+}
+
+#[test]
 fn ranges_must_rise() {
     assert_eq!(
         refused("[rod]\nspecific_heat_j_per_kg_k = { value = 480.0, range = [840.0, 450.0] }\n"),

@@ -254,6 +254,68 @@ fn a_drift_that_slips_is_no_drift() {
     assert_eq!(found, [Verdict::Explained, Verdict::Unexplained]);
 }
 
+/// A population whose residuals are those of another, changed.
+fn changed(population: &Population, change: impl Fn(usize, &[f64]) -> Vec<f64>) -> Population {
+    let models = population.models.iter().enumerate().map(|(number, one)| {
+        let names: Vec<EffectId> = EffectId::ALL
+            .into_iter()
+            .filter(|&effect| one.names.contains(effect))
+            .collect();
+        let curve = one.anonymous.as_ref().map(|curve| &curve.evidence.residual);
+        let curve = curve.map_or_else(Vec::new, |curve| change(number, curve));
+        model(&names, change(number, &one.evidence.residual), curve)
+    });
+    Population {
+        models: models.collect(),
+    }
+}
+
+#[test]
+fn the_unit_of_the_output_moves_no_verdict() {
+    for population in [with_lag(3.0, 0.0), with_lag(3.0, 0.5), nothing()] {
+        let expected = decide(&population, &known());
+        for scale in [1e-9, 1e-3, 1e6] {
+            let known = Known {
+                output_squares: known().output_squares * scale * scale,
+                ..known()
+            };
+            let scaled = changed(&population, |_, residual| {
+                residual.iter().map(|left| left * scale).collect()
+            });
+            let decided = decide(&scaled, &known);
+            assert_eq!(decided.verdict, expected.verdict, "{scale}");
+            assert_eq!(named(&decided), named(&expected), "{scale}");
+        }
+    }
+}
+
+#[test]
+fn a_model_whose_residual_is_no_number_has_no_name() {
+    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e200] {
+        for at in [0, N / 2, N - 1] {
+            // The model with the lag alone.
+            let spoiled = changed(&with_lag(3.0, 0.0), |number, residual| {
+                let mut residual = residual.to_vec();
+                if number == 1 {
+                    residual[at] = value;
+                }
+                residual
+            });
+            let decided = decide(&spoiled, &known());
+            assert!(named(&decided).is_empty(), "{value} at {at}: {decided:?}");
+            // All models: nothing is known of them, least of all that nothing is missing.
+            let spoiled = changed(&with_lag(3.0, 0.0), |_, residual| {
+                let mut residual = residual.to_vec();
+                residual[at] = value;
+                residual
+            });
+            let decided = decide(&spoiled, &known());
+            assert!(named(&decided).is_empty(), "{value} at {at}: {decided:?}");
+            assert_ne!(decided.verdict, Verdict::Adequate, "{value} at {at}");
+        }
+    }
+}
+
 #[test]
 fn each_rule_has_one_row_and_there_are_fifteen_at_most() {
     assert!(RULES.len() <= 15);

@@ -22,7 +22,7 @@ use crate::commands::used::UseArgs;
 use crate::earlier::Earlier;
 use crate::memory::Memory;
 use crate::outcome::Outcome;
-use crate::provenance::provenance;
+use crate::provenance::Unread;
 use crate::resume::Starts;
 use crate::sink::{Delivery, Outputs, Sink, deliver};
 use crate::terminal::{Progress, say};
@@ -199,6 +199,7 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         plots: outputs.gallery_if(args.plots.as_deref())?,
     };
     outputs.reserve_if(args.resume.as_deref())?;
+    let unread = Unread::of(&inputs);
     let mut rod = Rod::read(&args.rod)?;
     let recordings = args.train.iter().chain(&args.validate);
     let recordings: Vec<PathBuf> = recordings.chain(&args.reference).cloned().collect();
@@ -217,12 +218,13 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         notes,
     };
     if !args.reference.is_empty() {
+        unread.read(args.seed, &args.inputs())?;
         return since_reference(args, rig, places.json);
     }
     let model = RigModel::new(&rig.rod, args.memory.rule(), &rig.training)?;
     match &model {
-        RigModel::Wiener(plain) => with_time(args, &model, plain, rig, places),
-        RigModel::Loop(_) | RigModel::Sadeghi(_) => without_time(args, rig, places),
+        RigModel::Wiener(plain) => with_time(args, &model, plain, rig, places, unread),
+        RigModel::Loop(_) | RigModel::Sadeghi(_) => without_time(args, rig, places, unread),
         RigModel::Antagonist(_) => Err(WorkbenchError::TwoRods {
             recording: rig.training[0].name().to_owned(),
         }
@@ -250,10 +252,11 @@ fn with_time(
     plain: &WienerModel,
     rig: Rig,
     places: Places,
+    unread: Unread,
 ) -> anyhow::Result<Outcome> {
     let earlier = Earlier::read(args.from_model.as_deref(), model, &rig.training)?;
     let mut config = args.config(earlier.from, &rig)?;
-    let made = provenance(args.seed, &args.inputs())?;
+    let made = unread.read(args.seed, &args.inputs())?;
     let starts = Starts::open(args.resume.as_deref(), "diagnose", &made)?;
     config.baseline.ended = starts.ended();
     let mut shown = Progress::new(
@@ -394,8 +397,13 @@ pub(crate) fn implausible(
     )
 }
 
-fn without_time(args: &DiagnoseArgs, rig: Rig, places: Places) -> anyhow::Result<Outcome> {
-    let made = provenance(args.seed, &args.inputs())?;
+fn without_time(
+    args: &DiagnoseArgs,
+    rig: Rig,
+    places: Places,
+    unread: Unread,
+) -> anyhow::Result<Outcome> {
+    let made = unread.read(args.seed, &args.inputs())?;
     let starts = Starts::open(args.resume.as_deref(), "diagnose", &made)?;
     let config = FitConfig {
         seed: args.seed,

@@ -17,7 +17,7 @@ use crate::commands::used::UseArgs;
 use crate::earlier::Earlier;
 use crate::memory::Memory;
 use crate::outcome::Outcome;
-use crate::provenance::provenance;
+use crate::provenance::Unread;
 use crate::resume::Starts;
 use crate::sink::{Delivery, Outputs, deliver};
 use crate::terminal::{bar, say};
@@ -130,6 +130,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let report = outputs.open_if(args.report.as_deref())?;
     let series = outputs.open_if(args.series.as_deref())?;
     outputs.reserve_if(args.resume.as_deref())?;
+    let unread = Unread::of(&inputs);
     let mut rod = Rod::read(&args.rod)?;
     let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
     args.used.apply(&mut rod, &recordings)?;
@@ -143,7 +144,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         Preset::Sadeghi => RigModel::Sadeghi(SadeghiModel::new(&rod, rule, &training)?),
     };
     let earlier = Earlier::read(args.from_model.as_deref(), &model, &training)?;
-    let made = provenance(args.seed, &inputs)?;
+    let made = unread.read(args.seed, &inputs)?;
     let starts = Starts::open(args.resume.as_deref(), "identify", &made)?;
     let config = FitConfig {
         ended: starts.ended(),

@@ -16,7 +16,7 @@ use sma_effects::Member;
 
 use crate::commands::on_threads;
 use crate::outcome::Outcome;
-use crate::provenance::provenance;
+use crate::provenance::Unread;
 use crate::sink::{Delivery, Outputs, deliver};
 use crate::terminal::{bar, say};
 use workbench::page;
@@ -269,6 +269,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let responses = outputs.open_if(args.responses.as_deref())?;
     let html = outputs.open_if(args.report.as_deref())?;
     let script = outputs.open_if(args.test_script.as_deref())?;
+    let unread = Unread::of(&inputs);
     let saved = read_model(&args.model)?;
     let model = RestoredModel::new(&saved)?;
     let rig = Rig::of(&saved, &model, args.drive_max)?;
@@ -422,7 +423,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     }
     if let Some(sink) = html {
         delivery.of(|| {
-            let made = provenance(args.seed, &inputs)?;
+            let made = unread.read(args.seed, &inputs)?;
             sink.write(&page::tuned(&report)?.made_by(&made))
         });
     }

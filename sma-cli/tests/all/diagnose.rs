@@ -32,6 +32,11 @@ fn bundled(name: &str) -> PathBuf {
 
 /// A folder with the bundled rod file, and the bundled drives played on the same rod with latent heat.
 fn with_latent_heat() -> tempfile::TempDir {
+    sampled_with_latent_heat(1)
+}
+
+/// With a row for so many of the bundled ones.
+pub(crate) fn sampled_with_latent_heat(every: usize) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let rod = Rod::read(&bundled("rod.toml")).unwrap();
     std::fs::copy(bundled("rod.toml"), folder.path().join("rod.toml")).unwrap();
@@ -46,7 +51,9 @@ fn with_latent_heat() -> tempfile::TempDir {
     let noise = Normal::new(0.0, NOISE_MM).unwrap();
     for (name, seed) in [("train.csv", 1), ("validate.csv", 2)] {
         let driven = read_csv(bundled(name), &rod.read_options()).unwrap();
-        let profile = Profile::uniform(driven.drive(), 0.2, AMBIENT_DEGC).unwrap();
+        let drive: Vec<f64> = driven.drive().iter().copied().step_by(every).collect();
+        let time_s = driven.time_s().iter().copied().step_by(every);
+        let profile = Profile::uniform(&drive, 0.2 * every as f64, AMBIENT_DEGC).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut output = Vec::new();
         run(
@@ -59,8 +66,8 @@ fn with_latent_heat() -> tempfile::TempDir {
         );
         let recording = Recording::new(RecordingParts {
             name: name.to_owned(),
-            time_s: Some(driven.time_s().to_vec()),
-            drive: driven.drive().to_vec(),
+            time_s: Some(time_s.collect()),
+            drive,
             output_unit: "mm".to_owned(),
             output,
             ..RecordingParts::default()

@@ -18,8 +18,11 @@ mod generate_recording;
 mod identify;
 mod init;
 mod inspect;
+mod invariance;
+mod kills;
 #[path = "../../examples/make_fleet.rs"]
 mod make_fleet;
+mod mutations;
 mod reports;
 mod resume;
 mod shell;

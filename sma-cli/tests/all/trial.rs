@@ -83,13 +83,30 @@ fn an_answer_that_was_changed_breaks_its_seal() {
     let ran = sma(&["--family", "clean-outliers", "--cases", "1", "--out", &out]);
     assert_eq!(ran.status.code(), Some(0));
     let path = folder.path().join("t/cases.jsonl");
-    fs::write(&path, text(&path).replace("\"l2p\"", "\"preisach\"")).unwrap();
-    let ran = sma(&["--cases", "0", "--out", &out]);
-    assert_eq!(ran.status.code(), Some(3));
-    let message = String::from_utf8(ran.stderr).unwrap();
+    let whole = text(&path);
+    let said_of = |line: &str| {
+        fs::write(&path, line).unwrap();
+        let ran = sma(&["--cases", "0", "--out", &out]);
+        assert_eq!(ran.status.code(), Some(3));
+        String::from_utf8(ran.stderr).unwrap()
+    };
+    // Whoever changes an answer by hand can leave the line's own hash out, but cannot break the seal unseen.
+    let (content, _) = whole.split_once(",\"line_sha256\":").unwrap();
+    let answered = format!("{content}}}\n").replace("\"l2p\"", "\"preisach\"");
     assert_eq!(
-        message,
+        said_of(&answered),
         "sma: lab-clean-outliers-0000: the answer is not the one that was sealed\n"
+    );
+    // A verdict that is no longer the one that was written, by whatever damaged the file.
+    let verdict = "\"verdict\":\"";
+    let damaged = whole.replacen(verdict, "\"verdict\": \"", 1);
+    assert_ne!(damaged, whole);
+    assert_eq!(
+        said_of(&damaged),
+        format!(
+            "sma: {}:1: was changed since it was written: its hash is that of another line\n",
+            path.display()
+        )
     );
 }
 

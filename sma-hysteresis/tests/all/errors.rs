@@ -30,6 +30,20 @@ fn widths_must_be_positive() {
 }
 
 #[test]
+fn widths_are_those_of_a_loop() {
+    for (value, shown) in [(1e-31, "1e-31"), (1e31, "1e31")] {
+        assert_eq!(
+            refused(|params| params.loop_half_width_k = value),
+            format!("loop_half_width_k = {shown} K: must be from 1e-30 to 1e30 K")
+        );
+        assert_eq!(
+            refused(|params| params.loop_spread_k = value),
+            format!("loop_spread_k = {shown} K: must be from 1e-30 to 1e30 K")
+        );
+    }
+}
+
+#[test]
 fn centers_must_be_finite() {
     assert_eq!(
         refused(|params| params.loop_center_degc = f64::NAN),

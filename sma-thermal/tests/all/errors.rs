@@ -195,6 +195,31 @@ fn a_rod_that_cannot_cool_that_fast_is_told_how_far_it_comes() {
 }
 
 #[test]
+fn what_is_just_reached_or_just_warmer_is_not_refused() {
+    // Without current it is at 60 °C then: no current is needed, and 0 A is found.
+    let coolest = heat().current_to_reach_a(&Reach {
+        to_degc: 60.0,
+        ..REACH
+    });
+    assert!(coolest.unwrap().abs() < 1e-6);
+    // At ambient already, and asked to stay: neither below ambient nor too fast.
+    let stays = heat().current_to_reach_a(&Reach {
+        from_degc: 20.0,
+        to_degc: 20.0,
+        ..REACH
+    });
+    assert_eq!(stays.unwrap().to_bits(), 0.0_f64.to_bits());
+    // A rod that is to cool down to ambient itself cannot be that fast, and is not told that no rod could.
+    assert!(
+        unreachable(Reach {
+            to_degc: 20.0,
+            ..REACH
+        })
+        .contains("the rod cannot cool that fast")
+    );
+}
+
+#[test]
 fn no_rod_is_heated_to_below_ambient() {
     assert_eq!(
         unreachable(Reach {

@@ -32,6 +32,27 @@ fn lanes<const L: usize>(rods: &[HeatBalanceParams]) -> HeatBalance<L> {
     HeatBalance::new(std::array::from_fn(|l| rods[l])).unwrap()
 }
 
+#[test]
+fn a_model_and_its_sample_say_what_they_were_made_of() {
+    let rods = [1.5, 3.0].map(|scale| HeatBalanceParams {
+        heat_capacity_j_per_m_k: 2.0 * scale,
+        conductance_w_per_m_k: 0.25,
+        resistance_ohm_per_m: 0.5 + scale,
+    });
+    let heat = HeatBalance::new(rods).unwrap();
+    assert_eq!(
+        heat.resistance_ohm_per_m().map(f64::to_bits),
+        [2.0, 3.5].map(f64::to_bits)
+    );
+    assert_eq!(
+        heat.tau_s().map(f64::to_bits),
+        [12.0, 24.0].map(f64::to_bits)
+    );
+    for dt_s in [0.0, 0.25, 3.0] {
+        assert_eq!(heat.over(dt_s).dt_s().to_bits(), dt_s.to_bits());
+    }
+}
+
 proptest! {
     #[test]
     fn two_half_samples_equal_one(

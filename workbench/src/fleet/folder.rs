@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::fs;
-use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
 use super::{Fleet, FleetError, Listed, RigFiles};
@@ -36,7 +35,7 @@ pub(super) fn read(root: &Path, without: &[&Path]) -> Result<Fleet, FleetError> 
             expected: "rod.toml with train*.csv in folders, or rod.toml and one CSV a rig",
         });
     }
-    found.sort_by(|(a, _), (b, _)| a.as_bytes().cmp(b.as_bytes()));
+    found.sort_by(|(a, _), (b, _)| a.as_encoded_bytes().cmp(b.as_encoded_bytes()));
     Ok(Fleet {
         rigs: found.into_iter().map(|(_, listed)| listed).collect(),
         left_out,
@@ -93,8 +92,8 @@ impl Search<'_> {
             .map(|entry| entry.map(|entry| entry.file_name()))
             .collect::<Result<Vec<_>, _>>()
             .map_err(unreadable)?;
-        names.retain(|name| !name.as_bytes().starts_with(b"."));
-        names.sort_by(|a, b| a.as_bytes().cmp(b.as_bytes()));
+        names.retain(|name| !name.as_encoded_bytes().starts_with(b"."));
+        names.sort_by(|a, b| a.as_encoded_bytes().cmp(b.as_encoded_bytes()));
         let own = folder.join(ROD);
         let has_own = own.is_file();
         let rod = if has_own { Some(&*own) } else { rod_above };
@@ -172,7 +171,7 @@ impl Search<'_> {
 impl Recordings {
     fn take(&mut self, name: &OsStr, path: PathBuf) {
         let begins = |with: &str| {
-            let begin = name.as_bytes().get(..with.len());
+            let begin = name.as_encoded_bytes().get(..with.len());
             begin.is_some_and(|begin| begin.eq_ignore_ascii_case(with.as_bytes()))
         };
         if begins("train") {

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use std::fs;
-use std::os::unix::fs::symlink;
 use std::path::Path;
 
 use serde_json::json;
@@ -153,8 +152,10 @@ fn results_are_no_recordings() {
     assert_eq!(rigs, ["a.csv: rod.toml < a.csv < "]);
 }
 
+#[cfg(unix)]
 #[test]
 fn a_link_back_is_not_followed() {
+    use std::os::unix::fs::symlink;
     let folder = folder(&["rod.toml", "a/train.csv"]);
     symlink("..", folder.path().join("a/back")).unwrap();
     let fleet = Fleet::read(folder.path(), &[]).unwrap();

@@ -1,0 +1,222 @@
+//! A whole diagnosis of one rig, told in other units, at another time, with another zero: the same verdict and the same numbers.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+use crate::diagnose::sampled_with_latent_heat;
+
+/// Samples of the bundled recordings for one of the rig: a diagnosis takes a fraction of a second.
+const EVERY: usize = 8;
+
+/// Relative distance of numbers that are the same.
+const SAME: f64 = 1e-6;
+
+/// Time, drive and output of a row.
+type Row = [f64; 3];
+
+/// One way to tell of the rig.
+struct Told {
+    name: &'static str,
+    header: &'static str,
+    row: fn(Row) -> Row,
+    /// Output of the variant over that of the rig, without its zero.
+    output: f64,
+    /// True if the training recordings come in another order.
+    is_turned: bool,
+}
+
+const PLAIN: Told = Told {
+    name: "as it is",
+    header: "time_s,current_a,displacement_mm",
+    row: |row| row,
+    output: 1.0,
+    is_turned: false,
+};
+
+const TOLD: [Told; 4] = [
+    Told {
+        name: "in micrometers, milliseconds and milliamperes",
+        header: "\"time_ms\",\"current_ma\",\"displacement_um\"",
+        row: |[t, i, y]| [t * 1e3, i * 1e3, y * 1e3],
+        output: 1e3,
+        ..PLAIN
+    },
+    Told {
+        name: "a day later, a meter higher",
+        row: |[t, i, y]| [t + 86_400.0, i, y + 1000.0],
+        ..PLAIN
+    },
+    Told {
+        name: "the other way round",
+        row: |[t, i, y]| [t, i, -y],
+        output: -1.0,
+        ..PLAIN
+    },
+    Told {
+        name: "recordings in another order",
+        is_turned: true,
+        ..PLAIN
+    },
+];
+
+/// A recording of the rig.
+fn rows(folder: &Path, name: &str) -> Vec<Row> {
+    let text = fs::read_to_string(folder.join(name)).unwrap();
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    lines
+        .map(|line| {
+            let values: Vec<f64> = line
+                .split(',')
+                .map(|field| field.parse().unwrap())
+                .collect();
+            [values[0], values[1], values[2]]
+        })
+        .collect()
+}
+
+fn write(place: &Path, told: &Told, rows: &[Row]) {
+    let mut text = format!("{}\n", told.header);
+    for row in rows {
+        let [time, drive, output] = (told.row)(*row);
+        writeln!(text, "{time},{drive},{output}").unwrap();
+    }
+    fs::write(place, text).unwrap();
+}
+
+/// Two training recordings.
+fn parts(folder: &Path) -> [Vec<Row>; 2] {
+    ["train.csv", "validate.csv"].map(|name| rows(folder, name))
+}
+
+fn diagnosed(rig: &Path, parts: &[Vec<Row>; 2], told: &Told) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    fs::copy(rig.join("rod.toml"), place("rod.toml")).unwrap();
+    for (name, rows) in ["a.csv", "b.csv"].into_iter().zip(parts) {
+        write(&place(name), told, rows);
+    }
+    let [first, second] = if told.is_turned {
+        ["b.csv", "a.csv"]
+    } else {
+        ["a.csv", "b.csv"]
+    };
+    let output = Command::cargo_bin("sma")
+        .unwrap()
+        .current_dir(folder.path())
+        .args(["diagnose", "rod.toml", "--train", first, second])
+        .args([
+            "--effort",
+            "quick",
+            "--threads",
+            "1",
+            "--quiet",
+            "--json",
+            "-",
+        ])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.stdout.is_empty(), "{}: {said}", told.name);
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Verdict and names of what was found.
+fn names(document: &Value) -> (String, Vec<String>) {
+    let findings = document["findings"].as_array().unwrap().iter();
+    let effects = findings.map(|one| one["effect"].as_str().unwrap().to_owned());
+    (
+        document["verdict"].as_str().unwrap().to_owned(),
+        effects.collect(),
+    )
+}
+
+/// A parameter: its name, its value, and the width of its interval.
+type Number = (String, f64, f64);
+
+/// Parameters of the baseline model that all recordings share, then those of the extended model.
+fn numbers(document: &Value) -> Vec<Number> {
+    let mut all = Vec::new();
+    let parameters = document["baseline"]["parameters"].as_array().unwrap();
+    let extended = document["extended"]["parameters"].as_array();
+    for one in parameters.iter().chain(extended.into_iter().flatten()) {
+        if one["per_recording"] == false {
+            let name = one["name"].as_str().unwrap().to_owned();
+            let ends = [0, 1].map(|end| one["ci95"][0][end].as_f64().unwrap_or(0.0));
+            let value = one["values"][0].as_f64().unwrap();
+            all.push((name, value, ends[1] - ends[0]));
+        }
+    }
+    all
+}
+
+#[test]
+fn a_diagnosis_does_not_depend_on_units_zeros_signs_times_or_order() {
+    let rig = sampled_with_latent_heat(EVERY);
+    let parts = parts(rig.path());
+    let plain = diagnosed(rig.path(), &parts, &PLAIN);
+    assert_eq!(names(&plain).1, ["latent-heat"]);
+    let expected = numbers(&plain);
+    assert!(expected.len() >= 12, "{expected:?}");
+    for told in &TOLD {
+        let document = diagnosed(rig.path(), &parts, told);
+        assert_eq!(names(&document), names(&plain), "{}", told.name);
+        let found = numbers(&document);
+        assert_eq!(found.len(), expected.len(), "{}", told.name);
+        for ((name, found, _), (same, expected, width)) in found.iter().zip(&expected) {
+            assert_eq!(name, same, "{}", told.name);
+            let factor = if name == "gain" { told.output } else { 1.0 };
+            let (expected, width) = (expected * factor, width * factor.abs());
+            let apart = (found - expected).abs() / expected.abs().max(width);
+            assert!(
+                apart <= SAME,
+                "{}: {name} = {found}, not {expected}",
+                told.name
+            );
+        }
+    }
+}
+
+/// Time constant of the baseline model by `sma identify`, or its exit code.
+fn tau_s(rig: &Path, rows: &[Row], told: &Told) -> Result<f64, Option<i32>> {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    fs::copy(rig.join("rod.toml"), place("rod.toml")).unwrap();
+    write(&place("a.csv"), told, rows);
+    let output = Command::cargo_bin("sma")
+        .unwrap()
+        .current_dir(folder.path())
+        .args([
+            "identify", "rod.toml", "--train", "a.csv", "--quiet", "--json", "-",
+        ])
+        .output()
+        .unwrap();
+    if output.status.code() != Some(0) {
+        return Err(output.status.code());
+    }
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["parameters"][0]["name"], "tau_s");
+    Ok(document["parameters"][0]["values"][0].as_f64().unwrap())
+}
+
+#[test]
+fn an_output_whose_zero_drowns_it_is_refused_or_fitted_as_without_it() {
+    let rig = sampled_with_latent_heat(EVERY);
+    let [rows, _] = parts(rig.path());
+    // Of 16 digits three or four are left behind the point.
+    let drowned = Told {
+        name: "a zero of 1e12",
+        row: |[t, i, y]| [t, i, y + 1e12],
+        ..PLAIN
+    };
+    let expected = tau_s(rig.path(), &rows, &PLAIN).unwrap();
+    match tau_s(rig.path(), &rows, &drowned) {
+        Ok(found) => assert!((found / expected - 1.0).abs() < 1e-2, "{found} {expected}"),
+        Err(code) => assert!(matches!(code, Some(3 | 4)), "{code:?}"),
+    }
+}
