@@ -170,10 +170,10 @@ impl Trial {
                 }
             },
         );
-        self.tidy()?;
+        let tidied = self.tidy();
         match broken {
             Some(error) => Err(error),
-            None => Ok(n_failed),
+            None => tidied.map(|()| n_failed),
         }
     }
 

@@ -4,6 +4,14 @@ use wiener::hysteresis::LoopFamily;
 
 use crate::{Bounds, ParameterInfo, Scale};
 
+/// Names of those of them that are the shape of a loop of relays or kinetics.
+pub const SHAPE_PARAMETERS: [&str; 4] = [
+    FAMILY_PARAMETERS[0],
+    FAMILY_PARAMETERS[1],
+    FAMILY_PARAMETERS[2],
+    FAMILY_PARAMETERS[3],
+];
+
 /// Names of the parameters that a loop of another family has beyond those of the paper's loop.
 pub(crate) const FAMILY_PARAMETERS: [&str; 5] = [
     "branch_asymmetry",
@@ -13,9 +21,9 @@ pub(crate) const FAMILY_PARAMETERS: [&str; 5] = [
     "relay_tails",
 ];
 
-/// Admissible ends of these parameters, and, within them, those that are searched. Bends within them let no slope turn its sign.
+/// Admissible ends of these parameters, and, within them, those that are searched. Bends within them let no slope turn its sign, and with such asymmetries both branches hardly ever cross.
 const ENDS: [[[f64; 2]; 2]; 5] = [
-    [[-0.8, 0.8], [-0.8, 0.8]],
+    [[-0.3, 0.3], [-0.3, 0.3]],
     [[-0.333, 0.333], [-0.333, 0.333]],
     [[-0.333, 0.666], [-0.333, 0.666]],
     [[-0.333, 0.333], [-0.333, 0.333]],

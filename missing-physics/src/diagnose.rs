@@ -25,7 +25,7 @@ use crate::report::held::{extended, held_to, told};
 use crate::report::ladder::ladder;
 use crate::report::remains::{blocks_of, located, remainder};
 use crate::search::complete::Completing;
-use crate::search::families::{self, begun, is_anything, may_be_the_loop};
+use crate::search::families::{self, begun, is_anything, is_described, may_be_the_loop};
 use crate::search::known::known;
 use crate::search::occurs::testable;
 use crate::search::promote::promoted;
@@ -180,7 +180,7 @@ impl Opened<'_> {
         let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
         let mut fits = Vec::new();
         if !is_found {
-            if all.contains(Candidate::other_loop()) {
+            if all.contains(Candidate::other_loop()) && !case.leaves_out(Part::OtherLoops) {
                 fits = families::fits(&case, config.seed)?;
             }
             if !families::has_another(&fits, plain) {
@@ -222,8 +222,12 @@ impl Opened<'_> {
             coarse_searches.push(begun(case, beside)?);
         }
         if goes_on {
-            // Where a loop leaves nothing that a curve finds, by itself or with one effect, more effects are in vain.
-            if is_thorough || !leading(&completing.audited(&coarse_searches)?).is_whole() {
+            // Where a loop leaves nothing that a curve finds, by itself or with one effect, more effects are in vain; and where not even
+            // a curve describes the output.
+            let population = completing.audited(&coarse_searches)?;
+            let is_in_vain = leading(&population).is_whole()
+                || !is_described(&population, case.output_squares());
+            if is_thorough || !is_in_vain {
                 families::grow(&mut coarse_searches)?;
             }
             completing.completed(&mut coarse_searches)?;

@@ -94,7 +94,8 @@ fn chromium() -> Option<PathBuf> {
 /// Cells as numbers, if all that have one do.
 fn numbers(cells: &[&str]) -> Option<Vec<f64>> {
     let number = |cell: &&str| {
-        let digits = cell.trim_start_matches(|c: char| !c.is_ascii_digit() && c != '.' && c != '-');
+        // Names with digits in them are no numbers.
+        let digits = cell.trim_start_matches(|c: char| "<>≤≥±≈".contains(c) || c.is_whitespace());
         let digits = digits.replace(',', "");
         let number = |end: usize| digits.get(..end)?.parse::<f64>().ok();
         (1..=digits.len()).rev().find_map(number)

@@ -44,6 +44,8 @@ pub(crate) struct Case<'a> {
     pub(crate) training: &'a [Recording],
     pub(crate) setting: Setting,
     pub(crate) layout: Layout,
+    /// True if the shape of a loop of another family is free.
+    has_shape: bool,
     recorded: Vec<f64>,
     watch: &'a dyn Watch,
 }
@@ -91,6 +93,7 @@ impl<'a> Case<'a> {
                 ..setting
             },
             layout,
+            has_shape: false,
             watch: &Unwatched,
         }
     }
@@ -118,12 +121,14 @@ impl<'a> Case<'a> {
         &self.recorded
     }
 
-    /// Case of this rig with a loop of another family; `base` is the baseline model and `fit` its fit with that loop.
+    /// Case of this rig with a loop of another family; `base` is the baseline model and `fit` its fit with that loop,
+    /// the shape of which may be free.
     pub(crate) fn of_family<'b>(
         &self,
         loop_family: LoopFamily,
         base: &'b WienerModel,
         fit: &'b Fit,
+        has_shape: bool,
     ) -> Case<'b>
     where
         'a: 'b,
@@ -136,6 +141,7 @@ impl<'a> Case<'a> {
             base,
             fit,
             setting,
+            has_shape,
             // Temperatures on one scale: models of all families are compared.
             layout: self.layout.clone(),
             recorded: self.recorded.clone(),
@@ -143,9 +149,24 @@ impl<'a> Case<'a> {
         }
     }
 
+    /// Squares of the recorded outputs about the mean of each recording.
+    pub(crate) fn output_squares(&self) -> f64 {
+        let squares = self.layout.of_channel(Channel::Output).map(|one| {
+            let own = &self.recorded[one.range.clone()];
+            let mean = own.iter().sum::<f64>() / own.len() as f64;
+            own.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+        });
+        squares.sum()
+    }
+
     /// The model with these effects.
     pub(crate) fn model(&self, effects: CandidateSet) -> ExtendedModel {
-        ExtendedModel::new(self.base, self.fit, self.setting, effects)
+        let model = ExtendedModel::new(self.base, self.fit, self.setting, effects);
+        if self.has_shape {
+            model
+        } else {
+            model.without_shape()
+        }
     }
 
     /// The fitted baseline as a node.

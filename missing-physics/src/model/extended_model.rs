@@ -2,7 +2,7 @@
 
 use identify::{
     Bounds, Enters, Fit, ForwardModel, IdentifyError, Ordinary, ParameterInfo, ParameterState,
-    Scale, Scope, StateOfRun, WienerModel, in_states, parameters_of_family,
+    SHAPE_PARAMETERS, Scale, Scope, StateOfRun, WienerModel, in_states, parameters_of_family,
 };
 use recording::Recording;
 use wiener::Block;
@@ -101,6 +101,16 @@ impl ExtendedModel {
             slots,
             parameters,
         }
+    }
+
+    /// The model with the shape of a loop of another family fixed at that of its formulas.
+    pub(crate) fn without_shape(mut self) -> Self {
+        for info in &mut self.parameters {
+            if SHAPE_PARAMETERS.contains(&info.name) {
+                info.state = ParameterState::Fixed(0.0);
+            }
+        }
+        self
     }
 
     /// Curves of its loop's branches.

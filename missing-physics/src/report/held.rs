@@ -131,18 +131,24 @@ pub(crate) fn held_to(
         return Ok((decided, None));
     }
     let names: CandidateSet = decided.named.iter().map(|named| named.effect).collect();
-    let alone = match names_alone(search, effects, names)? {
-        Some(node) if node.effects != effects => {
-            Some(unseen::unseen(&node.model, &node.points[0], unseen)?)
-        }
+    let suspected = effects.iter().any(|effect| !names.contains(effect));
+    let own = match names_alone(search, effects, names)? {
+        Some(node) if suspected => Some(unseen::unseen(&node.model, &node.points[0], unseen)?),
         _ => None,
     };
-    let alone = alone.as_ref().unwrap_or(with);
-    let by_names = share([before, alone], ceiling);
-    let of_names = by_names.unwrap_or(1.0);
-    let is_explained = decided.traces.ask(RuleId::UnseenShare, "", of_names)
-        || alone.squares() < AS_NEAR.powi(2) * before.squares()
-            && is_as_near([alone, with], extended, unseen)?;
+    // Without a fit of the names alone nothing is known of what they explain.
+    let alone = own.as_ref().or((!suspected).then_some(with));
+    let by_names = alone.and_then(|alone| share([before, alone], ceiling));
+    let is_explained = match alone {
+        None => false,
+        Some(alone) => {
+            decided
+                .traces
+                .ask(RuleId::UnseenShare, "", by_names.unwrap_or(1.0))
+                || alone.squares() < AS_NEAR.powi(2) * before.squares()
+                    && is_as_near([alone, with], extended, unseen)?
+        }
+    };
     // What suspects explain beside the names does not speak against these.
     let is_borne_out = share([before, with], ceiling).is_none_or(|whole| whole > HALF);
     if !is_explained && is_borne_out {

@@ -7,7 +7,7 @@ use recording::order::rising;
 
 use crate::agreed::agreed;
 use crate::baseline::ASKED_FOR;
-use crate::decide::leading;
+use crate::decide::{RuleId, leading};
 use crate::evidence::Population;
 use crate::model::case::{Case, Node};
 use crate::noise::floor::Measured;
@@ -32,7 +32,54 @@ pub(crate) struct OtherBaseline {
     pub(crate) family: LoopFamily,
     /// With what belongs to each recording left open, where the recordings ask for it.
     pub(crate) base: WienerModel,
+    /// True if the shape of the loop is free.
+    pub(crate) has_shape: bool,
     pub(crate) fit: Fit,
+}
+
+impl OtherBaseline {
+    /// The fit from the end of another, in its place, with more open.
+    fn opened(
+        &self,
+        case: &Case<'_>,
+        base: WienerModel,
+        has_shape: bool,
+        seed: u64,
+    ) -> Result<Self, IdentifyError> {
+        let family = self.family;
+        let with = fit_from(case, (family, &base, has_shape), &self.fit, 0, seed)?;
+        Ok(Self {
+            family,
+            base,
+            has_shape,
+            fit: Fit {
+                agreeing_starts: self.fit.agreeing_starts,
+                starts: self.fit.starts,
+                simulations: self.fit.simulations + with.simulations,
+                ..with
+            },
+        })
+    }
+}
+
+/// Fit of the baseline model with a loop of a family, from where another fit ended and from so many starts.
+fn fit_from(
+    case: &Case<'_>,
+    (family, base, has_shape): (LoopFamily, &WienerModel, bool),
+    from: &Fit,
+    starts: u64,
+    seed: u64,
+) -> Result<Fit, IdentifyError> {
+    let model = case.of_family(family, base, case.fit, has_shape);
+    let model = model.model(CandidateSet::EMPTY);
+    let vector = ParameterVector::new(model.parameters(), case.training.len());
+    let config = FitConfig {
+        from: vec![from.coordinates(&vector)],
+        starts,
+        ..case.fit_config(&case.fit.noise, seed)
+    };
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    agreed(&case.watched(&model), case.training, &config, go_on)
 }
 
 /// Baseline models of all other families, each fitted from so many starts beside the place where the paper's ended, the nearest
@@ -43,48 +90,49 @@ pub(crate) fn plain_fits(
     seed: u64,
 ) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let fitted = OTHERS.into_iter().map(|family| {
-        let fit_from = |base: &WienerModel, from: &Fit, starts: u64| {
-            let model = case.of_family(family, base, case.fit);
-            let model = model.model(CandidateSet::EMPTY);
-            let vector = ParameterVector::new(model.parameters(), case.training.len());
-            let config = FitConfig {
-                from: vec![from.coordinates(&vector)],
-                starts,
-                ..case.fit_config(&case.fit.noise, seed)
-            };
-            let go_on = &mut |_: &_| ControlFlow::Continue(());
-            agreed(&case.watched(&model), case.training, &config, go_on)
-        };
         let base = case.base.clone();
-        let open = base.with_unknowns(case.training);
-        if open.parameters() == base.parameters() {
-            let fit = fit_from(&base, case.fit, starts)?;
-            return Ok(OtherBaseline { family, base, fit });
-        }
-        // A loop that is wrong hides what a recording's own parameters would do: with the right one they are asked for again.
-        let with = fit_from(&open, case.fit, starts)?;
-        let mut without = fit_from(&base, &with, 0)?;
-        without.simulations += with.simulations;
-        let is_asked_for = with.train_rmse < ASKED_FOR * without.train_rmse;
-        let (base, fit) = if is_asked_for {
-            (open, with)
-        } else {
-            (base, without)
-        };
-        Ok(OtherBaseline { family, base, fit })
+        let fit = fit_from(case, (family, &base, false), case.fit, starts, seed)?;
+        Ok(OtherBaseline {
+            family,
+            base,
+            has_shape: false,
+            fit,
+        })
     });
     let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;
     rising(&mut fits, |other| other.fit.train_rmse);
     Ok(fits)
 }
 
-/// Those of the families that come nearer than the paper's.
+/// Those of the families that come nearer than the paper's, with a shape of the loop and parameters of each recording that they ask
+/// for.
+///
+/// A loop that is wrong hides what a recording's own parameters would do, and the other way round: both are asked for together.
 pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let mut fits = plain_fits(case, STARTS, seed)?;
-    let nearest = fits[0].fit.train_rmse;
+    retain_near(&mut fits, case);
+    for other in &mut fits {
+        let open = case.base.with_unknowns(case.training);
+        let both = other.opened(case, open.clone(), true, seed)?;
+        if IN_VAIN * both.fit.train_rmse.powi(2) < other.fit.train_rmse.powi(2) {
+            *other = both;
+        } else if open.parameters() != other.base.parameters() {
+            let unknowns = other.opened(case, open, false, seed)?;
+            if unknowns.fit.train_rmse < ASKED_FOR * other.fit.train_rmse {
+                *other = unknowns;
+            }
+        }
+    }
+    rising(&mut fits, |other| other.fit.train_rmse);
+    retain_near(&mut fits, case);
+    Ok(fits)
+}
+
+/// Keeps those that come nearer than the paper's, and not much less near than the nearest.
+fn retain_near(fits: &mut Vec<OtherBaseline>, case: &Case<'_>) {
+    let nearest = fits.first().map_or(0.0, |other| other.fit.train_rmse);
     let most = (NEARLY * nearest).min(case.fit.train_rmse);
     fits.retain(|other| other.fit.train_rmse < most);
-    Ok(fits)
 }
 
 /// True if a loop of another family has one minimum, with less than half of the mean square, where the paper's has many.
@@ -115,7 +163,7 @@ pub(crate) fn retain_rivals(fits: &mut Vec<OtherBaseline>, named: Option<&Node>)
 /// The rig with each of these loops.
 pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [OtherBaseline]) -> Vec<Case<'a>> {
     fits.iter()
-        .map(|other| case.of_family(other.family, &other.base, &other.fit))
+        .map(|other| case.of_family(other.family, &other.base, &other.fit, other.has_shape))
         .collect()
 }
 
@@ -144,6 +192,13 @@ pub(crate) fn grow(searches: &mut [Search<'_>]) -> Result<(), IdentifyError> {
 pub(crate) fn is_anything(population: &Population) -> bool {
     let model = leading(population);
     !model.names.is_empty() || !model.is_whole()
+}
+
+/// True if a model, with a curve on top or without, predicts as much of the output as a model must that describes a recording.
+/// `output_squares` are those of the outputs about their means.
+pub(crate) fn is_described(population: &Population, output_squares: f64) -> bool {
+    let predicted = 1.0 - population.ceiling()[0] / output_squares;
+    RuleId::Describes.rule().passes(predicted)
 }
 
 /// True if a loop of another family may do instead: a curve finds more than the leading model has, or a name is of the loop.
@@ -179,6 +234,7 @@ mod tests {
         let with = |share: f64, agreeing_starts: u64| OtherBaseline {
             family: LoopFamily::Relays,
             base: case.base.clone(),
+            has_shape: false,
             fit: Fit {
                 train_rmse: share * papers.train_rmse,
                 agreeing_starts,

@@ -1,7 +1,5 @@
 //! Facts that the judge needs beside the population.
 
-use std::ops::Range;
-
 use identify::IdentifyError;
 
 use crate::CandidateSet;
@@ -29,11 +27,6 @@ pub(crate) fn known(
         unreachable!("the leading model was visited");
     };
     let outputs = || case.layout.of_channel(Channel::Output);
-    let own_squares = |range: &Range<usize>| {
-        let own = &case.recorded()[range.clone()];
-        let mean = own.iter().sum::<f64>() / own.len() as f64;
-        own.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
-    };
     let rounding = noise.rounding.map_or(0.0, |rounding| rounding.powi(2));
     let plain = search.baseline();
     let disturbed = if plain.mean_square() > 2.0 * rounding {
@@ -55,7 +48,7 @@ pub(crate) fn known(
             .iter()
             .map(|one| one.range.clone())
             .collect(),
-        output_squares: outputs().map(|one| own_squares(&one.range)).sum(),
+        output_squares: case.output_squares(),
         rounding,
         catalogue: all,
         untried: all

@@ -20,7 +20,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 use serde_json::Value;
 
 /// Mutations where the environment does not say how many.
-const FEW: usize = 36;
+const FEW: usize = 18;
 
 /// A call that takes longer hangs: sound files take at most two seconds.
 const LONGEST: Duration = Duration::from_secs(60);

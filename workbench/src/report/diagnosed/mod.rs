@@ -15,7 +15,7 @@ use std::fmt::Write;
 
 use comfy_table::Table;
 use identify::Bounds;
-use missing_physics::{Diagnosis, NextExperiment, Part, Verdict};
+use missing_physics::{Diagnosis, LoopFamily, NextExperiment, Part, Verdict};
 use sma_effects::EffectId;
 
 pub use details::{HOW_TO_READ_CATALOGUE, HOW_TO_READ_REGIMES, in_frequency, regimes};
@@ -118,8 +118,12 @@ impl Diagnosed<'_> {
 
     /// Doubt of the baseline model's own error, in a sentence; `None` if its starts agree.
     fn other_minima(&self) -> Option<String> {
-        let is_open = !self.diagnosis.baseline.fit.converged();
-        (is_open && self.diagnosis.verdict != Verdict::NotConverged).then(|| {
+        let diagnosis = self.diagnosis;
+        let is_open = !diagnosis.baseline.fit.converged();
+        let extended = diagnosis.extended.as_ref();
+        let is_another =
+            extended.is_some_and(|one| one.model.loop_family() != LoopFamily::Proximity);
+        (is_open && is_another).then(|| {
             "No two starts of the baseline model end at one minimum, so its error may be smaller than stated. With a loop \
              of another family they do."
                 .to_owned()
