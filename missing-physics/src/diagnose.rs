@@ -9,7 +9,7 @@ use recording::{Recording, RepeatFloor, repeat_floor};
 use crate::agreed::agreed;
 use crate::baseline::{opened, with_state_of_runs, with_unknowns};
 use crate::config::{DiagnoseConfig, Effort, Part};
-use crate::decide::{Named, Verdict, decide, leading};
+use crate::decide::{Named, RuleId, Verdict, decide, leading};
 use crate::evidence::blocks;
 use crate::locate::everywhere::locate;
 use crate::model::case::Case;
@@ -180,7 +180,13 @@ impl Opened<'_> {
         let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
         let mut fits = Vec::new();
         if !is_found {
-            if all.contains(Candidate::other_loop()) && !case.leaves_out(Part::OtherLoops) {
+            // Where the paper's loop at its best does not describe the output, another one is not what is missing.
+            let squares = plain.train_rmse.powi(2) * case.layout.n_outputs() as f64;
+            let described = 1.0 - squares / case.output_squares();
+            if RuleId::Describes.rule().passes(described)
+                && all.contains(Candidate::other_loop())
+                && !case.leaves_out(Part::OtherLoops)
+            {
                 fits = families::fits(&case, config.seed)?;
             }
             if !families::has_another(&fits, plain) {

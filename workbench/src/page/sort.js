@@ -6,7 +6,7 @@ for (const table of document.querySelectorAll(".scroll > table:not(.matrix)")) {
   if (3 > rows.length) continue;
   headings.forEach((heading, column) => {
     const text = (row) => row.cells[column]?.textContent.trim() ?? "";
-    const number = (row) => parseFloat(text(row).replace(/^[<>≤≥±≈\s]+/, "").replaceAll(",", ""));
+    const number = (row) => parseFloat(text(row).replace(/^[\u003c\u003e≤≥±≈\s]+/, "").replaceAll(",", ""));
     const filled = rows.filter(text), empty = rows.filter((row) => !text(row));
     const button = document.createElement("button");
     button.type = "button";
