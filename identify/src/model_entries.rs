@@ -307,7 +307,9 @@ fn is_covariance(rows: &[Vec<f64>]) -> bool {
     for i in 0..n {
         for k in 0..n {
             let value = rows[i][k];
-            if !value.is_finite() || rows[i][i] < 0.0 {
+            // Of a parameter that the data do not fix the variance is infinite.
+            let is_open = i == k && value.is_infinite();
+            if !(value.is_finite() || is_open) || rows[i][i] < 0.0 {
                 return false;
             }
             let asymmetry = (value - rows[k][i]).abs();
@@ -320,6 +322,7 @@ fn is_covariance(rows: &[Vec<f64>]) -> bool {
         let scale = scale(i, k);
         match (i == k, scale > 0.0) {
             (true, _) => 1.0,
+            // 0 beside an infinite variance.
             (false, true) => rows[i][k] / scale,
             // Beside a variance of 0 there is no covariance.
             (false, false) => rows[i][k],

@@ -25,6 +25,16 @@ impl<'a> OfRig<'a> {
         Self { model, parameters }
     }
 
+    /// Fixes what is free to differ from run to run at its ordinary value, 0, in the model and in a point.
+    pub fn hold_ordinary(&mut self, point: &mut [f64]) {
+        for (info, value) in self.parameters.iter_mut().zip(point) {
+            if info.ordinary.is_some() && info.state == ParameterState::Free {
+                *value = 0.0;
+                info.state = ParameterState::Fixed(0.0);
+            }
+        }
+    }
+
     /// Leaves the start of each heated rod with its loop open in a recording that may begin warm ([`may_begin_warm`]), and has it begin
     /// at rest in every other. A start that is fixed elsewhere stays, and so do those of other models.
     pub fn begin_as(&mut self, recording: &Recording) {

@@ -10,7 +10,7 @@ use crate::quantities::{Quantities, same_quantities};
 use crate::sensor::{not_negative, positive_if_any};
 use crate::validate::validate_at;
 use crate::{
-    Fit, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance, ParameterVector,
+    Fit, FittedParameter, ForwardModel, IdentifyError, OfRig, ParameterCovariance, ParameterVector,
     RigModel, Rod, Scope, Sensor, Validated,
 };
 
@@ -303,7 +303,8 @@ impl SavedModel {
         self.validate_by(&self.model, &self.point(0), recording)
     }
 
-    /// Predicts a recording by the model with its effects, at a point of its parameters.
+    /// Predicts a recording by the model with its effects, at a point of its parameters. What differs from run to run is as it
+    /// ordinarily is: the rest of a recording does not tell it.
     ///
     /// # Errors
     ///
@@ -320,7 +321,10 @@ impl SavedModel {
             drive_unit: &self.drive_unit,
         };
         same_quantities(recording, self.rod.file(), &expected)?;
-        validate_at(model, point, recording)
+        let mut point = point.to_vec();
+        let mut ordinary = OfRig::at(model, &point);
+        ordinary.hold_ordinary(&mut point);
+        validate_at(&ordinary, &point, recording)
     }
 
     /// The parameters of the plain cascade, with the offset of the first training recording; `None` for a

@@ -303,6 +303,12 @@ fn numbers_that_no_fit_has_are_refused() {
         let said = refused(&text.replace("NaN", "nan"));
         assert!(said.contains("positive semidefinite"), "{other}: {said}");
     }
+    // A parameter that nothing fixes is no fault, nor a draw that is no number.
+    let text = format!("{}inf{}", &written[..start], &written[end..]);
+    let open = SavedModel::parse("model.toml", &text).unwrap();
+    assert_eq!(open.to_toml().unwrap(), text);
+    let drawn = open.draws(8, 1).points;
+    assert!(drawn.iter().flatten().all(|value| value.is_finite()));
     let second = end + 2;
     let behind = second + written[second..].find(',').unwrap();
     let text = format!("{}1.0e6{}", &written[..second], &written[behind..]);

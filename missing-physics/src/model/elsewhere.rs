@@ -1,8 +1,7 @@
 //! A model where it was not fitted: in another recording.
 
 use identify::{
-    Fit, ForwardModel, IdentifyError, OfRig, ParameterInfo, ParameterState, Scope, Validated,
-    predict, validate_at,
+    Fit, ForwardModel, IdentifyError, OfRig, ParameterInfo, Scope, Validated, predict, validate_at,
 };
 use recording::Recording;
 
@@ -75,12 +74,7 @@ pub(crate) fn predicted(
         place(effect.info().parameters[0].name)
     });
     let mut ordinary = OfRig::at(model, &point);
-    for (info, value) in ordinary.parameters.iter_mut().zip(&mut point) {
-        if info.ordinary.is_some() && info.state == ParameterState::Free {
-            *value = 0.0;
-            info.state = ParameterState::Fixed(0.0);
-        }
-    }
+    ordinary.hold_ordinary(&mut point);
     let validated = unseen
         .iter()
         .map(|recording| validate_at(&ordinary, &point, recording));

@@ -103,7 +103,7 @@ fn how_far_runs_repeat_and_what_differs_is_said() {
     );
 
     let call = "diagnose rod.toml --train a.csv b.csv --validate unseen.csv --quiet -v --json found.json --report page.html \
-                --plots figures";
+                --plots figures --save-model model.toml";
     let (code, text, said) = sma(folder, call);
     assert_eq!(code, 0, "{said}");
     assert!(text.starts_with("ADEQUATE: nothing is missing"), "{text}");
@@ -139,6 +139,15 @@ fn how_far_runs_repeat_and_what_differs_is_said() {
     let [predicted, calibrated] =
         ["predicted_rmse", "validate_rmse"].map(|key| stage[key].as_f64().unwrap());
     assert!(predicted > 5.0 * calibrated, "{predicted} {calibrated}");
+    // The rest of a recording does not tell its state: a simulation has the ordinary one, as the predicted error has.
+    let (code, _, said) = sma(folder, "simulate model.toml --drive unseen.csv");
+    assert_eq!(code, 0, "{said}");
+    let (_, met) = said.split_once("the prediction meets it to ").unwrap();
+    let met: f64 = met.split(' ').next().unwrap().parse().unwrap();
+    assert!(
+        (met - predicted).abs() < 1e-3 * predicted,
+        "{met} {predicted}"
+    );
     assert!(folder.join("figures/same-drive.svg").is_file());
     let page = fs::read_to_string(folder.join("page.html")).unwrap();
     assert!(page.contains("Differences from run to run, relative to the first"));
