@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
 use crate::TrialError;
+use crate::answer::hex;
 
 /// A line of a [`Journal`].
 pub trait Line: Serialize + DeserializeOwned {
@@ -164,7 +165,7 @@ impl<L: Line> Journal<L> {
         }
         let texts = self.lines.values().map(|(_, text)| text.as_str());
         let whole: String = texts.collect();
-        let beside = self.path.with_extension("jsonl.new");
+        let beside = beside(&self.path);
         fs::write(&beside, whole)
             .and_then(|()| fs::rename(&beside, &self.path))
             .map_err(|source| TrialError::file(&self.path, source))?;
@@ -175,7 +176,7 @@ impl<L: Line> Journal<L> {
 /// A line with its hash, which stands in the place of its last brace.
 fn hashed(content: &str) -> String {
     let open = content.strip_suffix('}').unwrap_or(content);
-    format!("{open}{HASH}{}{HASH_END}", hexadecimal(content))
+    format!("{open}{HASH}{}{HASH_END}", sha256(content))
 }
 
 /// A line without its hash; `None` if the hash is that of another line.
@@ -189,12 +190,19 @@ fn content_of(text: &str) -> Option<Cow<'_, str>> {
     };
     let hash = rest.strip_suffix(HASH_END)?;
     let content = format!("{open}}}");
-    (hash.len() == DIGITS && hash == hexadecimal(&content)).then_some(Cow::Owned(content))
+    (hash.len() == DIGITS && hash == sha256(&content)).then_some(Cow::Owned(content))
 }
 
-fn hexadecimal(text: &str) -> String {
-    let digest = Sha256::digest(text.as_bytes());
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+fn sha256(text: &str) -> String {
+    hex(&Sha256::digest(text.as_bytes()))
+}
+
+/// Place of a file that has not its name yet.
+pub(crate) fn beside(path: &Path) -> PathBuf {
+    path.with_extension(match path.extension() {
+        Some(extension) if extension == "jsonl" => "jsonl.new",
+        _ => "new",
+    })
 }
 
 #[cfg(test)]

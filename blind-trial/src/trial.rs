@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::journal::beside;
 use crate::{
     Answer, Case, CaseId, CaseLine, Journal, Like, Plan, Ran, TrialError, in_order, run_case, seal,
 };
@@ -346,14 +347,6 @@ fn sound(case: &Case, folder: &Path, config: RunConfig) -> Result<Ran, TrialErro
         let _ = fs::remove_dir_all(&folder);
     }
     ran
-}
-
-/// Place of a file that has not its name yet.
-fn beside(path: &Path) -> PathBuf {
-    path.with_extension(match path.extension() {
-        Some(extension) if extension == "jsonl" => "jsonl.new",
-        _ => "new",
-    })
 }
 
 /// Removes a last line without its end, from a run that was killed.

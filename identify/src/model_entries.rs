@@ -7,7 +7,7 @@ use wiener::hysteresis::LoopFamily;
 
 use crate::dense::{Matrix, symmetric_eigen};
 use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
-use crate::of_family::FAMILY_PARAMETERS;
+use crate::of_family::is_of_family;
 use crate::saved_model::LOOP_SHAPE;
 use crate::source::Source;
 use crate::wiener_model::{AMBIENT_LEVEL, RUN_PARAMETERS};
@@ -247,7 +247,7 @@ impl Reading<'_> {
             let entry = found.next();
             // Files of earlier versions do not have it.
             let is_new = info.name == AMBIENT_LEVEL
-                || FAMILY_PARAMETERS.contains(&info.name)
+                || is_of_family(info.name)
                 || RUN_PARAMETERS.contains(&info.name);
             if entry.is_none() && is_new {
                 fitted.values.push(0.0);

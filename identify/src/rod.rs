@@ -318,8 +318,8 @@ impl Rod {
         })
     }
 
-    /// The tables of the file that say what the rig is and which parts of its recordings count, as they are written there; `[model]`, which says what
-    /// to do with it, is not among them.
+    /// The tables of the file that say what the rig is and which parts of its recordings count, as they are written there; `[model]`,
+    /// which says what to do with it, is not among them.
     pub(crate) fn tables(&self) -> toml::Table {
         const TABLES: [&str; 7] = [
             "rod",

@@ -9,7 +9,8 @@ use crate::{EffectSet, Setting};
 /// How widely a diagnosis searches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Effort {
-    /// Six starts of the baseline model ([`Self::starts`], to be set in [`DiagnoseConfig::baseline`]); loops of other families and other starting points of the chosen model are left out.
+    /// Six starts of the baseline model ([`Self::starts`], to be set in [`DiagnoseConfig::baseline`]); loops of other families and other
+    /// starting points of the chosen model are left out.
     Quick,
     /// Sixteen starts; loops of other families where they may do instead of the findings. Trials are made with this.
     #[default]

@@ -9,7 +9,7 @@ use recording::{Recording, RepeatFloor, repeat_floor};
 use crate::agreed::agreed;
 use crate::baseline::{opened, with_state_of_runs, with_unknowns};
 use crate::config::{DiagnoseConfig, Effort, Part};
-use crate::decide::{Named, RuleId, Verdict, decide, leading};
+use crate::decide::{Named, Verdict, decide, leading};
 use crate::evidence::blocks;
 use crate::locate::everywhere::locate;
 use crate::model::case::Case;
@@ -180,20 +180,16 @@ impl Opened<'_> {
         let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
         let mut fits = Vec::new();
         if !is_found {
-            // Where the paper's loop at its best does not describe the output, another one is not what is missing.
-            let squares = plain.train_rmse.powi(2) * case.layout.n_outputs() as f64;
-            let described = 1.0 - squares / case.output_squares();
-            if RuleId::Describes.rule().passes(described)
-                && all.contains(Candidate::other_loop())
-                && !case.leaves_out(Part::OtherLoops)
-            {
-                fits = families::fits(&case, config.seed)?;
+            if all.contains(Candidate::other_loop()) {
+                fits = families::instead(&case, config.seed)?;
             }
-            if !families::has_another(&fits, plain) {
-                return Ok(Diagnosis {
+            if fits.is_empty() {
+                return Ok(Diagnosis::not_converged(
+                    baseline,
                     repeats,
-                    ..Diagnosis::not_converged(baseline, &noise, config.seed)
-                });
+                    &noise,
+                    config.seed,
+                ));
             }
         }
         let catalogue_set = testable(&fine_case, &fine_case.baseline()?, all)?;
@@ -255,10 +251,12 @@ impl Opened<'_> {
         caller.tell(DiagnoseProgress::Refit)?;
         let (place, effects) = at(&searches, leading(&population));
         if !is_found && place == 0 {
-            return Ok(Diagnosis {
+            return Ok(Diagnosis::not_converged(
+                baseline,
                 repeats,
-                ..Diagnosis::not_converged(baseline, &noise, config.seed)
-            });
+                &noise,
+                config.seed,
+            ));
         }
         let known = known(
             &searches[place],

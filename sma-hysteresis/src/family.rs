@@ -7,6 +7,7 @@ use crate::elementary::{expm1, sin_quarter, sqrt};
 use crate::limiting_loop::LimitingLoop;
 use crate::memory::FARTHEST_K;
 use crate::path::{Course, Courses, Path, Paths, Turn};
+use crate::vectors::widest_vectors;
 
 /// Which curves the branches of a loop are. All have the same center and half width, and spread over about the same
 /// temperatures for the same `h_0`.
@@ -200,6 +201,20 @@ impl<const L: usize> Curves<L> {
         }
     }
 
+    /// [`Curves::levels`] by a call: the paper's loop, which makes it in no sample, keeps its registers where both are inlined.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn levels_by_call(
+        &self,
+        paths: &Paths<L>,
+        temperature_k: &[f64; L],
+    ) -> ([f64; L], [f64; L]) {
+        widest_vectors(
+            #[inline(always)]
+            || self.levels(paths, temperature_k),
+        )
+    }
+
     /// Transformed shares on the limiting curves at T̂, that of heating first.
     pub(crate) fn limits_at(&self, lane: usize, temperature_k: f64) -> [f64; 2] {
         [1.0, -1.0].map(|sign| {
@@ -315,9 +330,10 @@ impl<const L: usize> Bends<L> {
     /// p' of a course p that rises (`sign` = 1) or falls (-1) while a transformation goes on, and dp'/dp.
     #[inline(always)]
     fn bent(&self, lane: usize, sign: f64, p: f64) -> Way {
-        let [skew, bend, third] = self.0.map(|lanes| lanes[lane]);
+        // A lane's own by its place: copied out as an array they would keep the lanes from being computed side by side.
+        let Self([skew, bend, third]) = self;
         // Of a course that falls, 1 - p is what has been gone: odd terms change their sign.
-        let (skew, third) = (sign * skew, sign * third);
+        let (skew, bend, third) = (sign * skew[lane], bend[lane], sign * third[lane]);
         let x = 1.0 - 2.0 * p;
         let square = x * x;
         let added = p * (1.0 - p) * (skew + bend * x + third * (1.25 * square - 0.25));

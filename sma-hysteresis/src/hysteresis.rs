@@ -3,7 +3,6 @@ use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::memory::{Memory, Rule, Rules};
 use crate::path::{Paths, Reversal};
 use crate::proximity::{Proximity, SineProximity};
-use crate::vectors::widest_vectors;
 use crate::{HysteresisError, LoopFamily};
 
 /// Rounding of a sum of bends that is 1.
@@ -72,9 +71,9 @@ impl<const L: usize> Hysteresis<L> {
     /// φ_1 = p(1 - p),   φ_2 = p(1 - p)(1 - 2p),   φ_3 = p(1 - p)(5(1 - 2p)² - 1)/4
     /// ```
     ///
-    /// P_k are Legendre's polynomials; the sum is the most by which a slope falls. p is the share of the relays that have switched, or of what is left to transform that
-    /// kinetics have transformed, on heating and, mirrored, on cooling. So the limiting curves change and the memory does not.
-    /// The first index of `bends` is k - 1. The paper's loop has no bends and stays as it is.
+    /// P_k are Legendre's polynomials. The sum is the most by which a slope falls. p is the share of the relays that have switched, or of
+    /// what is left to transform that kinetics have transformed, on heating and, mirrored, on cooling. So the limiting curves change
+    /// and the memory does not. The first index of `bends` is k - 1. The paper's loop has no bends and stays as it is.
     ///
     /// # Errors
     ///
@@ -262,19 +261,14 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     }
 
     /// [`Hysteresis::peek`] where the share of the material is what is known.
-    ///
-    /// A call, that the paper's loop, which comes here in no sample, stays short wherever it is inlined.
-    #[inline(never)]
+    #[inline(always)]
     fn peek_at_share(
         &self,
         curves: &Curves<L>,
         paths: &Paths<L>,
         temperature_k: &[f64; L],
     ) -> Sensed<L> {
-        let (mut fraction, mut slope_per_k) = widest_vectors(
-            #[inline(always)]
-            || curves.levels(paths, temperature_k),
-        );
+        let (mut fraction, mut slope_per_k) = curves.levels_by_call(paths, temperature_k);
         for l in 0..L {
             let (at, per_share) = self.limits.fraction_of_share(l, fraction[l]);
             fraction[l] = at;
@@ -287,17 +281,14 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     }
 
     /// [`Hysteresis::commit`] on a branch that was changed already.
-    #[inline(never)]
+    #[inline(always)]
     fn commit_at_share(
         &self,
         curves: &Curves<L>,
         memory: &mut Memory<L>,
         temperature_k: &[f64; L],
     ) -> [f64; L] {
-        let (mut fraction, _) = widest_vectors(
-            #[inline(always)]
-            || curves.levels(memory.paths(), temperature_k),
-        );
+        let (mut fraction, _) = curves.levels_by_call(memory.paths(), temperature_k);
         for l in 0..L {
             memory.advance(l, temperature_k[l]);
             fraction[l] = self.limits.fraction_of_share(l, fraction[l]).0;

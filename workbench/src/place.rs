@@ -118,11 +118,8 @@ fn append(place: &Path) -> io::Result<std::fs::File> {
 
 fn replace(folder: &Path, place: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut temporary = temporary_in(folder, place)?;
-    // Held, so that another call does not take it for one that was left.
-    match temporary.as_file().lock() {
-        Err(error) if error.kind() != io::ErrorKind::Unsupported => return Err(error),
-        _ => {}
-    }
+    // Held, so that another call does not take it for one that was left; a result is not lost for the want of it.
+    let _ = temporary.as_file().lock();
     temporary.write_all(bytes)?;
     // On the disk before it has its name: after a power cut the old file is there, or the new one.
     temporary.as_file().sync_all()?;

@@ -56,7 +56,12 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// Diagnosis where no two starts of the baseline model agree.
-    pub(crate) fn not_converged(baseline: Stage, noise: &Measured, seed: u64) -> Self {
+    pub(crate) fn not_converged(
+        baseline: Stage,
+        repeats: Option<RepeatFloor>,
+        noise: &Measured,
+        seed: u64,
+    ) -> Self {
         Self {
             verdict: Verdict::NotConverged,
             noise_floor: Floor {
@@ -64,7 +69,7 @@ impl Diagnosis {
                 upper: noise.upper,
                 class: NoiseClass::Colored,
             },
-            repeats: None,
+            repeats,
             simulations: baseline.fit.simulations,
             ladder: vec![Rung::plain(&baseline)],
             baseline,

@@ -7,6 +7,7 @@ use recording::order::rising;
 
 use crate::agreed::agreed;
 use crate::baseline::ASKED_FOR;
+use crate::config::Part;
 use crate::decide::{RuleId, leading};
 use crate::evidence::Population;
 use crate::model::case::{Case, Node};
@@ -135,8 +136,24 @@ fn retain_near(fits: &mut Vec<OtherBaseline>, case: &Case<'_>) {
     fits.retain(|other| other.fit.train_rmse < most);
 }
 
+/// Families that may stand in for the paper's loop, the starts of which end apart; none where not even the best of these describes
+/// the output, since then another loop is not what is missing, or where no other loop has one minimum.
+pub(crate) fn instead(case: &Case<'_>, seed: u64) -> Result<Vec<OtherBaseline>, IdentifyError> {
+    let squares = case.fit.train_rmse.powi(2) * case.layout.n_outputs() as f64;
+    let described = 1.0 - squares / case.output_squares();
+    if !RuleId::Describes.rule().passes(described) || case.leaves_out(Part::OtherLoops) {
+        return Ok(Vec::new());
+    }
+    let fits = fits(case, seed)?;
+    Ok(if has_another(&fits, case.fit) {
+        fits
+    } else {
+        Vec::new()
+    })
+}
+
 /// True if a loop of another family has one minimum, with less than half of the mean square, where the paper's has many.
-pub(crate) fn has_another(fits: &[OtherBaseline], papers: &Fit) -> bool {
+fn has_another(fits: &[OtherBaseline], papers: &Fit) -> bool {
     let square = |fit: &Fit| fit.train_rmse.powi(2);
     let nearest = fits.first();
     nearest

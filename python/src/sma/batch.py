@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ from .call import Call, Recordings, RodLike
 from .errors import ProgramError
 from .program import Progress
 from .results import Interval, Reported, interval
+from .rod import rig_table
 
 
 @dataclass(frozen=True)
@@ -196,11 +196,8 @@ def _manifest(call: Call, rigs: Sequence[Rig]) -> str:
         train = call.recordings(rig.train, f"rig{k + 1}-train")
         validate = call.recordings(rig.validate, f"rig{k + 1}-validate")
         rod = call.rod(rig.rod, f"rod{k + 1}.toml")
-        # A string of JSON is one of TOML.
-        name, rod, *files = (json.dumps(one) for one in (rig.name, os.path.abspath(rod), *map(os.path.abspath, train + validate)))
-        n_train = len(train)
-        text += f"[[rig]]\nname = {name}\nrod = {rod}\n"
-        text += f"train = [{', '.join(files[:n_train])}]\nvalidate = [{', '.join(files[n_train:])}]\n"
+        train, validate = (list(map(os.path.abspath, paths)) for paths in (train, validate))
+        text += rig_table(rig.name, os.path.abspath(rod), train, validate)
     return call.written("fleet.toml", text)
 
 

@@ -30,16 +30,30 @@ def to_toml(rod: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def toml_string(text: str) -> str:
+    """A string of TOML, which knows no pairs of surrogates."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def rig_table(name: str, rod: str, train: Sequence[str], validate: Sequence[str]) -> str:
+    """A rig of a fleet's manifest: its name, and the places of its files."""
+
+    def listed(paths: Sequence[str]) -> str:
+        return f"[{', '.join(map(toml_string, paths))}]"
+
+    return f"[[rig]]\nname = {toml_string(name)}\nrod = {toml_string(rod)}\ntrain = {listed(train)}\nvalidate = {listed(validate)}\n"
+
+
 def _key(key: object) -> str:
     text = str(key)
-    return text if re.fullmatch(r"[A-Za-z0-9_-]+", text) else json.dumps(text, ensure_ascii=False)
+    return text if re.fullmatch(r"[A-Za-z0-9_-]+", text) else toml_string(text)
 
 
 def _value(place: str, value: object) -> str:
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return toml_string(value)
     if isinstance(value, numbers.Integral):
         return str(int(value))
     if isinstance(value, numbers.Real):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import socket
 import subprocess
@@ -14,6 +13,7 @@ from pathlib import Path, PurePosixPath
 
 from .errors import ProgramError
 from .program import program_path
+from .rod import rig_table
 
 
 @dataclass(frozen=True)
@@ -77,9 +77,7 @@ def run_unit(task: UnitTask, *, folder: str | None = None) -> UnitRan:
         rod = _unpacked(base / "rod", task.rod)
         train, validate = ([_unpacked(base / "rig", one) for one in files] for files in (task.train, task.validate))
         manifest = base / "fleet.toml"
-        manifest.write_text(
-            f"[[rig]]\nname = {_text('unit')}\nrod = {_text(rod)}\ntrain = {_list(train)}\nvalidate = {_list(validate)}\n"
-        )
+        manifest.write_text(rig_table("unit", rod, train, validate), encoding="utf-8")
         arguments = [
             "batch",
             str(manifest),
@@ -133,12 +131,3 @@ def _unpacked(folder: Path, file: Sent) -> str:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(zlib.decompress(file.packed))
     return str(path)
-
-
-def _text(text: str) -> str:
-    """A string of TOML."""
-    return json.dumps(text)
-
-
-def _list(paths: Sequence[str]) -> str:
-    return f"[{', '.join(map(_text, paths))}]"

@@ -219,7 +219,7 @@ fn a_killed_command_leaves_no_torn_file_and_ends_with_the_same_bytes() {
     let mut faults = Vec::new();
     let mut said = Vec::new();
     for command in &commands {
-        let (whole, took) = command.whole();
+        let (whole, mut took) = command.whole();
         let wanted = (n * command.in_a_hundred).div_ceil(100);
         let (mut n_killed, mut n_chains) = (0, 0);
         // One that ends before it can be killed ends the chain as well.
@@ -228,6 +228,10 @@ fn a_killed_command_leaves_no_torn_file_and_ends_with_the_same_bytes() {
             faults.extend(found);
             n_killed += killed;
             n_chains += 1;
+            if killed == 0 {
+                // The undisturbed call was slow, as a first one is.
+                took /= 2;
+            }
         }
         let name = command.call.split(' ').next().unwrap();
         said.push(format!(
