@@ -41,7 +41,9 @@ def rig_table(name: str, rod: str, train: Sequence[str], validate: Sequence[str]
     def listed(paths: Sequence[str]) -> str:
         return f"[{', '.join(map(toml_string, paths))}]"
 
-    return f"[[rig]]\nname = {toml_string(name)}\nrod = {toml_string(rod)}\ntrain = {listed(train)}\nvalidate = {listed(validate)}\n"
+    return (
+        f"[[rig]]\nname = {toml_string(name)}\nrod = {toml_string(rod)}\ntrain = {listed(train)}\nvalidate = {listed(validate)}\n"
+    )
 
 
 def _key(key: object) -> str:
