@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use identify::{
-    Bounds, ForwardModel, IdentifyError, NamedEffect, ParameterInfo, RigModel, SavedEffects,
-    SavedModel, Scale, StateOfRun, WienerModel, in_states,
+    Bounds, ForwardModel, IdentifyError, NamedEffect, ParameterInfo, ParameterState, RigModel,
+    SavedEffects, SavedModel, Scale, StateOfRun, WienerModel, in_states,
 };
 use recording::{Quantity, Recording};
 use wiener::{Block, Start};
@@ -152,6 +152,13 @@ impl<'a> RestoredModel<'a> {
             .iter()
             .flat_map(|&effect| (0..effect.info().parameters.len()).map(move |k| (effect, k)))
             .collect();
+        let first = restored.n_plain();
+        for (info, &(effect, _)) in restored.parameters[first..].iter_mut().zip(&restored.slots) {
+            if is_drift(effect.into()) {
+                // It is left out, and is nothing that another recording could tell.
+                info.state = ParameterState::Fixed(0.0);
+            }
+        }
         let at_rest = Start::rest(rod.ambient_degc.unwrap_or_default());
         if let Some(Member {
             params, effects, ..

@@ -288,6 +288,15 @@ fn drifts_stay_with_their_recordings() {
     for (predicted, expected) in predicted.output.iter().zip(expected) {
         assert!((predicted - expected).abs() < 1e-9);
     }
+    // Another recording, be it without a rest, tells its offset and its start, and no drift.
+    let driven = recording.slice(recording.len() / 4..recording.len()).unwrap();
+    let validated = saved
+        .validate_by(&restored, &restored.point(), &driven)
+        .unwrap();
+    for (info, value) in restored.parameters().iter().zip(&validated.point) {
+        assert!(!info.name.contains("drift") || *value == 0.0, "{info:?}");
+    }
+    assert!(validated.rmse < 0.1 * validated.output_range);
 }
 
 #[test]
