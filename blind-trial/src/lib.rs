@@ -37,4 +37,4 @@ pub use oracle::Oracle;
 pub use proportion::Proportion;
 pub use run_case::{Ran, run_case};
 pub use trial::{Progress, RunConfig, Trial};
-pub use verdict::{Errors, Estimate, Named, Verdict};
+pub use verdict::{Errors, Estimate, Named, Otherwise, Verdict};

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use identify::{Rod, Validated, WienerModel};
-use missing_physics::{DiagnoseConfig, Diagnosis, Finding, Stage, diagnose, setting_of_rod};
+use missing_physics::{Audit, DiagnoseConfig, Diagnosis, Finding, Stage, diagnose, setting_of_rod};
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 use sma_effects::EffectSet;
@@ -36,6 +36,30 @@ pub struct Verdict {
     pub explained: Option<f64>,
     /// True if a run is recommended.
     pub recommends_run: bool,
+    /// Share of the baseline model's residual that a curve predicts on blocks which it has not seen, and the probability of that
+    /// by chance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub audit: Option<[f64; 2]>,
+    /// The same of the model with what was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub audit_of_extended: Option<[f64; 2]>,
+    /// What else would be said with the threshold of a rule a quarter less or more.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub otherwise: Vec<Otherwise>,
+}
+
+/// What would be said with another threshold of a rule.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Otherwise {
+    /// Name of the rule.
+    pub rule: String,
+    /// Factor of its threshold; of a share or a probability above a half, of what that lacks of 1.
+    pub factor: f64,
+    /// Id of the verdict.
+    pub verdict: String,
+    /// Findings, the strongest first.
+    pub findings: Vec<Named>,
 }
 
 /// A finding.
@@ -91,6 +115,7 @@ impl From<&Diagnosis> for Verdict {
         };
         let mismatch = &diagnosis.mismatch;
         let block = mismatch.block;
+        let numbers = |audit: Audit| [audit.share, audit.p_value];
         let next = diagnosis.next_experiment.as_ref();
         Self {
             verdict: diagnosis.verdict.id().to_owned(),
@@ -111,6 +136,23 @@ impl From<&Diagnosis> for Verdict {
             extended: diagnosis.extended.as_ref().map(|one| errors(&one.stage)),
             explained: diagnosis.explained.and_then(|shares| shares.validate),
             recommends_run: next.is_some_and(|next| next.run.is_some()),
+            audit: diagnosis.baseline_audit.map(numbers),
+            audit_of_extended: diagnosis
+                .audit
+                .filter(|_| diagnosis.extended.is_some())
+                .map(numbers),
+            otherwise: diagnosis.otherwise.iter().map(Otherwise::from).collect(),
+        }
+    }
+}
+
+impl From<&missing_physics::Otherwise> for Otherwise {
+    fn from(other: &missing_physics::Otherwise) -> Self {
+        Self {
+            rule: other.rule.name.to_owned(),
+            factor: other.factor,
+            verdict: other.verdict.id().to_owned(),
+            findings: other.findings.iter().map(Named::from).collect(),
         }
     }
 }

@@ -317,11 +317,33 @@ impl WienerModel {
     #[must_use]
     pub fn with_unknowns<'a>(&self, recordings: impl IntoIterator<Item = &'a Recording>) -> Self {
         let recordings: Vec<&Recording> = recordings.into_iter().collect();
-        let mut model = self.with_open_starts(recordings.iter().copied());
+        self.with_open_starts(recordings.iter().copied())
+            .with_open_levels(recordings)
+    }
+
+    /// Frees the level of the surroundings of each recording but the first where those of some were not recorded. `recordings` are
+    /// all that the model will be asked of, those of the training first. A level that `[model]` states stays.
+    #[must_use]
+    pub fn with_open_levels<'a>(
+        &self,
+        recordings: impl IntoIterator<Item = &'a Recording>,
+    ) -> Self {
+        let mut model = self.clone();
         // Those of the first are as they are stated.
-        let mut others = recordings.iter().skip(1);
+        let mut others = recordings.into_iter().skip(1);
         if others.any(|recording| recording.ambient_degc().is_none()) {
             model.leave_open(LEVEL);
+        }
+        model
+    }
+
+    /// Frees an assumed scale of temperature where surroundings of several temperatures were recorded.
+    #[must_use]
+    pub fn with_scale_told_by(&self, recordings: &[Recording]) -> Self {
+        let mut model = self.clone();
+        if model.rise_is_assumed && tell_scale(recordings) {
+            model.leave_open(RISE);
+            model.rise_is_assumed = false;
         }
         model
     }
@@ -398,13 +420,13 @@ impl WienerModel {
 
     /// Deviation of a recording from the stated properties of the rig. It is 0 in the first training recording:
     /// properties common to all are the rig's. Surroundings that are recorded, or stated of this recording, do not
-    /// deviate.
+    /// deviate; unless the scale of temperature is assumed: then their kelvins are not those of the model.
     #[must_use]
     pub fn state_of_run(&self, point: &[f64], recording: &Recording) -> StateOfRun {
         if self.reference.as_deref() == Some(recording.name()) {
             return StateOfRun::default();
         }
-        let is_known = recording.ambient_degc().is_some();
+        let is_known = recording.ambient_degc().is_some() && !self.rise_is_assumed;
         StateOfRun {
             level_k: if is_known { 0.0 } else { point[LEVEL] },
             heat_loss: point[HEAT_LOSS_OF_RUN],
@@ -585,6 +607,17 @@ pub(crate) fn rise(drive: Drive, training: &[Recording]) -> ParameterInfo {
         state: ParameterState::Fixed(value),
         ..ParameterInfo::searched(name, unit, Scale::Logarithmic, bounds)
     }
+}
+
+/// True if surroundings of more than one temperature were recorded: a rod that is heated as much is then as much warmer, and
+/// the loop says by how many of its own kelvins.
+fn tell_scale(recordings: &[Recording]) -> bool {
+    let mut recorded = recordings
+        .iter()
+        .filter_map(Recording::ambient_degc)
+        .flatten();
+    let first = recorded.next();
+    recorded.any(|ambient_degc| Some(ambient_degc) != first)
 }
 
 /// Time constants worth looking for, s: from that of the finest sampling to the longest recording,

@@ -9,7 +9,7 @@ use recording::{Recording, RepeatFloor, repeat_floor};
 use crate::agreed::agreed;
 use crate::baseline::{opened, with_state_of_runs, with_unknowns};
 use crate::config::{DiagnoseConfig, Effort, Part};
-use crate::decide::{Named, Verdict, decide, leading};
+use crate::decide::{Named, Traces, Verdict, leading};
 use crate::evidence::blocks;
 use crate::locate::everywhere::locate;
 use crate::model::case::Case;
@@ -19,9 +19,10 @@ use crate::model::unseen;
 use crate::next::rivals::next;
 use crate::noise::floor::measured;
 use crate::report::catalogue::{catalogue, finding};
-use crate::report::diagnosis::{Diagnosis, Explained, Finding, Stage};
+use crate::report::diagnosis::{Diagnosis, Explained, Finding, Otherwise, Stage};
 use crate::report::explained::explained;
-use crate::report::held::{extended, held_to, told};
+use crate::report::held::extended;
+use crate::report::judged::{Judged, Judging};
 use crate::report::ladder::ladder;
 use crate::report::remains::{blocks_of, located, remainder};
 use crate::search::complete::Completing;
@@ -266,7 +267,6 @@ impl Opened<'_> {
             &blocks,
             config,
         )?;
-        let mut decided = decide(&population, &known);
         let ceiling = population.ceiling()[0] / case.layout.n_outputs() as f64;
         let mut simulations =
             plain.simulations + fits.iter().map(|other| other.fit.simulations).sum::<u64>();
@@ -275,18 +275,27 @@ impl Opened<'_> {
         let mut search = searches.swap_remove(place);
         simulations -= search.simulations();
         let extended = extended(&mut search, effects, unseen)?;
-        let mut shares = None;
-        if let Some(extended) = &extended {
-            decided = told(decided, extended);
-            let after = unseen::unseen(&extended.model, &extended.stage.fit.point(0), unseen)?;
-            let before = unseen::unseen(base, &plain.point(0), unseen)?;
-            let own = explained([&before, &after], decided.explained, ceiling, config.seed);
-            let errors = ([&before, &after], ceiling);
-            let (held, by_findings) = held_to(decided, &mut search, extended, errors, unseen)?;
-            decided = held;
-            shares = Some(Explained { by_findings, ..own });
-        }
-        let explained = shares;
+        let predictions = extended.as_ref().map(|extended| {
+            let point = extended.stage.fit.point(0);
+            Ok::<_, IdentifyError>([
+                unseen::unseen(base, &plain.point(0), unseen)?,
+                unseen::unseen(&extended.model, &point, unseen)?,
+            ])
+        });
+        let predictions = predictions.transpose()?;
+        let judging = Judging {
+            population: &population,
+            known: &known,
+            extended: extended.as_ref(),
+            unseen,
+            predictions: predictions.as_ref(),
+            ceiling,
+        };
+        let Judged { decided, by_names } = judging.judged(&mut search, Traces::default())?;
+        let explained = predictions.as_ref().map(|[before, after]| Explained {
+            by_findings: by_names,
+            ..explained([before, after], decided.explained, ceiling, config.seed)
+        });
         caller.tell(DiagnoseProgress::Locate)?;
         let setting = search.case.setting;
         let written = |named: &[Named]| {
@@ -298,8 +307,18 @@ impl Opened<'_> {
             findings
         };
         let (findings, suspects) = (written(&decided.named), written(&decided.suspects));
-        let matters = known.least_that_matters(case.layout.n_outputs());
-        let catalogue = catalogue(&mut search, &decided, effects, matters, config.seed)?;
+        // What a curve finds beyond the model, if only the error of a formula, may be any effect.
+        let hidden = leading(&population).found_by_curve().sqrt();
+        let matters = known
+            .least_that_matters(case.layout.n_outputs())
+            .max(hidden);
+        let catalogue = catalogue(
+            &mut search,
+            (&population, &decided),
+            effects,
+            matters,
+            config.seed,
+        )?;
         if !decided.named.is_empty() {
             mismatch.blocks = blocks_of(&decided.named);
             mismatch.block = mismatch.blocks.first().copied();
@@ -329,6 +348,18 @@ impl Opened<'_> {
         let noise_floor = noise.floor(search.case, best);
         // Last: it may visit models that are no rivals.
         let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
+        // As it may, too, where an answer would be another one.
+        let otherwise = judging.otherwise(&mut search, &decided)?;
+        let otherwise = otherwise.into_iter().map(|(rule, factor, decided)| {
+            let (verdict, findings) = (decided.verdict, written(&decided.named));
+            Otherwise {
+                rule,
+                factor,
+                verdict,
+                findings,
+            }
+        });
+        let otherwise = otherwise.collect();
         simulations += search.simulations();
         Ok(Diagnosis {
             verdict: decided.verdict,
@@ -345,7 +376,9 @@ impl Opened<'_> {
             catalogue,
             next_experiment,
             audit: decided.audit,
-            traces: decided.traces.0,
+            baseline_audit: population.plain().anonymous.as_ref().map(|one| one.audit),
+            traces: decided.traces.steps,
+            otherwise,
             left_out: caller.left_out(),
             simulations,
             seed: config.seed,

@@ -35,7 +35,8 @@ pub use next::run::{NextExperiment, Run};
 pub use noise::kind::{Floor, NoiseClass};
 pub use other_loops::{OtherLoop, carry_loop_shape, other_loops};
 pub use report::diagnosis::{
-    Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Remainder, Rung, Stage, Status,
+    Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Otherwise, Remainder, Rung,
+    Stage, Status,
 };
 pub use report::saved::{RestoredModel, parse_model, read_model, saved_effects};
 pub use screen::screening::{ScreenConfig, Screened, Screening, screen};

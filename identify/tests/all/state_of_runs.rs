@@ -184,3 +184,44 @@ fn surroundings_that_are_known_of_a_run_are_not_guessed() {
         "bb.csv: ambient_degc = 24 °C is stated of it under [recordings], and it has a column of that; expected one of the two"
     );
 }
+
+#[test]
+fn recorded_surroundings_tell_the_scale_of_temperature() {
+    // Nothing is known of heat capacity and resistance: the rod warms by an assumed amount.
+    let unknown = rod(
+        "[columns]\ndrive = \"i\"\noutput = { name = \"y\", unit = \"mm\" }\n[drive]\nkind = \"current\"\n",
+    );
+    let [cold, warm] = [("a.csv", 0.0), ("bb.csv", 6.0)].map(|(name, level_k)| {
+        let run = ran(name, triangles(900, 5.8), [0.0, 0.0, level_k]);
+        run.surrounded_by(21.0 + level_k).unwrap()
+    });
+    let fitted = |told: bool, training: &[Recording]| {
+        let model = WienerModel::new(&unknown, Rule::LastReversal, training).unwrap();
+        let model = if told {
+            model.with_scale_told_by(training)
+        } else {
+            model
+        };
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let fit = fit(&model, training, &FitConfig::default(), go_on).unwrap();
+        (model.knows_temperature(), fit)
+    };
+    let training = [cold, warm];
+    let (is_known, assumed) = fitted(false, &training);
+    assert!(!is_known && assumed.train_rmse > 2.0 * NOISE_MM);
+    let (is_known, told) = fitted(true, &training);
+    assert!(
+        is_known && told.train_rmse < 1.02 * NOISE_MM,
+        "{}",
+        told.train_rmse
+    );
+    let half_width_k = told.parameter("loop_half_width_k").unwrap();
+    let expected_k = truth().limiting_loop.loop_half_width_k;
+    assert!(
+        (half_width_k.values[0] / expected_k - 1.0).abs() < 0.02,
+        "{half_width_k:?}"
+    );
+    // Recordings of one temperature tell none.
+    let model = WienerModel::new(&unknown, Rule::LastReversal, &training[..1]).unwrap();
+    assert!(!model.with_scale_told_by(&training[..1]).knows_temperature());
+}

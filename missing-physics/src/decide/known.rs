@@ -24,13 +24,22 @@ pub(crate) struct Known {
     pub(crate) untried: CandidateSet,
     /// Share of what the size of the baseline model's residual varies by that the state of the rig predicts, if that is beyond chance.
     pub(crate) disturbed: f64,
-    /// Tone of what the leading model leaves, standard deviations.
-    pub(crate) tone: f64,
-    /// Slow part of the leading model's residual over the noise between neighboring samples.
-    pub(crate) slowness: f64,
+    /// What is odd about the leading model's residual.
+    pub(crate) left: Oddness,
+    /// What is odd about the baseline model's.
+    pub(crate) left_by_plain: Oddness,
     /// Error of a drift of the zero over that of a slipping mount, where the leading model has such a drift.
     pub(crate) slip: Option<f64>,
     pub(crate) seed: u64,
+}
+
+/// Features of a residual that no noise of a sensor has.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Oddness {
+    /// Its tone, standard deviations.
+    pub(crate) tone: f64,
+    /// Its slow part over the noise between neighboring samples.
+    pub(crate) slowness: f64,
 }
 
 impl Known {

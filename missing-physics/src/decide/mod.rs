@@ -10,7 +10,7 @@ mod tests;
 mod trace;
 mod verdict;
 
-pub(crate) use known::Known;
+pub(crate) use known::{Known, Oddness};
 pub(crate) use leading::leading;
 pub(crate) use names::Named;
 pub use rules::{Basis, Comparison, RULES, Rule, RuleId};

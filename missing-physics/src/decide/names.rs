@@ -84,7 +84,7 @@ pub(crate) fn names(
     let mut sorted = [Vec::new(), Vec::new()];
     for effect in leading.names.iter() {
         let id = effect.id();
-        let (mut named, covered) = alternatives(leading, belief, known, effect);
+        let (mut named, covered) = alternatives(leading, (belief, known), effect, traces);
         let is_covered = traces.ask(RuleId::Set, id, covered);
         let less = population.without(leading, effect);
         named.contribution = population.share(leading.evidence.squares(), less.evidence.squares());
@@ -119,9 +119,9 @@ pub(crate) fn names(
 /// The smallest set of names with this one that is as probable as it must be, and that probability.
 fn alternatives(
     leading: &Model,
-    belief: &Belief,
-    known: &Known,
+    (belief, known): (&Belief, &Known),
     effect: Candidate,
+    traces: &Traces,
 ) -> (Named, f64) {
     let mut set = CandidateSet::of(effect);
     let own = belief.any(set);
@@ -132,7 +132,7 @@ fn alternatives(
         .iter()
         .filter(|&other| !leading.names.contains(other))
         .collect();
-    while covered < RuleId::Set.rule().threshold {
+    while covered < traces.threshold(RuleId::Set) {
         let wider = rivals.iter().filter(|&&other| !set.contains(other));
         let best = wider
             .map(|&other| (belief.any(set.with(other)) - covered, other))

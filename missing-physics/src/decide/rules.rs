@@ -92,9 +92,25 @@ impl Rule {
     /// True if a value passes; NaN does not.
     #[must_use]
     pub fn passes(&self, value: f64) -> bool {
+        self.passes_at(value, self.threshold)
+    }
+
+    /// True if a value would pass with another threshold; NaN does not.
+    #[must_use]
+    pub fn passes_at(&self, value: f64, threshold: f64) -> bool {
         match self.comparison {
-            Comparison::AtLeast => value >= self.threshold,
-            Comparison::AtMost => value <= self.threshold,
+            Comparison::AtLeast => value >= threshold,
+            Comparison::AtMost => value <= threshold,
+        }
+    }
+
+    /// The threshold times a factor; of a share or a probability above a half, what it lacks of 1 is multiplied.
+    #[must_use]
+    pub fn threshold_times(&self, factor: f64) -> f64 {
+        if self.threshold > 0.5 && self.threshold < 1.0 {
+            1.0 - factor * (1.0 - self.threshold)
+        } else {
+            factor * self.threshold
         }
     }
 }

@@ -4,10 +4,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::known::Known;
+use super::known::{Known, Oddness};
 use super::rules::{RULES, RuleId};
 use super::said::Verdict;
-use super::verdict::{Decided, decide};
+use super::trace::Traces;
+use super::verdict::Decided;
 use crate::evidence::{Anonymous, Audit, Evidence, Model, Population};
 use crate::{CandidateSet, EffectId, LoopFamily};
 
@@ -78,6 +79,12 @@ fn model(names: &[EffectId], residual: Vec<f64>, with_curve: Vec<f64>) -> Model 
     }
 }
 
+/// As noise leaves it.
+const NOISE: Oddness = Oddness {
+    tone: 0.0,
+    slowness: 1.0,
+};
+
 fn known() -> Known {
     Known {
         segments: std::iter::once(0..N).collect(),
@@ -86,8 +93,8 @@ fn known() -> Known {
         catalogue: EffectId::ALL.into_iter().map(Into::into).collect(),
         untried: CandidateSet::EMPTY,
         disturbed: 0.0,
-        tone: 0.0,
-        slowness: 1.0,
+        left: NOISE,
+        left_by_plain: NOISE,
         slip: None,
         seed: 1,
     }
@@ -120,6 +127,10 @@ fn nothing() -> Population {
     Population {
         models: vec![model(&[], quiet.clone(), sum(&quiet, &noise(0.1, 7)))],
     }
+}
+
+fn decide(population: &Population, known: &Known) -> Decided {
+    super::verdict::decide(population, known, Traces::default())
 }
 
 fn named(decided: &Decided) -> Vec<&str> {
@@ -181,8 +192,10 @@ fn what_does_not_go_with_the_recordings_has_no_name() {
     let unrelated = sum(&population.models[0].evidence.residual, &trace(3.0, 9));
     population.models[1].evidence.residual = unrelated;
     let decided = decide(&population, &known());
-    assert_eq!(decided.verdict, Verdict::Adequate);
-    let traces = &decided.traces.0;
+    assert!(named(&decided).is_empty());
+    // What only a suspect explains is not explained.
+    assert_eq!(decided.verdict, Verdict::Unexplained);
+    let traces = &decided.traces.steps;
     let own = traces.iter().find(|trace| trace.rule.id == RuleId::Own);
     assert!(own.is_some_and(|trace| !trace.passed));
 }
@@ -233,14 +246,16 @@ fn what_follows_the_state_or_has_a_tone_is_no_noise() {
         known.disturbed = share
     });
     assert_eq!(disturbed, [Verdict::Adequate, Verdict::Unexplained]);
-    let tone = around(&nothing(), RuleId::Tone, |known, tone| known.tone = tone);
+    let tone = around(&nothing(), RuleId::Tone, |known, tone| {
+        known.left_by_plain.tone = tone;
+    });
     assert_eq!(tone, [Verdict::Adequate, Verdict::Unexplained]);
     let slow = around(&nothing(), RuleId::Slow, |known, over| {
-        known.slowness = over;
+        known.left_by_plain.slowness = over;
     });
     assert_eq!(slow, [Verdict::Adequate, Verdict::Unexplained]);
     let beside_a_name = around(&with_lag(3.0, 0.0), RuleId::Slow, |known, over| {
-        known.slowness = over;
+        known.left.slowness = over;
     });
     let expected = [Verdict::Explained, Verdict::ExplainedInPart];
     assert_eq!(beside_a_name, expected);

@@ -16,20 +16,62 @@ pub struct Trace {
 }
 
 /// All that were asked.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Traces(pub(crate) Vec<Trace>);
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Traces {
+    /// Steps to the verdict, in order.
+    pub(crate) steps: Vec<Trace>,
+    /// What was asked aside, for a verdict without names.
+    aside: Vec<Trace>,
+    /// A rule with another threshold, if one has.
+    other: Option<(RuleId, f64)>,
+}
 
 impl Traces {
+    /// Nothing asked yet, with the threshold of one rule times a factor.
+    pub(crate) fn with_threshold_times(rule: &Rule, factor: f64) -> Self {
+        Self {
+            other: Some((rule.id, rule.threshold_times(factor))),
+            ..Self::default()
+        }
+    }
+
+    /// Nothing asked yet, by the same thresholds.
+    pub(crate) fn begun_again(&self) -> Self {
+        Self {
+            other: self.other,
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn threshold(&self, id: RuleId) -> f64 {
+        let other = self.other.filter(|(rule, _)| *rule == id);
+        other.map_or(id.rule().threshold, |(_, threshold)| threshold)
+    }
+
     /// Asks a rule, and remembers what it said.
     pub(crate) fn ask(&mut self, id: RuleId, of: &str, value: f64) -> bool {
         let rule = id.rule();
-        let passed = rule.passes(value);
-        self.0.push(Trace {
+        let passed = rule.passes_at(value, self.threshold(id));
+        self.steps.push(Trace {
             rule,
             of: of.to_owned(),
             value,
             passed,
         });
         passed
+    }
+
+    /// Keeps what others were asked, as asked aside.
+    pub(crate) fn set_aside(&mut self, others: Self) {
+        self.aside.extend(others.steps);
+    }
+
+    /// True if some answer of a rule would be another one with its threshold times a factor.
+    pub(crate) fn hang_on(&self, rule: &Rule, factor: f64) -> bool {
+        let threshold = rule.threshold_times(factor);
+        let mut own = self.steps.iter().chain(&self.aside);
+        own.any(|trace| {
+            trace.rule.id == rule.id && rule.passes_at(trace.value, threshold) != trace.passed
+        })
     }
 }

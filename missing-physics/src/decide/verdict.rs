@@ -20,7 +20,7 @@ pub(crate) struct Decided {
     pub(crate) suspects: Vec<Named>,
     /// Share of what could be explained that the leading model explains on blocks it has not seen.
     pub(crate) explained: Option<f64>,
-    /// Part of the leading model's residual that a curve of any shape predicts.
+    /// Part of the residual that a curve of any shape predicts: the leading model's, or the baseline's if nothing is named.
     pub(crate) audit: Option<Audit>,
     pub(crate) traces: Traces,
 }
@@ -36,11 +36,10 @@ impl Decided {
 }
 
 /// Decides on a population.
-pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
-    let mut traces = Traces::default();
+pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces) -> Decided {
     let model = leading(population);
     let belief = Belief::of(population, model, known.seed);
-    let mut of_names = Traces::default();
+    let mut of_names = traces.begun_again();
     let [mut named, mut suspects] = names(population, model, &belief, known, &mut of_names);
     let described = if named.is_empty() {
         described_plainly(population, known)
@@ -53,8 +52,14 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
         "",
         plain(population, model, &belief, known.seed),
     );
-    traces.0.append(&mut of_names.0);
-    let more_is_left = is_left(population, model, known, &mut traces);
+    traces.steps.append(&mut of_names.steps);
+    // What a suspect would explain is not explained.
+    let judged = if named.is_empty() {
+        population.plain()
+    } else {
+        model
+    };
+    let more_is_left = is_left(population, judged, known, &mut traces);
     let is_odd = is_odd(known, named.is_empty(), &mut traces);
     let verdict = if !describes {
         Verdict::Unexplained
@@ -77,21 +82,9 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
     if verdict == Verdict::Unexplained {
         suspects.append(&mut named);
     }
-    // Of the baseline model, asked aside: these are no steps to the verdict.
-    let plain_is_left = is_left(
-        population,
-        population.plain(),
-        known,
-        &mut Traces::default(),
-    );
-    let plain_describes = RuleId::Describes
-        .rule()
-        .passes(described_plainly(population, known));
-    let nameless = if !plain_describes || plain_is_left || is_odd {
-        Verdict::Unexplained
-    } else {
-        Verdict::Adequate
-    };
+    let mut aside = traces.begun_again();
+    let nameless = nameless(population, known, &mut aside);
+    traces.set_aside(aside);
     let with = model.evidence.squares();
     let without = population.plain().evidence.squares();
     Decided {
@@ -100,15 +93,27 @@ pub(crate) fn decide(population: &Population, known: &Known) -> Decided {
         named,
         suspects,
         explained: (!model.names.is_empty()).then(|| population.share(with, without)),
-        audit: model.anonymous.as_ref().map(|one| one.audit),
+        audit: judged.anonymous.as_ref().map(|one| one.audit),
         traces,
+    }
+}
+
+/// Verdict on the baseline model.
+fn nameless(population: &Population, known: &Known, aside: &mut Traces) -> Verdict {
+    let describes = aside.ask(RuleId::Describes, "", described_plainly(population, known));
+    let more_is_left = is_left(population, population.plain(), known, aside);
+    let is_odd = is_odd(known, true, aside);
+    if !describes || more_is_left || is_odd {
+        Verdict::Unexplained
+    } else {
+        Verdict::Adequate
     }
 }
 
 /// True if the contribution of a suspect goes with the recordings, and matters.
 fn is_found(traces: &Traces, suspect: &Named) -> bool {
     let is_about = |id: RuleId, passed: bool| {
-        let mut own = traces.0.iter();
+        let mut own = traces.steps.iter();
         own.any(|trace| {
             trace.rule.id == id && trace.of == suspect.effect.id() && trace.passed == passed
         })
@@ -185,8 +190,13 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
 /// True if the residual is no noise of a sensor, though nothing predicts it.
 fn is_odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> bool {
     let is_disturbed = is_nameless && traces.ask(RuleId::Disturbed, "", known.disturbed);
-    let has_tone = traces.ask(RuleId::Tone, "", known.tone);
-    let is_slow = traces.ask(RuleId::Slow, "", known.slowness);
+    let left = if is_nameless {
+        known.left_by_plain
+    } else {
+        known.left
+    };
+    let has_tone = traces.ask(RuleId::Tone, "", left.tone);
+    let is_slow = traces.ask(RuleId::Slow, "", left.slowness);
     let slips = known
         .slip
         .is_some_and(|slip| traces.ask(RuleId::Slip, "", slip));

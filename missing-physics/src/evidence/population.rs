@@ -53,6 +53,13 @@ impl Model {
         self.names.iter().all(|name| !name.info().flexible)
     }
 
+    /// Mean square of the output that a curve finds beyond the model; 0 where it finds nothing more.
+    pub(crate) fn found_by_curve(&self) -> f64 {
+        let with_curve = self.anonymous.as_ref().filter(|_| !self.is_whole());
+        let with = with_curve.map_or(f64::INFINITY, |one| one.evidence.squares()[0]);
+        (self.evidence.squares()[0] - with).max(0.0) / self.evidence.n_outputs as f64
+    }
+
     /// True if a curve finds nothing more.
     pub(crate) fn is_whole(&self) -> bool {
         self.worth_with_curve()
@@ -88,6 +95,13 @@ impl Population {
         rigid
             .filter(|rigid| rigid.worth() > best.worth() - AS_WELL)
             .unwrap_or(best)
+    }
+
+    /// The models that are as credible as one, or more so: a model leads by what it says, too.
+    pub(crate) fn as_credible_as(&self, one: &Model) -> impl Iterator<Item = &Model> {
+        let least = one.worth() - AS_WELL;
+        let admissible = self.models.iter().filter(|model| model.is_admissible());
+        admissible.filter(move |model| model.worth() > least)
     }
 
     /// Sums of squares that there is no way below: the least of any model, or of any with a curve on top, channel by channel.

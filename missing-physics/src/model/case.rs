@@ -431,9 +431,13 @@ impl<'a> Case<'a> {
 /// How what is ordinary from run to run counts, where what differs is left open: beside as many samples as are effective in a
 /// residual. Where it is not, no parameter has a prior.
 pub(crate) fn prior(base: &WienerModel, n_effective: f64) -> Prior {
-    match base.has_state_of_runs() {
-        true => Prior::Profiled(n_effective.max(1.0)),
-        false => Prior::Nothing,
+    let mut infos = base.parameters().iter();
+    let has_ordinary =
+        infos.any(|info| info.ordinary.is_some() && info.state == ParameterState::Free);
+    if has_ordinary {
+        Prior::Profiled(n_effective.max(1.0))
+    } else {
+        Prior::Nothing
     }
 }
 

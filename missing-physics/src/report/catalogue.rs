@@ -1,8 +1,9 @@
 //! Status of each effect by the recordings, and the findings.
 
-use identify::{FittedParameter, IdentifyError, ParameterState};
+use identify::{FittedParameter, ForwardModel, IdentifyError, ParameterState};
 
-use crate::decide::{Decided, Named, Verdict};
+use crate::decide::{Decided, Named, Verdict, leading};
+use crate::evidence::Population;
 use crate::report::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
 use crate::report::sentence;
 use crate::screen::scores::Score;
@@ -81,10 +82,10 @@ fn is_plausible(estimate: &Estimate) -> bool {
     ends[0] <= upper && ends[1] >= lower
 }
 
-/// An entry for each effect; `matters` is the root mean square from which on it matters what one shows.
+/// An entry for each effect, `effects` being those of the leading model of a population; `matters` is the root mean square that one must show to matter, and to be told from what is left.
 pub(crate) fn catalogue(
     search: &mut Search<'_>,
-    decided: &Decided,
+    (population, decided): (&Population, &Decided),
     effects: CandidateSet,
     matters: f64,
     seed: u64,
@@ -123,8 +124,10 @@ pub(crate) fn catalogue(
             let upper = |left: &Score| {
                 let size = left.sizes[0];
                 let size = if signed { size.abs() } else { size.max(0.0) };
-                // A smaller one would be passed over.
-                (size + HALF_95 * left.errors[0]).max(matters / left.shown_per_unit)
+                // A smaller one would be passed over, and one that a model as credible has is not out of the question.
+                (size + HALF_95 * left.errors[0])
+                    .max(matters / left.shown_per_unit)
+                    .max(held_possible(search, population, effect))
             };
             match left {
                 // While something unknown is left, no limit is tighter than that allows.
@@ -149,6 +152,24 @@ pub(crate) fn catalogue(
     Ok(Candidate::all(search.case.setting.hypotheses)
         .map(entry)
         .collect())
+}
+
+/// Largest size of an effect, in magnitude, in the models that are as credible as the leading one, with loops of the same family; 0
+/// where none has it.
+fn held_possible(search: &Search<'_>, population: &Population, effect: Candidate) -> f64 {
+    let family = search.case.setting.loop_family;
+    let models = population.as_credible_as(leading(population));
+    let with_it = models.filter(|model| model.family == family && model.effects.contains(effect));
+    let nodes = with_it.filter_map(|model| search.get(model.effects));
+    nodes
+        .filter_map(|node| {
+            let first = effect.info().parameters.first()?.name;
+            let infos = ForwardModel::parameters(&node.model);
+            let place = infos.iter().position(|info| info.name == first)?;
+            let sizes = node.points.iter().map(|point| point[place].abs());
+            sizes.reduce(f64::max)
+        })
+        .fold(0.0, f64::max)
 }
 
 /// Largest plausible size of an effect's first parameter, in magnitude, and whether it may be negative.

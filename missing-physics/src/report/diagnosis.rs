@@ -4,7 +4,7 @@ use identify::{Fit, Validated};
 use recording::RepeatFloor;
 
 use crate::config::Part;
-use crate::decide::{Trace, Verdict};
+use crate::decide::{Rule, Trace, Verdict};
 use crate::evidence::Audit;
 use crate::locate::mismatch::{Mismatch, Shape};
 use crate::next::run::NextExperiment;
@@ -44,8 +44,13 @@ pub struct Diagnosis {
     pub next_experiment: Option<NextExperiment>,
     /// Prediction of the leading model's residual by a curve of any shape; `None` where nothing was judged.
     pub audit: Option<Audit>,
+    /// Prediction of the baseline model's residual by a curve of any shape; `None` where nothing was judged.
+    pub baseline_audit: Option<Audit>,
     /// The rules that were asked, in order, and what they said.
     pub traces: Vec<Trace>,
+    /// What would be said if the threshold of one rule were a quarter less or more, where an answer to that rule would be
+    /// another one.
+    pub otherwise: Vec<Otherwise>,
     /// Parts of the search that were left out, by the effort that was asked for or since the time was over.
     pub left_out: Vec<Part>,
     /// Simulations of the whole training set.
@@ -82,7 +87,9 @@ impl Diagnosis {
             catalogue: Vec::new(),
             next_experiment: None,
             audit: None,
+            baseline_audit: None,
             traces: Vec::new(),
+            otherwise: Vec::new(),
             left_out: Vec::new(),
             seed,
         }
@@ -173,6 +180,19 @@ pub struct Finding {
     pub contribution: f64,
     /// For people.
     pub sentence: String,
+}
+
+/// What would be said by another threshold of one rule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Otherwise {
+    /// The rule.
+    pub rule: &'static Rule,
+    /// Factor of its threshold: 0.75 or 1.25, see [`Rule::threshold_times`].
+    pub factor: f64,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The findings, the strongest first.
+    pub findings: Vec<Finding>,
 }
 
 /// A parameter of an effect.

@@ -6,7 +6,6 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, Wie
 use recording::order::rising;
 
 use crate::agreed::agreed;
-use crate::baseline::ASKED_FOR;
 use crate::config::Part;
 use crate::decide::{RuleId, leading};
 use crate::evidence::Population;
@@ -31,7 +30,7 @@ const IN_VAIN: f64 = 2.0;
 #[derive(Debug, Clone)]
 pub(crate) struct OtherBaseline {
     pub(crate) family: LoopFamily,
-    /// With what belongs to each recording left open, where the recordings ask for it.
+    /// With the start of recordings open that may begin warm.
     pub(crate) base: WienerModel,
     /// True if the shape of the loop is free.
     pub(crate) has_shape: bool,
@@ -39,20 +38,13 @@ pub(crate) struct OtherBaseline {
 }
 
 impl OtherBaseline {
-    /// The fit from the end of another, in its place, with more open.
-    fn opened(
-        &self,
-        case: &Case<'_>,
-        base: WienerModel,
-        has_shape: bool,
-        seed: u64,
-    ) -> Result<Self, IdentifyError> {
-        let family = self.family;
-        let with = fit_from(case, (family, &base, has_shape), &self.fit, 0, seed)?;
+    /// The fit from where this one ended, with the shape of the loop free and another baseline model.
+    fn shaped(&self, case: &Case<'_>, base: WienerModel, seed: u64) -> Result<Self, IdentifyError> {
+        let with = fit_from(case, (self.family, &base, true), &self.fit, 0, seed)?;
         Ok(Self {
-            family,
+            family: self.family,
             base,
-            has_shape,
+            has_shape: true,
             fit: Fit {
                 agreeing_starts: self.fit.agreeing_starts,
                 starts: self.fit.starts,
@@ -105,24 +97,18 @@ pub(crate) fn plain_fits(
     Ok(fits)
 }
 
-/// Those of the families that come nearer than the paper's, with a shape of the loop and parameters of each recording that they ask
-/// for.
+/// Those of the families that come nearer than the paper's, each with the shape of its loop free, and the start of recordings that may
+/// begin warm.
 ///
-/// A loop that is wrong hides what a recording's own parameters would do, and the other way round: both are asked for together.
+/// The curves of each family are formulas of no real material, and what is missing may hide until they are bent: their
+/// shape is always free. How a recording began decides which of its loops are inner ones, which are the most that families
+/// differ by: it is free, too.
 pub(crate) fn fits(case: &Case<'_>, seed: u64) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let mut fits = plain_fits(case, STARTS, seed)?;
     retain_near(&mut fits, case);
+    let warm = case.base.with_open_starts(case.training);
     for other in &mut fits {
-        let open = case.base.with_unknowns(case.training);
-        let both = other.opened(case, open.clone(), true, seed)?;
-        if IN_VAIN * both.fit.train_rmse.powi(2) < other.fit.train_rmse.powi(2) {
-            *other = both;
-        } else if open.parameters() != other.base.parameters() {
-            let unknowns = other.opened(case, open, false, seed)?;
-            if unknowns.fit.train_rmse < ASKED_FOR * other.fit.train_rmse {
-                *other = unknowns;
-            }
-        }
+        *other = other.shaped(case, warm.clone(), seed)?;
     }
     rising(&mut fits, |other| other.fit.train_rmse);
     retain_near(&mut fits, case);

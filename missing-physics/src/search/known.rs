@@ -4,8 +4,9 @@ use identify::IdentifyError;
 
 use crate::CandidateSet;
 use crate::config::DiagnoseConfig;
-use crate::decide::Known;
+use crate::decide::{Known, Oddness};
 use crate::evidence::{Block, Population, disturbed};
+use crate::model::case::Node;
 use crate::model::series::Channel;
 use crate::noise::floor::Measured;
 use crate::noise::slip::slip;
@@ -26,7 +27,6 @@ pub(crate) fn known(
     let Some(node) = search.get(effects) else {
         unreachable!("the leading model was visited");
     };
-    let outputs = || case.layout.of_channel(Channel::Output);
     let rounding = noise.rounding.map_or(0.0, |rounding| rounding.powi(2));
     let plain = search.baseline();
     let disturbed = if plain.mean_square() > 2.0 * rounding {
@@ -37,9 +37,17 @@ pub(crate) fn known(
         // All of it may be rounding, which is a function of the output.
         0.0
     };
-    let tones = outputs().map(|one| tone(&node.residual[one.range.clone()]));
-    let slowness = slowness(outputs().map(|one| &node.residual[one.range.clone()]));
-    let coarse = noise.is_coarse(node.mean_square());
+    let oddness = |node: &Node| {
+        if noise.is_coarse(node.mean_square()) {
+            return Oddness::default();
+        }
+        let own = || case.layout.of_channel(Channel::Output);
+        let residuals = || own().map(|one| &node.residual[one.range.clone()]);
+        Oddness {
+            tone: residuals().map(tone).fold(0.0, f64::max),
+            slowness: slowness(residuals()),
+        }
+    };
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
     Ok(Known {
         segments: case
@@ -56,12 +64,8 @@ pub(crate) fn known(
             .filter(|&one| case.missing(one).is_some())
             .collect(),
         disturbed,
-        tone: if coarse {
-            0.0
-        } else {
-            tones.fold(0.0, f64::max)
-        },
-        slowness: if coarse { 0.0 } else { slowness },
+        left: oddness(node),
+        left_by_plain: oddness(plain),
         slip: slip(case, node)?,
         seed: config.seed,
     })

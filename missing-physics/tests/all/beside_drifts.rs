@@ -7,7 +7,9 @@
 
 use crate::common;
 
-use common::{DT_S, diagnosed_under, found, noisy, params, played, setting};
+use common::{
+    DT_S, diagnosed_against, diagnosed_under, found, noisy, params, played, recording, setting,
+};
 use missing_physics::{Diagnosis, Verdict};
 use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting};
 
@@ -114,4 +116,27 @@ fn a_fatigue_is_told_from_surroundings_that_drift_by_its_steps() {
     };
     // It neither fades nor takes stroke, but moves where the rod transforms and stands still where it rests.
     assert_eq!(finding.effect, EffectId::FunctionalFatigue);
+}
+
+#[test]
+fn a_room_that_is_cooler_the_next_day_is_no_drift() {
+    let setting = Setting {
+        active: EffectSet::of(EffectId::LoopAsymmetry),
+        ..setting()
+    };
+    let mut effects = EffectValues::default();
+    // It dwarfs what the room does.
+    effects.loop_asymmetry.loop_asymmetry = 0.4;
+    let run = |name: &str, cooler_k: f64| {
+        // A rod in cooler surroundings does what one does whose loop lies as much higher.
+        let mut params = params();
+        params.limiting_loop.loop_center_degc += cooler_k;
+        let output = played(&Extended { setting }, params, effects, &current_a(), DT_S);
+        recording(name, current_a(), noisy(output), DT_S)
+    };
+    let diagnosis = diagnosed_against(&[run("monday.csv", 0.0), run("tuesday.csv", 0.05)], &[]);
+    assert_eq!(found(&diagnosis), ["loop-asymmetry"]);
+    let level_k = diagnosis.extended.unwrap().stage.fit;
+    let level_k = level_k.parameter("ambient_level_k").unwrap().values[1];
+    assert!((level_k + 0.05).abs() < 0.02, "{level_k}");
 }

@@ -289,7 +289,9 @@ fn drifts_stay_with_their_recordings() {
         assert!((predicted - expected).abs() < 1e-9);
     }
     // Another recording, be it without a rest, tells its offset and its start, and no drift.
-    let driven = recording.slice(recording.len() / 4..recording.len()).unwrap();
+    let driven = recording
+        .slice(recording.len() / 4..recording.len())
+        .unwrap();
     let validated = saved
         .validate_by(&restored, &restored.point(), &driven)
         .unwrap();

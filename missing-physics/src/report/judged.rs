@@ -1,0 +1,88 @@
+//! The decision on a finished search, and what it would be by other thresholds.
+
+use identify::IdentifyError;
+use recording::Recording;
+
+use crate::Candidate;
+use crate::decide::{Decided, Known, RULES, Rule, Traces, Verdict, decide};
+use crate::evidence::Population;
+use crate::model::unseen::Unseen;
+use crate::report::diagnosis::ExtendedStage;
+use crate::report::held::{held_to, told};
+use crate::search::roads::Search;
+
+/// Factors of a threshold that are tried: a quarter less, and a quarter more.
+const QUARTER: [f64; 2] = [0.75, 1.25];
+
+/// What is judged: everything that was searched.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Judging<'a> {
+    pub(crate) population: &'a Population,
+    pub(crate) known: &'a Known,
+    pub(crate) extended: Option<&'a ExtendedStage>,
+    pub(crate) unseen: &'a [Recording],
+    /// Predictions of the unseen recordings by the baseline model and by the extended one, if there is one.
+    pub(crate) predictions: Option<&'a [Unseen; 2]>,
+    /// Mean square that there is no way below.
+    pub(crate) ceiling: f64,
+}
+
+/// A decision.
+#[derive(Debug, Clone)]
+pub(crate) struct Judged {
+    pub(crate) decided: Decided,
+    /// Share of the unseen recordings' explainable error that the names alone explain.
+    pub(crate) by_names: Option<f64>,
+}
+
+impl Judging<'_> {
+    /// The decision. What it still needs is looked up in the search, and fitted where it is not there.
+    pub(crate) fn judged(
+        &self,
+        search: &mut Search<'_>,
+        traces: Traces,
+    ) -> Result<Judged, IdentifyError> {
+        let decided = decide(self.population, self.known, traces);
+        let (Some(extended), Some([before, after])) = (self.extended, self.predictions) else {
+            return Ok(Judged {
+                decided,
+                by_names: None,
+            });
+        };
+        let errors = ([before, after], self.ceiling);
+        let decided = told(decided, extended);
+        let (decided, by_names) = held_to(decided, search, extended, errors, self.unseen)?;
+        Ok(Judged { decided, by_names })
+    }
+
+    /// Decisions with the threshold of one rule a quarter less or more, where they say something else than the one that was made.
+    pub(crate) fn otherwise(
+        &self,
+        search: &mut Search<'_>,
+        made: &Decided,
+    ) -> Result<Vec<(&'static Rule, f64, Decided)>, IdentifyError> {
+        let mut others = Vec::new();
+        for rule in &RULES {
+            for factor in QUARTER {
+                // Without another answer there is no other decision.
+                if made.traces.hang_on(rule, factor) {
+                    let by = Traces::with_threshold_times(rule, factor);
+                    let decided = self.judged(search, by)?.decided;
+                    if says(&decided) != says(made) {
+                        others.push((rule, factor, decided));
+                    }
+                }
+            }
+        }
+        Ok(others)
+    }
+}
+
+/// The verdict and the names with their alternatives.
+fn says(decided: &Decided) -> (Verdict, Vec<(Candidate, Vec<Candidate>)>) {
+    let names = decided.named.iter().map(|named| {
+        let others = named.others.iter().map(|(other, _)| *other);
+        (named.effect, others.collect())
+    });
+    (decided.verdict, names.collect())
+}
