@@ -288,6 +288,7 @@ impl Opened<'_> {
             known: &known,
             extended: extended.as_ref(),
             unseen,
+            plain: (&fine_case.model(CandidateSet::EMPTY), &baseline),
             predictions: predictions.as_ref(),
             ceiling,
         };

@@ -1,18 +1,22 @@
 //! Scores of the cases of a trial.
 
+mod audits;
 mod calibration;
 mod confusion;
 mod figure;
 mod groups;
+mod margins;
 mod others;
 mod power;
 mod reach;
 mod table;
 mod view;
 
+pub use audits::{Audited, Predicted};
 pub use calibration::{Bin, Calibration};
 pub use confusion::Confusion;
 pub use figure::{Figure, Score, Target};
+pub use margins::{FOLLOWED, Margin, Margins};
 pub use others::{Method, Others};
 pub use power::{Power, PowerBin};
 pub use reach::{Became, Reach, Reached};
@@ -20,6 +24,7 @@ pub use table::table;
 pub use view::VISIBLE_T;
 
 use crate::CaseLine;
+use audits::audits;
 
 /// All that is said of a trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +39,10 @@ pub struct Scores {
     pub confusion: Confusion,
     /// How often names of a stated probability are right.
     pub calibration: Calibration,
+    /// Figures with the threshold of a rule moved; `None` where the diagnoses did not note what else they would have said.
+    pub margins: Option<Margins>,
+    /// What a curve without physics predicts of what is left, by what is concealed; empty where the diagnoses did not note it.
+    pub audits: Vec<Audited>,
     /// Scores of other methods on the same files; no method if none was run.
     pub others: Others,
 }
@@ -48,6 +57,8 @@ impl Scores {
             power: Power::of(lines),
             reach: Reach::of(lines),
             confusion: Confusion::of(lines),
+            margins: Margins::of(lines),
+            audits: audits(lines),
             others: Others::of(lines),
             calibration,
         }

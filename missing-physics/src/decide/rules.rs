@@ -246,7 +246,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::UnseenShare,
         name: "unseen-share",
-        statistic: "share of what could be explained of the unseen recordings that the names alone explain",
+        statistic: "share of what could be explained of the unseen recordings that the names alone explain; without a name, share of their error that noise and the uncertainty of the parameters make",
         comparison: Comparison::AtLeast,
         threshold: 0.8,
         basis: Basis::Chosen,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use identify::{IdentifyError, ParameterState};
+use identify::{IdentifyError, ParameterState, Validated};
 use recording::Recording;
 
 use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
@@ -12,7 +12,7 @@ use crate::model::unseen::{self, Unseen};
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::explained::share;
 use crate::search::roads::Search;
-use crate::{Candidate, CandidateSet, LoopFamily, Role};
+use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Role};
 
 /// Standard deviations up to which an error may be the parameters' uncertainty.
 const TWICE: f64 = 2.0;
@@ -158,6 +158,30 @@ pub(crate) fn held_to(
         decided.suspects.append(&mut decided.named);
     }
     Ok((decided, by_names))
+}
+
+/// Decision that nothing is missing, held to the recordings that were not used: what misses these by more than noise as in the training
+/// and the uncertainty of its parameters make does not hold there. `plain` is the baseline model.
+pub(crate) fn held_plainly(
+    mut decided: Decided,
+    (model, plain): (&ExtendedModel, &Stage),
+    unseen: &[Recording],
+) -> Result<Decided, IdentifyError> {
+    let error = Validated::rmse_of_all(&plain.validated).map(|rmse| rmse.powi(2));
+    let Some(error) = error.filter(|_| decided.verdict == Verdict::Adequate) else {
+        return Ok(decided);
+    };
+    let noise = (AS_NEAR * plain.fit.train_rmse).powi(2);
+    let made = if error > noise {
+        let spread = spread(model, &plain.fit, &plain.validated, unseen)?;
+        (noise + TWICE.powi(2) * spread) / error
+    } else {
+        1.0
+    };
+    if !decided.traces.ask(RuleId::UnseenShare, "", made.min(1.0)) {
+        decided.verdict = Verdict::Unexplained;
+    }
+    Ok(decided)
 }
 
 /// The model with names and without what is only suspected; `None` where no fit of it stands.

@@ -3,13 +3,13 @@
 use identify::IdentifyError;
 use recording::Recording;
 
-use crate::Candidate;
 use crate::decide::{Decided, Known, RULES, Rule, Traces, Verdict, decide};
 use crate::evidence::Population;
 use crate::model::unseen::Unseen;
-use crate::report::diagnosis::ExtendedStage;
-use crate::report::held::{held_to, told};
+use crate::report::diagnosis::{ExtendedStage, Stage};
+use crate::report::held::{held_plainly, held_to, told};
 use crate::search::roads::Search;
+use crate::{Candidate, ExtendedModel};
 
 /// Factors of a threshold that are tried: a quarter less, and a quarter more.
 const QUARTER: [f64; 2] = [0.75, 1.25];
@@ -21,6 +21,8 @@ pub(crate) struct Judging<'a> {
     pub(crate) known: &'a Known,
     pub(crate) extended: Option<&'a ExtendedStage>,
     pub(crate) unseen: &'a [Recording],
+    /// The baseline model and its fit.
+    pub(crate) plain: (&'a ExtendedModel, &'a Stage),
     /// Predictions of the unseen recordings by the baseline model and by the extended one, if there is one.
     pub(crate) predictions: Option<&'a [Unseen; 2]>,
     /// Mean square that there is no way below.
@@ -42,16 +44,14 @@ impl Judging<'_> {
         search: &mut Search<'_>,
         traces: Traces,
     ) -> Result<Judged, IdentifyError> {
-        let decided = decide(self.population, self.known, traces);
-        let (Some(extended), Some([before, after])) = (self.extended, self.predictions) else {
-            return Ok(Judged {
-                decided,
-                by_names: None,
-            });
-        };
-        let errors = ([before, after], self.ceiling);
-        let decided = told(decided, extended);
-        let (decided, by_names) = held_to(decided, search, extended, errors, self.unseen)?;
+        let mut decided = decide(self.population, self.known, traces);
+        let mut by_names = None;
+        if let (Some(extended), Some([before, after])) = (self.extended, self.predictions) {
+            let errors = ([before, after], self.ceiling);
+            decided = told(decided, extended);
+            (decided, by_names) = held_to(decided, search, extended, errors, self.unseen)?;
+        }
+        let decided = held_plainly(decided, self.plain, self.unseen)?;
         Ok(Judged { decided, by_names })
     }
 

@@ -15,12 +15,21 @@ const DT_S: f64 = 0.5;
 
 /// A wire whose output is late by 0.6 s.
 fn late(name: &str, heights_a: &[f64], spoiled: impl Fn(Vec<f64>) -> Vec<f64>) -> Recording {
+    late_by(0.6, name, heights_a, spoiled)
+}
+
+fn late_by(
+    lag_s: f64,
+    name: &str,
+    heights_a: &[f64],
+    spoiled: impl Fn(Vec<f64>) -> Vec<f64>,
+) -> Recording {
     let setting = Setting {
         active: EffectSet::of(EffectId::OutputLag),
         ..setting()
     };
     let mut effects = EffectValues::default();
-    effects.output_lag.output_lag_s = 0.6;
+    effects.output_lag.output_lag_s = lag_s;
     let drive = triangles_a(heights_a);
     let output = played(&Extended { setting }, params(), effects, &drive, DT_S);
     recording(name, drive, spoiled(noisy(output)), DT_S)
@@ -64,4 +73,17 @@ fn their_samples_in_another_order_refute_it() {
         !matches!(verdict, Verdict::Explained | Verdict::Ambiguous),
         "{verdict:?}"
     );
+}
+
+#[test]
+fn nothing_is_missing_only_where_they_say_so() {
+    let of = |lag_s: f64| {
+        let training = [late_by(0.0, "training.csv", &[2.3, 1.9, 2.1], |output| {
+            output
+        })];
+        let unseen = [late_by(lag_s, "unseen.csv", &[2.0, 2.2], |output| output)];
+        diagnosed_against(&training, &unseen).verdict
+    };
+    assert_eq!(of(0.0), Verdict::Adequate);
+    assert_eq!(of(0.6), Verdict::Unexplained);
 }

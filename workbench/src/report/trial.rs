@@ -1,10 +1,11 @@
 //! Report of a blind trial: text for people, JSON for programs.
 
 use blind_trial::Proportion;
-use blind_trial::scores::{Became, Figure, Score, Scores, VISIBLE_T};
-use comfy_table::Table;
+use blind_trial::scores::{Became, FOLLOWED, Figure, Score, Scores, VISIBLE_T};
+use comfy_table::{Cell, Table};
 use serde_json::{Value, json};
 
+use super::number::percent;
 use super::table::{folding, right, table, unpadded};
 
 /// A trial whose seals were opened.
@@ -78,10 +79,82 @@ impl Tried<'_> {
             self.head(),
             self.table()
         );
+        if let Some(margins) = self.margins() {
+            text += &format!(
+                "\nThe same with the threshold of one rule times a factor; of a share or a probability above a half, what it lacks of 1 \
+                 is multiplied. Equal shares are left out:\n\n{margins}\n"
+            );
+        }
+        if let Some(audits) = self.audits() {
+            text += &format!(
+                "\nPart of what is left that a curve without physics predicts on blocks it has not seen: median share of the square, \
+                 and cases in which chance does as much in at most 1 %:\n\n{audits}\n"
+            );
+        }
         if let Some(others) = self.others() {
             text += &format!("\nOther methods on the same files:\n\n{others}\n");
         }
         unpadded(&text)
+    }
+
+    /// Figures with the threshold of a rule moved, if the diagnoses noted them.
+    #[must_use]
+    pub fn margins(&self) -> Option<Table> {
+        let margins = self.scores.margins.as_ref()?;
+        let head = ["rule", "factor", "cases changed"].into_iter();
+        let mut table = folding(head.chain(FOLLOWED).collect::<Vec<_>>());
+        let counted = |share: Proportion| format!("{} of {}", share.hits, share.n);
+        let decided = margins.decided.map(|share| right(counted(share)));
+        table.add_row(
+            ["as decided", "", ""]
+                .map(Cell::new)
+                .into_iter()
+                .chain(decided),
+        );
+        for row in &margins.rows {
+            let pairs = row.shares.iter().zip(&margins.decided);
+            let moved = pairs.map(|(moved, decided)| {
+                let is_equal = moved == decided;
+                right(if is_equal {
+                    String::new()
+                } else {
+                    counted(*moved)
+                })
+            });
+            let first = [
+                Cell::new(row.rule),
+                right(row.factor.to_string()),
+                right(row.n_changed.to_string()),
+            ];
+            table.add_row(first.into_iter().chain(moved));
+        }
+        Some(table)
+    }
+
+    /// What a curve predicts of what is left, if the diagnoses noted it.
+    #[must_use]
+    pub fn audits(&self) -> Option<Table> {
+        if self.scores.audits.is_empty() {
+            return None;
+        }
+        let mut table = folding([
+            "concealed",
+            "of the baseline model",
+            "beyond chance",
+            "of the model with what was found",
+            "beyond chance",
+        ]);
+        for audited in &self.scores.audits {
+            let cells = [&audited.baseline, &audited.extended]
+                .into_iter()
+                .flat_map(|one| {
+                    let share = one.share.map_or_else(|| "–".to_owned(), percent);
+                    let of = one.beyond_chance;
+                    [right(share), right(format!("{} of {}", of.hits, of.n))]
+                });
+            table.add_row(std::iter::once(Cell::new(&audited.kind)).chain(cells));
+        }
+        Some(table)
     }
 
     /// Other methods on the same files, if any was asked.
@@ -178,6 +251,21 @@ impl Tried<'_> {
                 "named": confusion.columns,
                 "cases": confusion.counts,
             },
+            "margins": self.scores.margins.as_ref().map(|margins| json!({
+                "followed": FOLLOWED,
+                "decided": margins.decided.map(share),
+                "rows": margins.rows.iter().map(|row| json!({
+                    "rule": row.rule,
+                    "factor": row.factor,
+                    "changed": row.n_changed,
+                    "shares": row.shares.map(share),
+                })).collect::<Vec<_>>(),
+            })),
+            "audits": self.scores.audits.iter().map(|audited| json!({
+                "concealed": audited.kind,
+                "baseline": {"share": audited.baseline.share, "beyond_chance": share(audited.baseline.beyond_chance)},
+                "extended": {"share": audited.extended.share, "beyond_chance": share(audited.extended.beyond_chance)},
+            })).collect::<Vec<_>>(),
             "methods": self.scores.others.methods.iter().map(|method| json!({
                 "method": method.name,
                 "false_alarms": share(method.false_alarms),

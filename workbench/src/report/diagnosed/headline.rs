@@ -34,6 +34,16 @@ fn said(diagnosis: &Diagnosis) -> String {
             percent(value(diagnosis, RuleId::Describes).unwrap_or(0.0).max(0.0)),
             percent(RuleId::Describes.rule().threshold),
         ),
+        Verdict::Unexplained if fails_unseen_alone(diagnosis) => format!(
+            "the baseline model does not hold on the unseen {}, and the training does not show why. {} Add {} to the training.",
+            recordings(diagnosis.baseline.validated.len()),
+            error(diagnosis),
+            if diagnosis.baseline.validated.len() == 1 {
+                "that recording"
+            } else {
+                "one of those"
+            }
+        ),
         Verdict::Unexplained
             if failed(diagnosis, RuleId::Remainder).is_some()
                 && failed(diagnosis, RuleId::UnseenShare).is_none()
@@ -51,6 +61,13 @@ fn said(diagnosis: &Diagnosis) -> String {
             error(diagnosis)
         ),
     }
+}
+
+/// True if nothing is left in training, and the baseline model misses the unseen recordings by more than its parameters are uncertain.
+fn fails_unseen_alone(diagnosis: &Diagnosis) -> bool {
+    let shares = diagnosis.explained;
+    let is_of_names = shares.is_some_and(|shares| shares.by_findings.is_some());
+    !is_of_names && failed(diagnosis, RuleId::UnseenShare).is_some()
 }
 
 /// Signs of a disturbance that are seen in the error.

@@ -8,7 +8,7 @@ use missing_physics::{
 use serde_json::{Value, json};
 
 use super::findings::literature;
-use super::{Diagnosed, runs};
+use super::{Diagnosed, otherwise, runs};
 use crate::report::identified::parameters_json;
 use crate::report::repeated;
 use crate::sanity;
@@ -68,6 +68,7 @@ impl Diagnosed<'_> {
                 "p_value": audit.p_value,
             })),
             "trace": diagnosis.traces.iter().map(trace).collect::<Vec<_>>(),
+            "otherwise": diagnosis.otherwise.iter().map(otherwise::json).collect::<Vec<_>>(),
             "left_out": diagnosis.left_out.iter().map(|part| part.id()).collect::<Vec<_>>(),
             "simulations": diagnosis.simulations,
             "specific_heat_range_carried": self.specific_heat.map(|range| [range.lower, range.upper]),

@@ -8,6 +8,7 @@ mod findings;
 mod headline;
 mod json;
 mod left;
+mod otherwise;
 mod runs;
 mod traces;
 
@@ -190,6 +191,9 @@ impl Diagnosed<'_> {
             "\nThe catalogue\n{HOW_TO_READ_CATALOGUE}\n{}\n",
             self.catalogue()
         );
+        if let Some(others) = otherwise::table(diagnosis) {
+            let _ = write!(text, "\n{}\n{others}\n", otherwise::HOW_TO_READ);
+        }
         text
     }
 

@@ -1,0 +1,73 @@
+//! What a curve without physics predicts of what is left, by what is concealed.
+
+use std::collections::BTreeMap;
+
+use super::view::VISIBLE_T;
+use crate::{CaseLine, Proportion};
+
+/// Probability by chance up to which a prediction counts.
+const BY_CHANCE: f64 = 0.01;
+
+/// Predictions in cases of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Audited {
+    /// Concealed additions, or the noise where nothing is concealed.
+    pub kind: String,
+    /// Of the baseline model's residual.
+    pub baseline: Predicted,
+    /// Of the residual of the model with what was found, where something was.
+    pub extended: Predicted,
+}
+
+/// What a curve predicts of residuals, on blocks that it has not seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Predicted {
+    /// Median of the share of the residual's square; `None` without a case.
+    pub share: Option<f64>,
+    /// Cases in which chance predicts as much with a probability of at most 1 %.
+    pub beyond_chance: Proportion,
+}
+
+/// Audits by kind, in the order of their names; nothing where no diagnosis noted them.
+pub(super) fn audits(lines: &[CaseLine]) -> Vec<Audited> {
+    let mut kinds: BTreeMap<String, Vec<&CaseLine>> = BTreeMap::new();
+    for line in lines.iter().filter(|line| line.verdict.audit.is_some()) {
+        kinds.entry(kind(line)).or_default().push(line);
+    }
+    let audited = kinds.into_iter().map(|(kind, lines)| Audited {
+        kind,
+        baseline: predicted(lines.iter().filter_map(|line| line.verdict.audit)),
+        extended: predicted(
+            lines
+                .iter()
+                .filter_map(|line| line.verdict.audit_of_extended),
+        ),
+    });
+    audited.collect()
+}
+
+fn kind(line: &CaseLine) -> String {
+    let answer = &line.opened.answer;
+    let concealed: Vec<&str> = answer
+        .concealed
+        .iter()
+        .map(|one| one.addition.as_str())
+        .collect();
+    if concealed.is_empty() {
+        return format!("nothing, {} noise", answer.noise);
+    }
+    let oracles = &line.opened.oracles;
+    let is_hidden = !oracles.is_empty() && oracles.iter().all(|oracle| oracle.t < VISIBLE_T);
+    let hidden = if is_hidden { ", not visible" } else { "" };
+    format!("{}{hidden}", concealed.join(" + "))
+}
+
+fn predicted(audits: impl Iterator<Item = [f64; 2]>) -> Predicted {
+    let audits: Vec<[f64; 2]> = audits.collect();
+    let mut shares: Vec<f64> = audits.iter().map(|[share, _]| *share).collect();
+    shares.sort_by(f64::total_cmp);
+    Predicted {
+        share: shares.get(shares.len() / 2).copied(),
+        beyond_chance: Proportion::of(&audits, |[_, p_value]| *p_value <= BY_CHANCE),
+    }
+}
