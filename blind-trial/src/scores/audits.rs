@@ -71,3 +71,28 @@ fn predicted(audits: impl Iterator<Item = [f64; 2]>) -> Predicted {
         beyond_chance: Proportion::of(&audits, |[_, p_value]| *p_value <= BY_CHANCE),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_predicted_is_told_by_what_is_concealed() {
+        let published = include_str!("../../results/cases.jsonl");
+        let of = |number: usize| -> CaseLine {
+            serde_json::from_str(published.lines().nth(number).unwrap()).unwrap()
+        };
+        let mut lines = vec![of(0), of(0), of(0)];
+        assert_eq!(audits(&lines), []);
+        for (line, share) in lines.iter_mut().zip([0.1, 0.5, 0.3]) {
+            line.verdict.audit = Some([share, 0.02 - 0.1 * (share - 0.3)]);
+        }
+        let [audited] = &audits(&lines)[..] else {
+            panic!("one kind");
+        };
+        assert!(audited.kind.starts_with("nothing, "), "{}", audited.kind);
+        assert_eq!(audited.baseline.share, Some(0.3));
+        assert_eq!(audited.baseline.beyond_chance, Proportion { hits: 1, n: 3 });
+        assert_eq!(audited.extended.beyond_chance.n, 0);
+    }
+}

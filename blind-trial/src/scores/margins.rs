@@ -94,3 +94,41 @@ fn shares(lines: &[CaseLine]) -> [Proportion; FOLLOWED.len()] {
         }),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Otherwise;
+
+    #[test]
+    fn a_threshold_that_costs_a_name_is_seen_in_its_row_alone() {
+        let published = include_str!("../../results/cases.jsonl");
+        let mut lines: Vec<CaseLine> = published
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .filter(|line: &CaseLine| line.case.family == Family::Single && line.is_visible())
+            .take(20)
+            .collect();
+        assert_eq!(Margins::of(&lines), None);
+        for line in &mut lines {
+            line.verdict.audit = Some([0.9, 0.001]);
+        }
+        let right = lines.iter_mut().find(|line| line.states_all()).unwrap();
+        right.verdict.otherwise = vec![Otherwise {
+            rule: "set".to_owned(),
+            factor: 0.75,
+            verdict: "unexplained".to_owned(),
+            findings: Vec::new(),
+        }];
+        let margins = Margins::of(&lines).unwrap();
+        assert_eq!(margins.rows.len(), 2 * RULES.len());
+        let [decided, ..] = margins.decided;
+        for row in &margins.rows {
+            let is_meant = row.rule == "set" && row.factor < 1.0;
+            let lost = usize::from(is_meant);
+            assert_eq!(row.n_changed, lost);
+            assert_eq!(row.shares[0].hits, decided.hits - lost);
+            assert_eq!(row.shares[1..], margins.decided[1..]);
+        }
+    }
+}

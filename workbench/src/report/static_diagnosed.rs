@@ -189,6 +189,7 @@ impl StaticDiagnosed<'_> {
             "next_experiment": null,
             "predictable": null,
             "trace": [],
+            "otherwise": [],
             "memory": self.memory,
             "notes": self.notes,
         })
