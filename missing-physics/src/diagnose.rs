@@ -19,7 +19,7 @@ use crate::model::unseen;
 use crate::next::rivals::next;
 use crate::noise::floor::measured;
 use crate::report::catalogue::{catalogue, finding};
-use crate::report::diagnosis::{Diagnosis, Explained, Finding, Otherwise, Stage};
+use crate::report::diagnosis::{Diagnosis, Explained, Finding, Otherwise, Simulations, Stage};
 use crate::report::explained::explained;
 use crate::report::held::extended;
 use crate::report::judged::{Judged, Judging};
@@ -268,12 +268,15 @@ impl Opened<'_> {
             config,
         )?;
         let ceiling = population.ceiling()[0] / case.layout.n_outputs() as f64;
-        let mut simulations =
-            plain.simulations + fits.iter().map(|other| other.fit.simulations).sum::<u64>();
-        simulations += searches.iter().map(Search::simulations).sum::<u64>();
-        simulations += coarse_searches.iter().map(Search::simulations).sum::<u64>();
+        let of_searches =
+            |searches: &[Search<'_>]| searches.iter().map(Search::simulations).sum::<u64>();
         let mut search = searches.swap_remove(place);
-        simulations -= search.simulations();
+        let mut simulations = Simulations {
+            baseline: plain.simulations,
+            other_loops: fits.iter().map(|other| other.fit.simulations).sum(),
+            search: of_searches(&coarse_searches),
+            judged: of_searches(&searches),
+        };
         let extended = extended(&mut search, effects, unseen)?;
         let predictions = extended.as_ref().map(|extended| {
             let point = extended.stage.fit.point(0);
@@ -361,7 +364,7 @@ impl Opened<'_> {
             }
         });
         let otherwise = otherwise.collect();
-        simulations += search.simulations();
+        simulations.judged += search.simulations();
         Ok(Diagnosis {
             verdict: decided.verdict,
             noise_floor,

@@ -36,7 +36,7 @@ pub use noise::kind::{Floor, NoiseClass};
 pub use other_loops::{OtherLoop, carry_loop_shape, other_loops};
 pub use report::diagnosis::{
     Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Otherwise, Remainder, Rung,
-    Stage, Status,
+    Simulations, Stage, Status,
 };
 pub use report::saved::{RestoredModel, parse_model, read_model, saved_effects};
 pub use screen::screening::{ScreenConfig, Screened, Screening, screen};

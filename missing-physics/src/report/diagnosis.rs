@@ -54,7 +54,7 @@ pub struct Diagnosis {
     /// Parts of the search that were left out, by the effort that was asked for or since the time was over.
     pub left_out: Vec<Part>,
     /// Simulations of the whole training set.
-    pub simulations: u64,
+    pub simulations: Simulations,
     /// Seed of the searches.
     pub seed: u64,
 }
@@ -75,7 +75,10 @@ impl Diagnosis {
                 class: NoiseClass::Colored,
             },
             repeats,
-            simulations: baseline.fit.simulations,
+            simulations: Simulations {
+                baseline: baseline.fit.simulations,
+                ..Simulations::default()
+            },
             ladder: vec![Rung::plain(&baseline)],
             baseline,
             extended: None,
@@ -93,6 +96,27 @@ impl Diagnosis {
             left_out: Vec::new(),
             seed,
         }
+    }
+}
+
+/// Numbers of simulations of the whole training set, by purpose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Simulations {
+    /// Of the fit of the baseline model.
+    pub baseline: u64,
+    /// Of the baseline models with loops of other families, at few samples.
+    pub other_loops: u64,
+    /// Of the search for effects, at few samples.
+    pub search: u64,
+    /// Of the models that were judged, at all samples.
+    pub judged: u64,
+}
+
+impl Simulations {
+    /// All of them.
+    #[must_use]
+    pub fn total(self) -> u64 {
+        self.baseline + self.other_loops + self.search + self.judged
     }
 }
 

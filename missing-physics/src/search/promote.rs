@@ -69,9 +69,16 @@ fn begun<'c>(
 ) -> Result<Search<'c>, IdentifyError> {
     let baseline = match coarse.case.setting.loop_family {
         LoopFamily::Proximity => case.baseline()?,
-        _ => case.finished(coarse.baseline())?,
+        _ => on_all(case, coarse.baseline())?,
     };
     Ok(Search::ended(case, baseline, coarse, noise))
+}
+
+/// The end of a coarse search's model on all samples; its simulations are those on all samples.
+fn on_all(case: &Case<'_>, coarse: &Node) -> Result<Node, IdentifyError> {
+    let mut node = case.finished(coarse)?;
+    node.simulations -= coarse.simulations;
+    Ok(node)
 }
 
 /// Takes models of coarse searches to their ends on all samples, unless they are there.
@@ -92,7 +99,7 @@ fn promote(
     }
     let found = new
         .par_iter()
-        .map(|&(place, node)| Ok((place, fine[place].case.finished(node)?)))
+        .map(|&(place, node)| Ok((place, on_all(fine[place].case, node)?)))
         .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
     for (place, node) in found {
         fine[place].keep(node.effects, Some(node));

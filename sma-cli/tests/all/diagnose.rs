@@ -895,6 +895,7 @@ fn static_recordings_under_two_loads_tell_the_stress_coupling() {
     let of_time = [
         "left_out",
         "simulations",
+        "simulations_of",
         "specific_heat_range_carried",
         "resistivity_range_carried",
     ];

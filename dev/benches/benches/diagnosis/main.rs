@@ -41,7 +41,7 @@ fn main() {
     let counted = sound(diagnosed(&made_up(EffectId::LatentHeat, N_SAMPLES)));
     let text = format!(
         "latent_heat/{N_SAMPLES}: {} simulations, {}\n",
-        counted.simulations,
+        counted.simulations.total(),
         counted.verdict.id()
     );
     // A closed pipe is not a fault of the bench.

@@ -233,7 +233,7 @@ impl Diagnosed<'_> {
             "{} of {} independent starts of the baseline model ended here; {} simulations, seed {}",
             fit.agreeing_starts,
             fit.starts,
-            count(self.diagnosis.simulations as usize),
+            count(self.diagnosis.simulations.total() as usize),
             self.diagnosis.seed,
         ));
         if let Some(range) = self.specific_heat {
