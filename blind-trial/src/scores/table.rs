@@ -242,6 +242,13 @@ fn unknown(outside: &[&CaseLine], deleted: &[&CaseLine]) -> Vec<Score> {
             CaseLine::is_wrong_and_sure,
             target(Target::AtMost(0.03)),
         ));
+        // Another loop is there, too, and its name is right.
+        scores.push(share(
+            &format!("{of}: unexplained, or in part by another loop"),
+            lines,
+            |line| is_unexplained(line) || line.is_in_part_by_another_loop(),
+            None,
+        ));
     }
     scores
 }

@@ -91,6 +91,13 @@ impl CaseLine {
         self.verdict.findings.iter().any(wrong)
     }
 
+    /// True if something is said to be left beside names that are right or of the loop, where the loop is of another family.
+    pub(super) fn is_in_part_by_another_loop(&self) -> bool {
+        self.case.has_other_loop()
+            && self.verdict.verdict == "explained_in_part"
+            && !self.is_wrong()
+    }
+
     /// True if the baseline model misses the training recordings by many times the noise.
     pub(super) fn misfits(&self) -> bool {
         self.verdict.plain.train >= MISFIT * self.opened.noise_mm

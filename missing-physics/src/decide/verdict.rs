@@ -53,8 +53,10 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
         plain(population, model, &belief, known.seed),
     );
     traces.steps.append(&mut of_names.steps);
-    // What a suspect would explain is not explained.
-    let judged = if named.is_empty() {
+    // What a suspect would explain is not explained. But what a curve of time explains is slow, as noise may be: of that `own` and
+    // `slow` judge.
+    let is_slow_at_most = suspects.iter().all(|one| is_drift(one.effect));
+    let judged = if named.is_empty() && !is_slow_at_most {
         population.plain()
     } else {
         model

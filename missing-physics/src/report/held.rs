@@ -160,8 +160,8 @@ pub(crate) fn held_to(
     Ok((decided, by_names))
 }
 
-/// Decision that nothing is missing, held to the recordings that were not used: what misses these by more than noise as in the training
-/// and the uncertainty of its parameters make does not hold there. `plain` is the baseline model.
+/// Decision that nothing is missing, held to the recordings that were not used: what misses these by more than twice what it does the
+/// training, and than the uncertainty of its parameters makes, does not hold there. `plain` is the baseline model.
 pub(crate) fn held_plainly(
     mut decided: Decided,
     (model, plain): (&ExtendedModel, &Stage),
@@ -171,7 +171,7 @@ pub(crate) fn held_plainly(
     let Some(error) = error.filter(|_| decided.verdict == Verdict::Adequate) else {
         return Ok(decided);
     };
-    let noise = (AS_NEAR * plain.fit.train_rmse).powi(2);
+    let noise = (TWICE * plain.fit.train_rmse).powi(2);
     let made = if error > noise {
         let spread = spread(model, &plain.fit, &plain.validated, unseen)?;
         (noise + TWICE.powi(2) * spread) / error
