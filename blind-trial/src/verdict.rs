@@ -40,15 +40,15 @@ pub struct Verdict {
     /// by chance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub audit: Option<[f64; 2]>,
-    /// The same of the model with what was found.
+    /// Both of the residual of the model with what was found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub audit_of_extended: Option<[f64; 2]>,
-    /// What else would be said with the threshold of a rule a quarter less or more.
+    /// Other verdicts that the threshold of a rule a quarter less or more would give.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub otherwise: Vec<Otherwise>,
 }
 
-/// What would be said with another threshold of a rule.
+/// A verdict as another threshold of a rule would give it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Otherwise {

@@ -19,7 +19,7 @@ pub struct Audited {
     pub extended: Predicted,
 }
 
-/// What a curve predicts of residuals, on blocks that it has not seen.
+/// Predictions of residuals by a curve, on blocks that it has not seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predicted {
     /// Median of the share of the residual's square; `None` without a case.

@@ -1,4 +1,4 @@
-//! What the figures of a trial would be if the threshold of a rule were a quarter less or more.
+//! Figures of a trial as they would be with the threshold of a rule a quarter less or more.
 
 use missing_physics::RULES;
 

@@ -41,7 +41,7 @@ pub struct Scores {
     pub calibration: Calibration,
     /// Figures with the threshold of a rule moved; `None` where the diagnoses did not note what else they would have said.
     pub margins: Option<Margins>,
-    /// What a curve without physics predicts of what is left, by what is concealed; empty where the diagnoses did not note it.
+    /// Predictions of residuals by a curve without physics, by what is concealed; empty where the diagnoses did not note them.
     pub audits: Vec<Audited>,
     /// Scores of other methods on the same files; no method if none was run.
     pub others: Others,

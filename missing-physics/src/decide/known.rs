@@ -24,9 +24,9 @@ pub(crate) struct Known {
     pub(crate) untried: CandidateSet,
     /// Share of what the size of the baseline model's residual varies by that the state of the rig predicts, if that is beyond chance.
     pub(crate) disturbed: f64,
-    /// What is odd about the leading model's residual.
+    /// Oddness of the leading model's residual.
     pub(crate) left: Oddness,
-    /// What is odd about the baseline model's.
+    /// Oddness of the baseline model's residual.
     pub(crate) left_by_plain: Oddness,
     /// Error of a drift of the zero over that of a slipping mount, where the leading model has such a drift.
     pub(crate) slip: Option<f64>,

@@ -20,7 +20,7 @@ pub struct Trace {
 pub(crate) struct Traces {
     /// Steps to the verdict, in order.
     pub(crate) steps: Vec<Trace>,
-    /// What was asked aside, for a verdict without names.
+    /// Questions asked aside, for a verdict without names.
     aside: Vec<Trace>,
     /// A rule with another threshold, if one has.
     other: Option<(RuleId, f64)>,

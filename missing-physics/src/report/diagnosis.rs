@@ -48,8 +48,7 @@ pub struct Diagnosis {
     pub baseline_audit: Option<Audit>,
     /// The rules that were asked, in order, and what they said.
     pub traces: Vec<Trace>,
-    /// What would be said if the threshold of one rule were a quarter less or more, where an answer to that rule would be
-    /// another one.
+    /// Other verdicts that the threshold of one rule a quarter less or more would give.
     pub otherwise: Vec<Otherwise>,
     /// Parts of the search that were left out, by the effort that was asked for or since the time was over.
     pub left_out: Vec<Part>,
@@ -206,7 +205,7 @@ pub struct Finding {
     pub sentence: String,
 }
 
-/// What would be said by another threshold of one rule.
+/// A verdict as another threshold of one rule would give it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Otherwise {
     /// The rule.

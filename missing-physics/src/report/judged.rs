@@ -14,7 +14,7 @@ use crate::{Candidate, ExtendedModel};
 /// Factors of a threshold that are tried: a quarter less, and a quarter more.
 const QUARTER: [f64; 2] = [0.75, 1.25];
 
-/// What is judged: everything that was searched.
+/// The case before the judge: everything that was searched.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Judging<'a> {
     pub(crate) population: &'a Population,

@@ -131,7 +131,7 @@ impl Tried<'_> {
         Some(table)
     }
 
-    /// What a curve predicts of what is left, if the diagnoses noted it.
+    /// Predictions of residuals by a curve, if the diagnoses noted them.
     #[must_use]
     pub fn audits(&self) -> Option<Table> {
         if self.scores.audits.is_empty() {

@@ -13,7 +13,7 @@ use crate::report::words::listed;
 pub(super) const HOW_TO_READ: &str = "How near the verdict is to another\nWith the threshold of one rule moved by a quarter the verdict would be another one; \
      with any other threshold moved as far it stays.";
 
-/// What would be said with other thresholds; `None` if none of them would change anything.
+/// Verdicts that other thresholds would give; `None` if none of them would change anything.
 pub(super) fn table(diagnosis: &Diagnosis) -> Option<Table> {
     let mut table = folding(["rule", "needs", "with", "verdict", "findings"]);
     for other in &diagnosis.otherwise {
