@@ -1,4 +1,4 @@
-//! What a curve without physics predicts of what is left, by what is concealed.
+//! Predictions of residuals by a curve without physics, by what is concealed.
 
 use std::collections::BTreeMap;
 
