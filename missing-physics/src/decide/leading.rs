@@ -8,10 +8,9 @@ use crate::model::elsewhere::is_drift;
 /// The most credible model that may be chosen, without effects that are too small to be told from how inexact the others'
 /// formulas are.
 ///
-/// The error of a formula is a function of the state, which a curve of any shape would find. Even a small effect with a form of its
-/// own is therefore told if with it nothing predictable is left, or if it does better than such a curve in its place; but not
-/// beside a drift, the error of which is a function of time. Nor is what does nearly all of a drift's work without it an error of the
-/// drift: that is a curve of time, which takes what it can of any law.
+/// Beside an effect with a form of its own even a small one is told if with it nothing predictable is left: what a formula
+/// leaves wrong a curve would find. Nor is what does nearly all of a drift's work without it an error of the drift: that is a curve
+/// of time, which takes what it can of any law.
 pub(crate) fn leading(population: &Population) -> &Model {
     let mut model = population.best();
     let is_whole = model.is_whole();
@@ -20,9 +19,8 @@ pub(crate) fn leading(population: &Population) -> &Model {
             let less = population.without(model, name);
             let share = population.share(model.evidence.squares(), less.evidence.squares());
             let is_small = !RuleId::Form.rule().passes(share);
-            let is_of_state = !name.info().flexible && !model.names.iter().any(is_drift);
-            let is_told = is_of_state && (is_whole || model.beats_curve_on(less))
-                || does_without_a_drift(population, model, name);
+            let is_told =
+                is_whole && model.is_rigid() || does_without_a_drift(population, model, name);
             (is_small && !is_told).then_some((share, less))
         });
         match idle.min_by(|a, b| a.0.total_cmp(&b.0)) {

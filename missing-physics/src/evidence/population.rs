@@ -53,12 +53,6 @@ impl Model {
         self.names.iter().all(|name| !name.info().flexible)
     }
 
-    /// True if it does better than another with the curve on top, by odds of 20 to 1.
-    pub(crate) fn beats_curve_on(&self, other: &Self) -> bool {
-        let with_curve = other.worth_with_curve();
-        with_curve.is_some_and(|with_curve| self.worth() > with_curve + AS_WELL)
-    }
-
     /// Mean square of the output that a curve finds beyond the model; 0 where it finds nothing more.
     pub(crate) fn found_by_curve(&self) -> f64 {
         let with_curve = self.anonymous.as_ref().filter(|_| !self.is_whole());
