@@ -9,6 +9,7 @@ use crate::common;
 
 use common::{
     DT_S, diagnosed_against, diagnosed_under, found, noisy, params, played, recording, setting,
+    triangles_a,
 };
 use missing_physics::{Diagnosis, Verdict};
 use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting};
@@ -131,8 +132,9 @@ fn a_room_that_is_cooler_the_next_day_is_no_drift() {
         // A rod in cooler surroundings does what one does whose loop lies as much higher.
         let mut params = params();
         params.limiting_loop.loop_center_degc += cooler_k;
-        let output = played(&Extended { setting }, params, effects, &current_a(), DT_S);
-        recording(name, current_a(), noisy(output), DT_S)
+        let drive = triangles_a(&[2.3, 1.9, 2.1]);
+        let output = played(&Extended { setting }, params, effects, &drive, 0.5);
+        recording(name, drive, noisy(output), 0.5)
     };
     let diagnosis = diagnosed_against(&[run("monday.csv", 0.0), run("tuesday.csv", 0.05)], &[]);
     assert_eq!(found(&diagnosis), ["loop-asymmetry"]);
