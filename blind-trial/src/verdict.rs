@@ -139,7 +139,7 @@ impl From<&Diagnosis> for Verdict {
             audit: diagnosis.baseline_audit.map(numbers),
             audit_of_extended: diagnosis
                 .audit
-                .filter(|_| diagnosis.extended.is_some())
+                .filter(|_| !diagnosis.findings.is_empty())
                 .map(numbers),
             otherwise: diagnosis.otherwise.iter().map(Otherwise::from).collect(),
         }

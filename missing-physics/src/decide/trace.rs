@@ -69,9 +69,12 @@ impl Traces {
     /// True if some answer of a rule would be another one with its threshold times a factor.
     pub(crate) fn hang_on(&self, rule: &Rule, factor: f64) -> bool {
         let threshold = rule.threshold_times(factor);
+        // A set ends at the threshold: its last value does not tell where it would have ended.
+        let is_sought = rule.id == RuleId::Set;
         let mut own = self.steps.iter().chain(&self.aside);
         own.any(|trace| {
-            trace.rule.id == rule.id && rule.passes_at(trace.value, threshold) != trace.passed
+            let is_other = rule.passes_at(trace.value, threshold) != trace.passed;
+            trace.rule.id == rule.id && (is_sought || is_other)
         })
     }
 }

@@ -42,7 +42,8 @@ pub struct Diagnosis {
     pub catalogue: Vec<Entry>,
     /// The run that would tell apart what these could not.
     pub next_experiment: Option<NextExperiment>,
-    /// Prediction of the leading model's residual by a curve of any shape; `None` where nothing was judged.
+    /// Prediction by a curve of any shape of the residual of the model that was judged: the leading one, or the baseline model if nothing
+    /// is named and a suspect is no drift; `None` where nothing was judged.
     pub audit: Option<Audit>,
     /// Prediction of the baseline model's residual by a curve of any shape; `None` where nothing was judged.
     pub baseline_audit: Option<Audit>,

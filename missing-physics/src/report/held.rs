@@ -172,13 +172,14 @@ pub(crate) fn held_plainly(
         return Ok(decided);
     };
     let noise = (TWICE * plain.fit.train_rmse).powi(2);
-    let made = if error > noise {
+    // An error that is no number is none that is made.
+    let made = if error <= noise {
+        1.0
+    } else {
         let spread = spread(model, &plain.fit, &plain.validated, unseen)?;
         (noise + TWICE.powi(2) * spread) / error
-    } else {
-        1.0
     };
-    if !decided.traces.ask(RuleId::UnseenShare, "", made.min(1.0)) {
+    if !decided.traces.ask(RuleId::UnseenShare, "", made) {
         decided.verdict = Verdict::Unexplained;
     }
     Ok(decided)

@@ -10,8 +10,8 @@ use crate::report::table::{folding, right};
 use crate::report::words::listed;
 
 /// Title and instructions of [`table`].
-pub(super) const HOW_TO_READ: &str = "How near the verdict is to another\nWith the threshold of one rule moved by a quarter the verdict would be another one; \
-     with any other threshold moved as far it stays.";
+pub(super) const HOW_TO_READ: &str = "How near the verdict is to another\nWith the threshold of one rule moved by a quarter the verdict or a finding would be \
+     another one, of the same models; with any other threshold moved as far both stay.";
 
 /// Verdicts that other thresholds would give; `None` if none of them would change anything.
 pub(super) fn table(diagnosis: &Diagnosis) -> Option<Table> {
