@@ -31,7 +31,7 @@ pub(crate) fn with_unknowns(
     config: &DiagnoseConfig,
     caller: &Caller<'_>,
 ) -> Result<(WienerModel, Fit), IdentifyError> {
-    let refitted = |(base, plain): (WienerModel, Fit), open: WienerModel, is_asked: bool| {
+    let taken = |(base, plain): (WienerModel, Fit), open: WienerModel, is_asked: bool| {
         let with = refitted(&base, &open, plain.clone(), training, (config, caller))?;
         let is_taken = !is_asked || with.train_rmse < ASKED_FOR * plain.train_rmse;
         Ok(if is_taken {
@@ -41,11 +41,11 @@ pub(crate) fn with_unknowns(
         })
     };
     let warm = base.with_open_starts(training);
-    let (base, plain) = refitted((base.clone(), plain), warm, true)?;
+    let (base, plain) = taken((base.clone(), plain), warm, true)?;
     let leveled = base.with_open_levels(training);
-    let (base, plain) = refitted((base, plain), leveled, false)?;
+    let (base, plain) = taken((base, plain), leveled, false)?;
     let scaled = base.with_scale_told_by(training);
-    refitted((base, plain), scaled, true)
+    taken((base, plain), scaled, true)
 }
 
 /// The fit of a model with more open than another, from where that ended and from elsewhere; that of the other, where nothing is.

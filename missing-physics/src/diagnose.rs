@@ -250,7 +250,8 @@ impl Opened<'_> {
         let looked = (noise.gate.sqrt(), config.seed);
         let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
         caller.tell(DiagnoseProgress::Refit)?;
-        let (place, effects) = at(&searches, leading(&population));
+        let leader = leading(&population);
+        let (place, effects) = at(&searches, leader);
         if !is_found && place == 0 {
             return Ok(Diagnosis::not_converged(
                 baseline,
@@ -312,15 +313,15 @@ impl Opened<'_> {
         };
         let (findings, suspects) = (written(&decided.named), written(&decided.suspects));
         // What a curve finds beyond the model, if only the error of a formula, may be any effect.
-        let hidden = leading(&population).found_by_curve().sqrt();
-        let matters = known
+        let hidden_rms = leader.found_by_curve().sqrt();
+        let least_rms = known
             .least_that_matters(case.layout.n_outputs())
-            .max(hidden);
+            .max(hidden_rms);
         let catalogue = catalogue(
             &mut search,
             (&population, &decided),
             effects,
-            matters,
+            least_rms,
             config.seed,
         )?;
         if !decided.named.is_empty() {
@@ -329,7 +330,7 @@ impl Opened<'_> {
         }
         let explainable =
             population.plain().evidence.squares()[0] / case.layout.n_outputs() as f64 - ceiling;
-        let of_leading = population.get(leading(&population).names);
+        let of_leading = population.get(leader.names);
         let left = of_leading.map_or(0.0, |model| model.evidence.squares()[0])
             / case.layout.n_outputs() as f64
             - ceiling;

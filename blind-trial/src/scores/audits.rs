@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use missing_physics::RuleId;
+
+use super::figure::median;
 use super::view::VISIBLE_T;
 use crate::{CaseLine, Proportion};
-
-/// Probability by chance up to which a prediction counts.
-const BY_CHANCE: f64 = 0.01;
 
 /// Predictions in cases of one kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Audited {
 pub struct Predicted {
     /// Median of the share of the residual's square; `None` without a case.
     pub share: Option<f64>,
-    /// Cases in which chance predicts as much with a probability of at most 1 %.
+    /// Cases in which that is beyond chance, by the rule `predicted`.
     pub beyond_chance: Proportion,
 }
 
@@ -64,11 +64,11 @@ fn kind(line: &CaseLine) -> String {
 
 fn predicted(audits: impl Iterator<Item = [f64; 2]>) -> Predicted {
     let audits: Vec<[f64; 2]> = audits.collect();
-    let mut shares: Vec<f64> = audits.iter().map(|[share, _]| *share).collect();
-    shares.sort_by(f64::total_cmp);
+    let shares = audits.iter().map(|[share, _]| *share).collect();
+    let predicted = RuleId::Predicted.rule();
     Predicted {
-        share: shares.get(shares.len() / 2).copied(),
-        beyond_chance: Proportion::of(&audits, |[_, p_value]| *p_value <= BY_CHANCE),
+        share: median(shares, "").value(),
+        beyond_chance: Proportion::of(&audits, |[_, p_value]| predicted.passes(*p_value)),
     }
 }
 

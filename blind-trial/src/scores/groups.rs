@@ -57,7 +57,6 @@ fn quantities(name: &str, lines: &[&CaseLine]) -> Vec<Score> {
         figure,
         target: None,
     };
-    let is_unexplained = |line: &CaseLine| line.verdict.verdict == "unexplained";
     let mut scores = vec![
         share(
             "true effect in the stated set",
@@ -75,7 +74,7 @@ fn quantities(name: &str, lines: &[&CaseLine]) -> Vec<Score> {
         share(
             "outside or deleted: unexplained",
             &unknown,
-            is_unexplained,
+            CaseLine::is_unexplained,
             None,
         ),
         share(

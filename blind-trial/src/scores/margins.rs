@@ -86,12 +86,10 @@ fn shares(lines: &[CaseLine]) -> [Proportion; FOLLOWED.len()] {
         of(&|line| line.case.family.is_clean(), &CaseLine::is_wrong),
         of(
             &|line| seen(line, &[Family::Outside, Family::Deleted]),
-            &|line| line.verdict.verdict == "unexplained",
+            &CaseLine::is_unexplained,
         ),
         of(&|_| true, &CaseLine::is_wrong_and_sure),
-        of(&CaseLine::misfits, &|line| {
-            line.verdict.verdict == "adequate"
-        }),
+        of(&CaseLine::misfits, &CaseLine::is_adequate),
     ]
 }
 

@@ -82,7 +82,7 @@ pub(super) fn beyond_names(lines: &[&CaseLine]) -> Vec<Score> {
         share(
             "misfit of 5 times the noise or more: called adequate",
             &misfits,
-            |line| line.verdict.verdict == "adequate",
+            CaseLine::is_adequate,
             None,
         ),
         Score {
@@ -222,7 +222,6 @@ fn estimate(line: &CaseLine) -> Option<(f64, Option<bool>)> {
 
 fn unknown(outside: &[&CaseLine], deleted: &[&CaseLine]) -> Vec<Score> {
     let both = [outside, deleted].concat();
-    let is_unexplained = |line: &CaseLine| line.verdict.verdict == "unexplained";
     let mut scores = Vec::new();
     for (of, lines, is_target) in [
         ("outside the catalogue or deleted", &both[..], true),
@@ -233,7 +232,7 @@ fn unknown(outside: &[&CaseLine], deleted: &[&CaseLine]) -> Vec<Score> {
         scores.push(share(
             &format!("{of}: unexplained"),
             lines,
-            is_unexplained,
+            CaseLine::is_unexplained,
             target(Target::AtLeast(0.85)),
         ));
         scores.push(share(
@@ -246,7 +245,7 @@ fn unknown(outside: &[&CaseLine], deleted: &[&CaseLine]) -> Vec<Score> {
         scores.push(share(
             &format!("{of}: unexplained, or in part by another loop"),
             lines,
-            |line| is_unexplained(line) || line.is_in_part_by_another_loop(),
+            |line| line.is_unexplained() || line.is_in_part_by_another_loop(),
             None,
         ));
     }

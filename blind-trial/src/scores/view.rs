@@ -91,6 +91,16 @@ impl CaseLine {
         self.verdict.findings.iter().any(wrong)
     }
 
+    /// True if something is said to be missing that no name accounts for.
+    pub(super) fn is_unexplained(&self) -> bool {
+        self.verdict.verdict == "unexplained"
+    }
+
+    /// True if nothing is said to be missing.
+    pub(super) fn is_adequate(&self) -> bool {
+        self.verdict.verdict == "adequate"
+    }
+
     /// True if something is said to be left beside names that are right or of the loop, where the loop is of another family.
     pub(super) fn is_in_part_by_another_loop(&self) -> bool {
         self.case.has_other_loop()

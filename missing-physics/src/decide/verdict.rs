@@ -20,7 +20,8 @@ pub(crate) struct Decided {
     pub(crate) suspects: Vec<Named>,
     /// Share of what could be explained that the leading model explains on blocks it has not seen.
     pub(crate) explained: Option<f64>,
-    /// Part of the residual that a curve of any shape predicts: the leading model's, or the baseline's if nothing is named.
+    /// Part of the residual that a curve of any shape predicts: the leading model's, or the baseline's if nothing is named and a suspect
+    /// is no drift.
     pub(crate) audit: Option<Audit>,
     pub(crate) traces: Traces,
 }

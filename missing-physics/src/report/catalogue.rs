@@ -1,9 +1,9 @@
 //! Status of each effect by the recordings, and the findings.
 
-use identify::{FittedParameter, ForwardModel, IdentifyError, ParameterState};
+use identify::{FittedParameter, IdentifyError, ParameterState};
 
 use crate::decide::{Decided, Named, Verdict, leading};
-use crate::evidence::Population;
+use crate::evidence::{Model, Population};
 use crate::report::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
 use crate::report::sentence;
 use crate::screen::scores::Score;
@@ -82,12 +82,13 @@ fn is_plausible(estimate: &Estimate) -> bool {
     ends[0] <= upper && ends[1] >= lower
 }
 
-/// An entry for each effect, `effects` being those of the leading model of a population; `matters` is the root mean square that one must show to matter, and to be told from what is left.
+/// An entry for each effect; `effects` are those of the leading model of the population, and `least_rms` is the root mean square in
+/// the output's unit that one must show to matter, and to be told from what is left.
 pub(crate) fn catalogue(
     search: &mut Search<'_>,
     (population, decided): (&Population, &Decided),
     effects: CandidateSet,
-    matters: f64,
+    least_rms: f64,
     seed: u64,
 ) -> Result<Vec<Entry>, IdentifyError> {
     let plain = search.sifted(CandidateSet::EMPTY)?;
@@ -95,6 +96,11 @@ pub(crate) fn catalogue(
     let Some(node) = search.get(effects) else {
         unreachable!("its scores were just taken");
     };
+    let family = search.case.setting.loop_family;
+    let credible: Vec<&Model> = population
+        .as_credible_as(leading(population))
+        .filter(|model| model.family == family)
+        .collect();
     let critical = last.found.critical;
     let left = at_their_sizes(search.case, node, &last, seed)?;
     let is_open = matches!(
@@ -110,7 +116,7 @@ pub(crate) fn catalogue(
             .find(|score| score.effect == effect);
         let left = left.iter().find(|score| score.effect == effect);
         let detectable = left.or(score).map(|score| {
-            ((critical + POWER) * score.errors[0]).max(matters / score.shown_per_unit)
+            ((critical + POWER) * score.errors[0]).max(least_rms / score.shown_per_unit)
         });
         let is_other = |named: &Named| named.others.iter().any(|(other, _)| *other == effect);
         let status = if let Some(need) = search.case.missing(effect) {
@@ -126,8 +132,8 @@ pub(crate) fn catalogue(
                 let size = if signed { size.abs() } else { size.max(0.0) };
                 // A smaller one would be passed over, and one that a model as credible has is not out of the question.
                 (size + HALF_95 * left.errors[0])
-                    .max(matters / left.shown_per_unit)
-                    .max(held_possible(search, population, effect))
+                    .max(least_rms / left.shown_per_unit)
+                    .max(held_possible(search, &credible, effect))
             };
             match left {
                 // While something unknown is left, no limit is tighter than that allows.
@@ -154,18 +160,14 @@ pub(crate) fn catalogue(
         .collect())
 }
 
-/// Largest size of an effect, in magnitude, in the models that are as credible as the leading one, with loops of the same family; 0
-/// where none has it.
-fn held_possible(search: &Search<'_>, population: &Population, effect: Candidate) -> f64 {
-    let family = search.case.setting.loop_family;
-    let models = population.as_credible_as(leading(population));
-    let with_it = models.filter(|model| model.family == family && model.effects.contains(effect));
-    let nodes = with_it.filter_map(|model| search.get(model.effects));
+/// Largest size of an effect, in magnitude, in some models of a search; 0 where none has it.
+fn held_possible(search: &Search<'_>, credible: &[&Model], effect: Candidate) -> f64 {
+    let nodes = credible
+        .iter()
+        .filter_map(|model| search.get(model.effects));
     nodes
         .filter_map(|node| {
-            let first = effect.info().parameters.first()?.name;
-            let infos = ForwardModel::parameters(&node.model);
-            let place = infos.iter().position(|info| info.name == first)?;
+            let place = node.model.first_parameter(effect)?;
             let sizes = node.points.iter().map(|point| point[place].abs());
             sizes.reduce(f64::max)
         })

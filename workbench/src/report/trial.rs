@@ -103,7 +103,6 @@ impl Tried<'_> {
         let margins = self.scores.margins.as_ref()?;
         let head = ["rule", "factor", "cases changed"].into_iter();
         let mut table = folding(head.chain(FOLLOWED).collect::<Vec<_>>());
-        let counted = |share: Proportion| format!("{} of {}", share.hits, share.n);
         let decided = margins.decided.map(|share| right(counted(share)));
         table.add_row(
             ["as decided", "", ""]
@@ -149,8 +148,7 @@ impl Tried<'_> {
                 .into_iter()
                 .flat_map(|one| {
                     let share = one.share.map_or_else(|| "–".to_owned(), percent);
-                    let of = one.beyond_chance;
-                    [right(share), right(format!("{} of {}", of.hits, of.n))]
+                    [right(share), right(counted(one.beyond_chance))]
                 });
             table.add_row(std::iter::once(Cell::new(&audited.kind)).chain(cells));
         }
@@ -278,6 +276,11 @@ impl Tried<'_> {
             })).collect::<Vec<_>>(),
         })
     }
+}
+
+/// So many of so many, without the interval.
+fn counted(share: Proportion) -> String {
+    format!("{} of {}", share.hits, share.n)
 }
 
 /// Mark of a score: target met or not; empty without a target or a case.
