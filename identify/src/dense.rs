@@ -84,30 +84,83 @@ fn iterations(n: usize) -> usize {
     ITERATIONS_A_ROW * n
 }
 
-/// Product of one matrix, transposed, and another, over some of their rows.
+/// Rows of which all products of columns are summed before more are read: about what a second-level cache holds.
+const ROWS_AT_ONCE: usize = 256;
+
+/// Columns on either side whose products are summed together: their sums are as many as fit in registers.
+const LEFT: usize = 2;
+const RIGHT: usize = 4;
+
+/// Partial sums of each product of [`gram`].
+const STRANDS: usize = 8;
+
+/// Product of a matrix, transposed, and itself, over some of its rows.
 ///
 /// # Panics
 ///
-/// If either has fewer rows.
+/// If it has fewer rows.
 #[must_use]
-pub fn transposed_product(one: &Matrix, other: &Matrix, rows: Range<usize>) -> Matrix {
-    let column = |matrix: &'_ Matrix, k: usize| -> Range<usize> {
-        let start = k * matrix.nrows();
-        start + rows.start..start + rows.end
-    };
-    let mut product = Matrix::zeros(one.ncols(), other.ncols());
+pub fn gram(matrix: &Matrix, rows: Range<usize>) -> Matrix {
+    let n = matrix.ncols();
+    let mut product = Matrix::zeros(n, n);
     widest_vectors(
         #[inline(always)]
         || {
-            for i in 0..one.ncols() {
-                let left = &one.as_slice()[column(one, i)];
-                for j in 0..other.ncols() {
-                    product[(i, j)] = dot(left, &other.as_slice()[column(other, j)]);
+            for start in rows.clone().step_by(ROWS_AT_ONCE) {
+                let end = (start + ROWS_AT_ONCE).min(rows.end);
+                // Beside the last column stands itself: what is too much is not written.
+                let column = |k: usize| {
+                    let first = k.min(n - 1) * matrix.nrows();
+                    &matrix.as_slice()[first + start..first + end]
+                };
+                for i in (0..n).step_by(LEFT) {
+                    let left: [&[f64]; LEFT] = std::array::from_fn(|a| column(i + a));
+                    for j in (0..(i + LEFT).min(n)).step_by(RIGHT) {
+                        let right: [&[f64]; RIGHT] = std::array::from_fn(|b| column(j + b));
+                        let sums = products(&left, &right);
+                        for (a, sums) in sums.iter().enumerate().take(n - i) {
+                            for (b, sum) in sums.iter().enumerate().take(n - j) {
+                                product[(i + a, j + b)] += sum;
+                            }
+                        }
+                    }
                 }
             }
         },
     );
+    product.fill_upper_triangle_with_lower_triangle();
     product
+}
+
+/// Inner products of each series of one side with each of the other, all of one length.
+#[inline(always)]
+fn products(left: &[&[f64]; LEFT], right: &[&[f64]; RIGHT]) -> [[f64; RIGHT]; LEFT] {
+    let mut sums = [[[0.0; STRANDS]; RIGHT]; LEFT];
+    let (left, right) = (left.map(in_strands), right.map(in_strands));
+    for k in 0..left[0].0.len() {
+        let right: [[f64; STRANDS]; RIGHT] = std::array::from_fn(|b| right[b].0[k]);
+        for a in 0..LEFT {
+            let left = left[a].0[k];
+            for b in 0..RIGHT {
+                for l in 0..STRANDS {
+                    sums[a][b][l] += left[l] * right[b][l];
+                }
+            }
+        }
+    }
+    std::array::from_fn(|a| {
+        std::array::from_fn(|b| {
+            let rest = left[a].1.iter().zip(right[b].1);
+            let rest: f64 = rest.map(|(left, right)| left * right).sum();
+            sums[a][b].iter().sum::<f64>() + rest
+        })
+    })
+}
+
+/// A series as pieces of so many values, and the rest.
+#[inline(always)]
+fn in_strands(series: &[f64]) -> (&[[f64; STRANDS]], &[f64]) {
+    series.as_chunks()
 }
 
 /// Inner product of two series of one length.
@@ -207,11 +260,7 @@ mod tests {
         let found = singular(&matrix).unwrap();
         assert!(found.values.is_sorted_by(|a, b| a >= b));
         let scaled = Matrix::from_fn(3, 3, |k, j| found.values[k] * found.directions[(k, j)]);
-        let squared = transposed_product(&matrix, &matrix, 0..3);
-        assert!(is_near(
-            &transposed_product(&scaled, &scaled, 0..3),
-            &squared
-        ));
+        assert!(is_near(&gram(&scaled, 0..3), &gram(&matrix, 0..3)));
     }
 
     #[test]
@@ -240,13 +289,17 @@ mod tests {
 
     #[test]
     fn products_are_of_the_rows_that_were_asked_for() {
-        let matrix = Matrix::from_fn(100, 3, |i, j| ((i * 7 + j * 13) as f64).sin());
-        let part = matrix.rows(20, 61).into_owned();
-        let expected = part.transpose() * &part;
-        assert!(is_near(
-            &transposed_product(&matrix, &matrix, 20..81),
-            &expected
-        ));
+        for n in 0..8 {
+            let matrix = Matrix::from_fn(700, n, |i, j| ((i * 7 + j * 13) as f64).sin());
+            let part = matrix.rows(20, 661);
+            let expected = part.transpose() * part;
+            assert!(
+                (gram(&matrix, 20..681) - expected)
+                    .iter()
+                    .all(|e| e.abs() < 1e-11)
+            );
+            assert!(gram(&matrix, 5..5).iter().all(|product| *product == 0.0));
+        }
     }
 
     #[test]

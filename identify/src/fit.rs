@@ -161,6 +161,7 @@ pub fn fit(
     'all: for group in starts.chunks(2 * rayon::current_num_threads()) {
         let ended = group
             .par_iter()
+            .with_max_len(1)
             .map(|&(number, start)| {
                 let is_it = |ended: &&EndedStart| {
                     (ended.seed, ended.start) == (config.seed, number)

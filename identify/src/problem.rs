@@ -410,6 +410,7 @@ impl<'a> Problem<'a> {
             .collect();
         let moments = tasks
             .par_iter()
+            .with_max_len(1)
             .map(|&(r, batch)| self.moments(r, batch))
             .collect::<Result<Vec<_>, _>>()?;
         let n_recordings = self.recordings.len();
@@ -558,6 +559,7 @@ impl<'a> Problem<'a> {
         self.count(batches[0].points.len() as u64);
         let seen = batches
             .par_iter()
+            .with_max_len(1)
             .enumerate()
             .map(|(r, batch)| self.seen(r, batch))
             .collect::<Result<Vec<_>, _>>()?;

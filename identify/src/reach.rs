@@ -197,6 +197,7 @@ pub(crate) fn held_within(
     let wall = WithinReach::held(problem, lowest.sum_of_squares);
     let found = ends
         .par_iter()
+        .with_max_len(1)
         .map(|end| {
             let pressed = minimize(&wall, problem.bounds(), &end.point, config)?;
             let free = minimize(problem, problem.bounds(), &pressed.point, config)?;

@@ -1,6 +1,6 @@
 use std::borrow::Cow;
 
-use pso::Bound;
+use rayon::prelude::*;
 use recording::Recording;
 use recording::order::rising;
 
@@ -87,14 +87,9 @@ pub fn refine(
         });
     }
     problem.set_prior(config.prior);
-    let starts = raced(&problem, problem.bounds(), starts, config)?;
+    let starts = raced(&problem, starts, config)?;
     let mut best: Option<(Minimum, Solved, [f64; 2])> = None;
-    for start in starts.iter() {
-        let end = minimize(&problem, problem.bounds(), start, &config.least_squares)?;
-        if !end.sum_of_squares.is_finite() {
-            continue;
-        }
-        let solved = problem.solve_one(&end.point)?;
+    for (end, solved) in ends(&problem, &starts, &config.least_squares)? {
         let channels = [(total, solved.output), (n_temperatures, solved.temperature)];
         let deviance: f64 = channels
             .into_iter()
@@ -132,7 +127,6 @@ pub fn refine(
 /// The starts that are worth their way: where the lowest stand after a few iterations.
 fn raced<'a>(
     problem: &Problem<'_>,
-    bounds: &[Bound],
     starts: &'a [Vec<f64>],
     config: &RefineConfig,
 ) -> Result<Cow<'a, [Vec<f64>]>, IdentifyError> {
@@ -143,11 +137,30 @@ fn raced<'a>(
         iterations: config.race_iterations,
         ..config.least_squares
     };
-    let mut ends = starts
-        .iter()
-        .map(|start| minimize(problem, bounds, start, &short))
-        .collect::<Result<Vec<Minimum>, IdentifyError>>()?;
-    rising(&mut ends, |end| end.sum_of_squares);
+    let mut ends = ends(problem, starts, &short)?;
+    rising(&mut ends, |(end, _)| end.sum_of_squares);
     ends.truncate(FOLLOWED);
-    Ok(Cow::Owned(ends.into_iter().map(|end| end.point).collect()))
+    let ends = ends.into_iter().map(|(end, _)| end.point);
+    Ok(Cow::Owned(ends.collect()))
+}
+
+/// Where a search ends from each start that leads anywhere. Each has a problem of its own, so that what one has solved is nothing to the others.
+fn ends(
+    problem: &Problem<'_>,
+    starts: &[Vec<f64>],
+    config: &LeastSquaresConfig,
+) -> Result<Vec<(Minimum, Solved)>, IdentifyError> {
+    let ends = starts
+        .par_iter()
+        .with_max_len(1)
+        .map(|start| {
+            let own = problem.apart();
+            let end = minimize(&own, own.bounds(), start, config)?;
+            let solved = end.sum_of_squares.is_finite();
+            let solved = solved.then(|| own.solve_one(&end.point)).transpose()?;
+            problem.count(own.simulations());
+            Ok(solved.map(|solved| (end, solved)))
+        })
+        .collect::<Result<Vec<_>, IdentifyError>>()?;
+    Ok(ends.into_iter().flatten().collect())
 }

@@ -14,12 +14,13 @@ use crate::evidence::blocks;
 use crate::locate::everywhere::locate;
 use crate::model::case::Case;
 use crate::model::coarse::coarse;
-use crate::model::elsewhere::{predicted, validated};
-use crate::model::unseen;
+use crate::model::elsewhere::predicted;
+use crate::model::unseen::validated;
 use crate::next::rivals::next;
 use crate::noise::floor::measured;
 use crate::report::catalogue::{catalogue, finding};
 use crate::report::diagnosis::{Diagnosis, Explained, Finding, Otherwise, Simulations, Stage};
+use crate::report::errors::Errors;
 use crate::report::explained::explained;
 use crate::report::held::extended;
 use crate::report::judged::{Judged, Judging};
@@ -165,8 +166,9 @@ impl Opened<'_> {
             has_converged,
             repeats,
         } = self;
+        let (validated, error_before) = validated(base, &plain.point(0), unseen)?;
         let baseline = Stage {
-            validated: validated(base, &plain.point(0), unseen)?,
+            validated,
             predicted_rmse: predicted(base, &plain.point(0), unseen)?,
             fit: plain.clone(),
         };
@@ -278,26 +280,20 @@ impl Opened<'_> {
             search: of_searches(&coarse_searches),
             judged: of_searches(&searches),
         };
-        let extended = extended(&mut search, effects, unseen)?;
-        let predictions = extended.as_ref().map(|extended| {
-            let point = extended.stage.fit.point(0);
-            Ok::<_, IdentifyError>([
-                unseen::unseen(base, &plain.point(0), unseen)?,
-                unseen::unseen(&extended.model, &point, unseen)?,
-            ])
-        });
-        let predictions = predictions.transpose()?;
+        let (extended, error_after) = extended(&mut search, effects, unseen)?.unzip();
+        let of_both = error_after.map(|after| [error_before, after]);
+        let mut errors = Errors::on(unseen);
         let judging = Judging {
             population: &population,
             known: &known,
             extended: extended.as_ref(),
-            unseen,
             plain: (&fine_case.model(CandidateSet::EMPTY), &baseline),
-            predictions: predictions.as_ref(),
+            errors: of_both.as_ref(),
             ceiling,
         };
-        let Judged { decided, by_names } = judging.judged(&mut search, Traces::default())?;
-        let explained = predictions.as_ref().map(|[before, after]| Explained {
+        let Judged { decided, by_names } =
+            judging.judged(&mut search, &mut errors, Traces::default())?;
+        let explained = of_both.as_ref().map(|[before, after]| Explained {
             by_findings: by_names,
             ..explained([before, after], decided.explained, ceiling, config.seed)
         });
@@ -352,9 +348,9 @@ impl Opened<'_> {
         let best = search.get(effects).unwrap_or(search.baseline());
         let noise_floor = noise.floor(search.case, best);
         // Last: it may visit models that are no rivals.
-        let ladder = ladder(&mut search, &baseline, extended.as_ref(), unseen)?;
+        let ladder = ladder(&mut search, &baseline, extended.as_ref(), &mut errors)?;
         // As it may, too, where an answer would be another one.
-        let otherwise = judging.otherwise(&mut search, &decided)?;
+        let otherwise = judging.otherwise(&mut search, &mut errors, &decided)?;
         let otherwise = otherwise.into_iter().map(|(rule, factor, decided)| {
             let (verdict, findings) = (decided.verdict, written(&decided.named));
             Otherwise {

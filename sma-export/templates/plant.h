@@ -179,13 +179,9 @@ static inline {{p}}_real {{p}}_own_expm1({{p}}_real y) {
     const {{p}}_real rounded = y * {{P}}_R({{log2_e}}) + rounding;
     const {{p}}_real k = rounded - rounding;
     const {{p}}_real r = (y - k * {{P}}_R({{ln_2_high}})) - k * {{P}}_R({{ln_2_low}});
-    {{p}}_real sum = coefficients[{{n_exp}} - 1];
+    const {{p}}_real sum = {{p}}_polynomial(coefficients, {{n_exp}}, r);
     {{p}}_real power;
     uint64_t bits;
-    int n;
-    for (n = {{n_exp}} - 2; n >= 0; --n) {
-        sum = sum * r + coefficients[n];
-    }
     memcpy(&bits, &rounded, sizeof bits);
     bits = (bits << 52) + (UINT64_C(1023) << 52);
     memcpy(&power, &bits, sizeof power);

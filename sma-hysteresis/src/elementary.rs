@@ -39,17 +39,19 @@ pub const TAN_FRAC_PI_8: f64 = 0.41421356237309503;
 #[inline(always)]
 fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     let square = x * x;
-    let mut sums = [0.0, 0.0];
-    let mut k = N;
-    while k > 0 {
-        k -= 1;
-        sums[k % 2] = if k + 2 < N {
-            sums[k % 2] * square + coefficients[k]
-        } else {
-            coefficients[k]
-        };
+    horner(coefficients, (N - 1) / 2 * 2, square) + x * horner(coefficients, N / 2 * 2 - 1, square)
+}
+
+/// Every second coefficient up to the one at `last`. A loop of its own, since compilers unroll it in the midst of any other.
+#[inline(always)]
+fn horner<const N: usize>(coefficients: &[f64; N], last: usize, square: f64) -> f64 {
+    let mut k = last;
+    let mut sum = coefficients[k];
+    while k >= 2 {
+        k -= 2;
+        sum = sum * square + coefficients[k];
     }
-    sums[0] + x * sums[1]
+    sum
 }
 
 /// sin x for x in \[0, π/2\], absolute error ≤ 2e-15.
@@ -145,10 +147,7 @@ pub fn ln(x: f64) -> f64 {
     let k = f64::from_bits(INTEGER.wrapping_add(steps)) - ROUND;
     let z = (m - 1.0) / (m + 1.0);
     let square = z * z;
-    let mut sum = LOGARITHM[LOGARITHM.len() - 1];
-    for k in (0..LOGARITHM.len() - 1).rev() {
-        sum = sum * square + LOGARITHM[k];
-    }
+    let sum = polynomial(&LOGARITHM, square);
     k * LN_2_HIGH + (2.0 * z + (2.0 * z * square * sum + k * LN_2_LOW))
 }
 
@@ -163,10 +162,7 @@ pub fn expm1(y: f64) -> f64 {
     let rounded = y * core::f64::consts::LOG2_E + ROUND;
     let k = rounded - ROUND;
     let r = (y - k * LN_2_HIGH) - k * LN_2_LOW;
-    let mut sum = EXPONENTIAL_COEFFICIENTS[EXPONENTIAL_COEFFICIENTS.len() - 1];
-    for k in (0..EXPONENTIAL_COEFFICIENTS.len() - 1).rev() {
-        sum = sum * r + EXPONENTIAL_COEFFICIENTS[k];
-    }
+    let sum = polynomial(&EXPONENTIAL_COEFFICIENTS, r);
     // The integer k stands in the lowest bits of `rounded`; moved into the exponent it makes 2^k.
     let power = f64::from_bits((rounded.to_bits() << 52).wrapping_add(1.0f64.to_bits()));
     power * (r * sum) + (power - 1.0)

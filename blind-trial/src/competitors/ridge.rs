@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use identify::dense::{Matrix, solved, transposed_product};
+use identify::dense::{Matrix, gram, solved};
 
 /// Blocks of time that are left out in turn.
 const N_BLOCKS: usize = 8;
@@ -21,12 +21,18 @@ struct Products {
 impl Products {
     fn of(columns: &[Vec<f64>], target: &[f64], block: Range<usize>) -> Self {
         let (n, start) = (block.len(), block.start);
-        let own = Matrix::from_fn(n, columns.len(), |k, j| columns[j][start + k]);
-        let target = Matrix::from_fn(n, 1, |k, _| target[start + k]);
+        let n_columns = columns.len();
+        // The target is the last column.
+        let own = Matrix::from_fn(n, n_columns + 1, |k, j| {
+            columns
+                .get(j)
+                .map_or(target[start + k], |column| column[start + k])
+        });
+        let products = gram(&own, 0..n);
         Self {
-            gram: transposed_product(&own, &own, 0..n),
-            along: transposed_product(&own, &target, 0..n),
-            square: target.norm_squared(),
+            gram: products.view((0, 0), (n_columns, n_columns)).into_owned(),
+            along: products.view((0, n_columns), (n_columns, 1)).into_owned(),
+            square: products[(n_columns, n_columns)],
         }
     }
 

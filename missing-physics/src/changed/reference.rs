@@ -15,7 +15,7 @@ use crate::config::DiagnoseConfig;
 use crate::diagnose::diagnose_runs;
 use crate::model::case::Case;
 use crate::model::coarse::coarse_at;
-use crate::model::elsewhere::validated;
+use crate::model::unseen::validated;
 use crate::report::catalogue::HALF_95;
 use crate::watch::DiagnoseProgress;
 use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel, Setting};
@@ -159,7 +159,7 @@ impl Reference {
             let others: Vec<usize> = all.iter().copied().filter(|&run| run != left).collect();
             let of_others = joint.clone().settled(&case, &runs, &others, &own)?;
             let laws = of_others.point(others[0]);
-            let met = validated(&self.model, &laws, &self.runs[left..=left])?;
+            let (met, _) = validated(&self.model, &laws, &self.runs[left..=left])?;
             squares += met[0].rmse.powi(2);
             let points = all.iter().map(|&run| match run == left {
                 true => met[0].point.clone(),
@@ -209,7 +209,7 @@ impl Reference {
         let n_reference = self.runs.len();
         let all: Vec<Recording> = self.runs.iter().chain(today).cloned().collect();
         let mut points = self.points.clone();
-        let own = validated(&self.model, &points[0], today)?;
+        let (own, _) = validated(&self.model, &points[0], today)?;
         points.extend(own.iter().map(|one| one.point.clone()));
         let few = coarse_at(&self.model, &points, self.tau_s, &all)?;
         let case = Case::new(&self.base, &self.plain, &few, self.config.setting);
@@ -243,7 +243,7 @@ impl Reference {
         };
         let excess = [&none, &with].map(|joint| share(joint, &asked) * enlarged / self.most);
         let (verdict, finding) = decided(&considered, likely, excess, (n_reference, self.coolings));
-        let after = validated(&with.version, &with.point(n_reference), today)?;
+        let (after, _) = validated(&with.version, &with.point(n_reference), today)?;
         let of_runs = own.iter().zip(&after);
         Ok(Change {
             verdict,

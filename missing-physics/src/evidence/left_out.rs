@@ -1,6 +1,9 @@
 //! Predictions of blocks from a regression on all others.
 
-use identify::dense::{Matrix, symmetric_solved, transposed_product};
+use std::ops::Range;
+
+use identify::dense::{Matrix, gram, symmetric_solved};
+use rayon::prelude::*;
 
 use crate::evidence::blocks::Block;
 
@@ -20,16 +23,15 @@ pub(crate) struct Columns<'a> {
     pub(crate) curve: &'a [&'a [f64]],
 }
 
-/// Products of the columns, of all data and of what goes with each block.
+/// Products of the columns and of the target beside them, of all data and of what goes with each block.
 #[derive(Debug)]
 pub(crate) struct LeftOut<'a> {
     blocks: &'a [Block],
+    /// The columns, and the target as the last.
     columns: Matrix,
     n_free: usize,
     gram: Matrix,
-    along: Matrix,
-    removed: Vec<(Matrix, Matrix)>,
-    target: Matrix,
+    removed: Vec<Matrix>,
 }
 
 impl<'a> LeftOut<'a> {
@@ -42,35 +44,43 @@ impl<'a> LeftOut<'a> {
                 if length > 0.0 { 1.0 / length } else { 0.0 }
             })
             .collect();
-        let n = target.len();
-        let matrix = Matrix::from_fn(n, all.len(), |k, j| per[j] * all[j][k]);
-        let target = Matrix::from_fn(n, 1, |k, _| target[k]);
-        let products = |rows: &std::ops::Range<usize>| {
-            (
-                transposed_product(&matrix, &matrix, rows.clone()),
-                transposed_product(&matrix, &target, rows.clone()),
+        let (n, n_columns) = (target.len(), all.len());
+        let columns_and_target = Matrix::from_fn(n, n_columns + 1, |k, j| {
+            if j < n_columns {
+                per[j] * all[j][k]
+            } else {
+                target[k]
+            }
+        });
+        // What is left out with one block may be left out with its neighbor too: no product is summed twice.
+        let parts = parts(n, blocks);
+        let products: Vec<Matrix> = parts
+            .par_iter()
+            .with_max_len(1)
+            .map(|part| gram(&columns_and_target, part.clone()))
+            .collect();
+        let sum = |is_in: &dyn Fn(&Range<usize>) -> bool| {
+            let own = parts.iter().zip(&products).filter(|(part, _)| is_in(part));
+            own.fold(
+                Matrix::zeros(n_columns + 1, n_columns + 1),
+                |mut sum, (_, product)| {
+                    sum += product;
+                    sum
+                },
             )
         };
         let removed = blocks.iter().map(|block| {
-            let mut sums = (
-                Matrix::zeros(all.len(), all.len()),
-                Matrix::zeros(all.len(), 1),
-            );
-            for (gram, along) in block.removed.iter().map(&products) {
-                sums = (sums.0 + gram, sums.1 + along);
-            }
-            sums
+            sum(&|part| {
+                let mut removed = block.removed.iter();
+                removed.any(|rows| rows.start <= part.start && part.end <= rows.end)
+            })
         });
-        let removed = removed.collect();
-        let (gram, along) = products(&(0..n));
         Self {
             blocks,
             n_free: columns.free.len(),
-            gram,
-            along,
-            removed,
-            target,
-            columns: matrix,
+            removed: removed.collect(),
+            gram: sum(&|_| true),
+            columns: columns_and_target,
         }
     }
 
@@ -80,7 +90,10 @@ impl<'a> LeftOut<'a> {
         for (block, removed) in self.blocks.iter().zip(&self.removed) {
             let own = self.coefficients(penalty, removed);
             for rows in block.scored() {
-                let shown = self.columns.rows(rows.start, rows.len()) * &own;
+                let columns = self
+                    .columns
+                    .view((rows.start, 0), (rows.len(), own.nrows()));
+                let shown = columns * &own;
                 for (place, k) in rows.clone().enumerate() {
                     predicted[k] = shown[(place, 0)];
                 }
@@ -91,21 +104,25 @@ impl<'a> LeftOut<'a> {
 
     /// Predictions of each block from all others, with the penalty that predicts best.
     pub(crate) fn best_predicted(&self) -> Vec<f64> {
-        let left = |predicted: &Vec<f64>| -> f64 {
-            let pairs = predicted.iter().enumerate();
-            pairs
-                .map(|(k, shown)| (self.target[(k, 0)] - shown).powi(2))
-                .sum()
+        let target = self.columns.column(self.columns.ncols() - 1);
+        let left = |predicted: &[f64]| -> f64 {
+            let pairs = target.iter().zip(predicted);
+            pairs.map(|(target, shown)| (target - shown).powi(2)).sum()
         };
-        let tried = PENALTIES.iter().map(|&penalty| self.predicted(penalty));
-        let best = tried
-            .map(|one| (left(&one), one))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let tried: Vec<(f64, Vec<f64>)> = PENALTIES
+            .par_iter()
+            .with_max_len(1)
+            .map(|&penalty| {
+                let predicted = self.predicted(penalty);
+                (left(&predicted), predicted)
+            })
+            .collect();
+        let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         best.map(|(_, predicted)| predicted).unwrap_or_default()
     }
 
-    fn coefficients(&self, penalty: f64, (gram, along): &(Matrix, Matrix)) -> Matrix {
-        let n = self.gram.ncols();
+    fn coefficients(&self, penalty: f64, removed: &Matrix) -> Matrix {
+        let n = self.gram.ncols() - 1;
         let is_free = |i: usize| i < self.n_free;
         let penalized = Matrix::from_fn(n, n, |i, j| {
             let anchor = if is_free(i) && is_free(j) {
@@ -119,8 +136,19 @@ impl<'a> LeftOut<'a> {
                 (true, true) => 1e-12,
                 (true, false) => penalty,
             };
-            self.gram[(i, j)] - gram[(i, j)] + anchor + own
+            self.gram[(i, j)] - removed[(i, j)] + anchor + own
         });
-        symmetric_solved(&penalized, &(&self.along - along))
+        let along = Matrix::from_fn(n, 1, |i, _| self.gram[(i, n)] - removed[(i, n)]);
+        symmetric_solved(&penalized, &along)
     }
+}
+
+/// Stretches of all `n` rows between the ends of what is left out with blocks.
+fn parts(n: usize, blocks: &[Block]) -> Vec<Range<usize>> {
+    let removed = blocks.iter().flat_map(|block| &block.removed);
+    let ends = removed.flat_map(|rows| [rows.start, rows.end]);
+    let mut cuts: Vec<usize> = ends.chain([0, n]).collect();
+    cuts.sort_unstable();
+    cuts.dedup();
+    cuts.windows(2).map(|pair| pair[0]..pair[1]).collect()
 }

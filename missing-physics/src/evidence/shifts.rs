@@ -2,6 +2,7 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use crate::model::projection::dot;
 
@@ -33,18 +34,26 @@ pub(crate) fn by_chance(pairs: &[(Vec<f64>, Vec<f64>)], shifts: usize, seed: u64
         })
         .collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut as_well = 0;
-    for _ in 0..shifts {
-        let mut along = 0.0;
-        for (left, (_, predicted)) in left.iter().zip(pairs) {
-            let n = left.len();
-            let least = (LEAST * n as f64) as usize;
-            let shift = rng.random_range(least..(n - least).max(least + 1));
+    let drawn: Vec<Vec<usize>> = (0..shifts)
+        .map(|_| {
+            let each = left.iter().map(|left| {
+                let n = left.len();
+                let least = (LEAST * n as f64) as usize;
+                rng.random_range(least..(n - least).max(least + 1))
+            });
+            each.collect()
+        })
+        .collect();
+    let meets_as_well = |shifts: &&Vec<usize>| {
+        let shifted = left.iter().zip(pairs).zip(*shifts);
+        let along = shifted.map(|((left, (_, predicted)), &shift)| {
             let (begin, end) = left.split_at(shift);
-            along += dot(end, &predicted[..n - shift]) + dot(begin, &predicted[n - shift..]);
-        }
-        as_well += usize::from(along >= found);
-    }
+            let (first, last) = predicted.split_at(left.len() - shift);
+            dot(end, first) + dot(begin, last)
+        });
+        along.sum::<f64>() >= found
+    };
+    let as_well = drawn.par_iter().filter(meets_as_well).count();
     (1 + as_well) as f64 / (1 + shifts) as f64
 }
 

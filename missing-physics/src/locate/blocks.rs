@@ -2,6 +2,7 @@
 
 use identify::ResidualNoise;
 use identify::dense::Matrix;
+use rayon::prelude::*;
 use recording::order::falling;
 
 use crate::EffectBlock;
@@ -110,17 +111,15 @@ impl Pulled {
             .map(|column| whitener.whiten(column))
             .collect();
         let span = Span::of(&fitted);
-        let mut lengths = Vec::with_capacity(terms.len());
-        let columns: Vec<Vec<f64>> = terms
-            .iter()
+        let (lengths, columns): (Vec<f64>, Vec<Vec<f64>>) = terms
+            .par_iter()
             .map(|term| {
                 let white = whitener.whiten(&term.column);
                 let length = norm(&white).max(f64::MIN_POSITIVE);
-                lengths.push(length);
                 let outside = span.outside(&white);
-                outside.iter().map(|value| value / length).collect()
+                (length, outside.iter().map(|value| value / length).collect())
             })
-            .collect();
+            .unzip();
         let target = span.outside(&whitener.whiten(&located.node.residual));
         let folds = folds(&located.case.layout);
         Self {
@@ -172,8 +171,8 @@ impl Pulled {
     /// Sum of squares that the best model of a block leaves of blocks of time that it has not seen.
     fn left_by(&self, block: EffectBlock) -> f64 {
         let models = self.models(block);
-        let left = models.iter().map(|model| self.best(model).1);
-        left.fold(self.folded.square(), f64::min)
+        let left = models.par_iter().map(|model| self.best(model).1);
+        left.reduce(|| self.folded.square(), f64::min)
     }
 }
 

@@ -5,7 +5,6 @@ use identify::{
 };
 use recording::Recording;
 
-use crate::model::unseen::validated_by_stretches;
 use crate::{Belongs, Candidate, EffectId, ExtendedModel};
 
 /// True for a drift: an effect that moves slowly and on its own, with parameters of each recording.
@@ -46,19 +45,6 @@ pub(crate) fn drifts_dropped(
         }
     }
     point
-}
-
-/// A model at a point on recordings that it has not seen. What belongs to a recording is fitted to every other stretch of each,
-/// and what is between counts.
-pub(crate) fn validated(
-    model: &dyn ForwardModel,
-    point: &[f64],
-    unseen: &[Recording],
-) -> Result<Vec<Validated>, IdentifyError> {
-    let validated = unseen.iter();
-    validated
-        .map(|recording| validated_by_stretches(model, point, recording))
-        .collect()
 }
 
 /// Root mean square of what a model leaves of recordings that it has not seen, each with its offset alone, from its rest where it has
@@ -128,6 +114,7 @@ mod tests {
 
     use super::*;
     use crate::model::synthetic::{NOISE_MM, Synthetic};
+    use crate::model::unseen::validated;
     use crate::{EffectSet, EffectValues};
 
     #[test]
@@ -143,7 +130,7 @@ mod tests {
         let training = &synthetic.training;
         let go_on = &mut |_: &_| ControlFlow::Continue(());
         let fitted = fit(&node.model, training, &config, go_on).unwrap();
-        let validated = validated(&node.model, &fitted.point(0), training).unwrap();
+        let (validated, _) = validated(&node.model, &fitted.point(0), training).unwrap();
         let found = spread(&node.model, &fitted, &validated, training).unwrap();
         let n: usize = training.iter().map(Recording::len).sum();
         let expected = NOISE_MM * NOISE_MM * node.coordinates.len() as f64 / n as f64;

@@ -1,5 +1,7 @@
 //! Projections of series outside the span of sensitivities: the part that a model cannot absorb.
 
+use wiener::widest_vectors;
+
 /// Length of a column outside the others, relative to its own, below which it adds no direction.
 const SMALLEST_OUTSIDE: f64 = 1e-8;
 
@@ -38,23 +40,39 @@ impl Span {
     }
 
     /// The part of a series outside the span.
+    #[inline(never)]
     pub(crate) fn outside(&self, series: &[f64]) -> Vec<f64> {
         let mut outside = series.to_vec();
-        // Twice is enough: what rounding leaves of the span the first time is gone after the second.
-        for _ in 0..2 {
-            for direction in &self.basis {
-                let along = dot(direction, &outside);
-                for (value, direction) in outside.iter_mut().zip(direction) {
-                    *value -= along * direction;
+        widest_vectors(
+            #[inline(always)]
+            || {
+                // Twice is enough: what rounding leaves of the span the first time is gone after the second.
+                for _ in 0..2 {
+                    for direction in &self.basis {
+                        let along = strands(direction, &outside);
+                        for (value, direction) in outside.iter_mut().zip(direction) {
+                            *value -= along * direction;
+                        }
+                    }
                 }
-            }
-        }
+            },
+        );
         outside
     }
 }
 
-/// Sum of products, in eight strands that the processor takes side by side.
+/// Sum of products.
+#[inline(never)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    widest_vectors(
+        #[inline(always)]
+        || strands(a, b),
+    )
+}
+
+/// Sum of products, in eight strands that the processor takes side by side.
+#[inline(always)]
+fn strands(a: &[f64], b: &[f64]) -> f64 {
     let mut strands = [0.0; 8];
     let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = chunks_a

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use identify::{ForwardModel, IdentifyError, ResidualNoise};
+use rayon::prelude::*;
 use recording::Recording;
 
 /// Channel that fills a segment.
@@ -92,32 +93,31 @@ impl Layout {
     ) -> Result<Vec<Vec<f64>>, IdentifyError> {
         /// Points that a model takes at once.
         const BATCH: usize = 32;
+        let of_each: Vec<Vec<Vec<f64>>> = (0..training.len()).map(points).collect();
         let mut series: Vec<Vec<f64>> = Vec::new();
-        for (r, recording) in training.iter().enumerate() {
-            let own = |channel| {
-                let mut segments = self.segments.iter();
-                let found = segments.find(|one| one.recording == r && one.channel == channel);
-                found.map(|segment| segment.range.start)
-            };
-            let (output, temperature) = (own(Channel::Output), own(Channel::Temperature));
-            let points = points(r);
+        for points in &of_each {
             series.resize_with(points.len(), || vec![0.0; self.len()]);
-            for (batch, series) in points.chunks(BATCH).zip(series.chunks_mut(BATCH)) {
-                model.simulate(batch, recording, &mut |block| {
-                    let rows = block.displacement.chunks_exact(block.stride);
-                    let shown = block.temperature_degc.chunks_exact(block.stride);
-                    for (row, (rows, shown)) in rows.zip(shown).enumerate() {
-                        let k = block.first_sample + row;
-                        for (lane, series) in series.iter_mut().enumerate() {
-                            if let Some(start) = output {
-                                series[start + k] = rows[lane];
-                            }
-                            if let Some(start) = temperature {
-                                series[start + k] = self.per_k * shown[lane];
-                            }
-                        }
-                    }
-                })?;
+        }
+        let batches = of_each.iter().enumerate();
+        let batches = batches.flat_map(|(r, points)| {
+            let each = points.chunks(BATCH).enumerate();
+            each.map(move |(k, batch)| (r, k * BATCH, batch))
+        });
+        let simulated = batches
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(r, first, batch)| Ok((r, first, simulated(model, batch, &training[r])?)))
+            .collect::<Result<Vec<_>, IdentifyError>>()?;
+        for (r, first, channels) in simulated {
+            for segment in self.segments.iter().filter(|one| one.recording == r) {
+                let (own, per) = match segment.channel {
+                    Channel::Output => (&channels[0], 1.0),
+                    Channel::Temperature => (&channels[1], self.per_k),
+                };
+                for (series, own) in series[first..].iter_mut().zip(own) {
+                    let pairs = series[segment.range.clone()].iter_mut().zip(own);
+                    pairs.for_each(|(series, own)| *series = per * own);
+                }
             }
         }
         Ok(series)
@@ -137,6 +137,27 @@ impl Layout {
             temperature: of(Channel::Temperature),
         }
     }
+}
+
+/// Output and temperature of a recording as a model has them, at each of some points.
+fn simulated(
+    model: &dyn ForwardModel,
+    points: &[Vec<f64>],
+    recording: &Recording,
+) -> Result<[Vec<Vec<f64>>; 2], IdentifyError> {
+    let empty = |_| Vec::with_capacity(recording.len());
+    let mut channels = [0, 1].map(|_| (0..points.len()).map(empty).collect::<Vec<_>>());
+    model.simulate(points, recording, &mut |block| {
+        for (shown, own) in [block.displacement, block.temperature_degc]
+            .into_iter()
+            .zip(&mut channels)
+        {
+            for (lane, own) in own.iter_mut().enumerate() {
+                own.extend(shown.iter().skip(lane).step_by(block.stride));
+            }
+        }
+    })?;
+    Ok(channels)
 }
 
 /// Noise of the two channels.

@@ -9,6 +9,7 @@ use identify::{
     ParameterVector, Prior, RUN_PARAMETERS, RefineConfig, ResidualNoise, Validated, predict,
     refine, validate_at,
 };
+use rayon::prelude::*;
 use recording::Recording;
 
 /// Stretches of a recording: so many that of each passage through the transformation, where alone the output tells of the
@@ -45,26 +46,38 @@ pub(crate) fn unseen(
     point: &[f64],
     recordings: &[Recording],
 ) -> Result<Unseen, IdentifyError> {
-    let (mut stretches, mut residual) = (Vec::new(), Vec::new());
-    for recording in recordings {
-        let (own, _) = of_recording(model, point, recording)?;
-        stretches.extend(own.stretches);
-        residual.extend(own.residual);
-    }
-    Ok(Unseen {
-        stretches,
-        residual,
-    })
+    let of_each = recordings
+        .par_iter()
+        .map(|recording| Ok(of_recording(model, point, recording)?.0))
+        .collect::<Result<Vec<Unseen>, IdentifyError>>()?;
+    Ok(Unseen::of_all(of_each))
 }
 
-/// Validation of a model at a point on one recording that was not used, with the values of all parameters that belong
-/// to the recording.
-pub(crate) fn validated_by_stretches(
+/// Validation of a model at a point on each of some recordings that were not used, with the values of all parameters that belong to it,
+/// and its error on them.
+pub(crate) fn validated(
     model: &dyn ForwardModel,
     point: &[f64],
+    recordings: &[Recording],
+) -> Result<(Vec<Validated>, Unseen), IdentifyError> {
+    let of_each = recordings
+        .par_iter()
+        .map(|recording| {
+            let (own, whole) = of_recording(model, point, recording)?;
+            Ok((by_stretches(model, &own, whole, recording)?, own))
+        })
+        .collect::<Result<Vec<(Validated, Unseen)>, IdentifyError>>()?;
+    let (validated, of_each): (Vec<Validated>, Vec<Unseen>) = of_each.into_iter().unzip();
+    Ok((validated, Unseen::of_all(of_each)))
+}
+
+/// Validation by the error on stretches of a recording, at its point.
+fn by_stretches(
+    model: &dyn ForwardModel,
+    own: &Unseen,
+    whole: Vec<f64>,
     recording: &Recording,
 ) -> Result<Validated, IdentifyError> {
-    let (own, whole) = of_recording(model, point, recording)?;
     let by_rest = validate_at(model, &whole, recording)?;
     let rmse = (own.squares() / recording.len() as f64).sqrt();
     let offset = model
@@ -177,6 +190,19 @@ fn is_of_run(info: &ParameterInfo) -> bool {
 }
 
 impl Unseen {
+    /// Of all recordings, one after another.
+    fn of_all(of_each: Vec<Self>) -> Self {
+        let (mut stretches, mut residual) = (Vec::new(), Vec::new());
+        for one in of_each {
+            stretches.extend(one.stretches);
+            residual.extend(one.residual);
+        }
+        Self {
+            stretches,
+            residual,
+        }
+    }
+
     /// Of stretches alone, samples and squares of each.
     #[cfg(test)]
     pub(crate) fn of_squares(stretches: Vec<(f64, f64)>) -> Self {

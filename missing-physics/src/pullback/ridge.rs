@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use identify::dense::{self, Matrix, symmetric_eigen};
+use rayon::prelude::*;
 
 use crate::model::projection::dot;
 use crate::model::series::{Channel, Layout};
@@ -41,7 +42,7 @@ impl Folded {
             products.collect()
         };
         Self {
-            grams: folds.iter().map(gram).collect(),
+            grams: folds.par_iter().map(gram).collect(),
             alongs: folds.iter().map(along).collect(),
             squares: folds
                 .iter()

@@ -7,9 +7,10 @@ use recording::Recording;
 
 use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
 use crate::model::case::Node;
-use crate::model::elsewhere::{predicted, spread, validated};
-use crate::model::unseen::{self, Unseen};
+use crate::model::elsewhere::{predicted, spread};
+use crate::model::unseen::{Unseen, validated};
 use crate::report::diagnosis::{ExtendedStage, Stage};
+use crate::report::errors::Errors;
 use crate::report::explained::share;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Role};
@@ -26,28 +27,30 @@ const HALF: f64 = 0.5;
 /// Standard error of the share of a change that comes true, from which it says nothing.
 const TOLD: f64 = 0.5;
 
-/// The chosen model, fitted from many places and validated.
+/// The chosen model, fitted from many places and validated, and its error on the recordings that were not used.
 pub(crate) fn extended(
     search: &mut Search<'_>,
     effects: CandidateSet,
     unseen: &[Recording],
-) -> Result<Option<ExtendedStage>, IdentifyError> {
+) -> Result<Option<(ExtendedStage, Unseen)>, IdentifyError> {
     if effects.is_empty() && search.case.setting.loop_family == LoopFamily::Proximity {
         return Ok(None);
     }
     let fit = Arc::unwrap_or_clone(search.settle(effects)?);
     let model = search.case.model(effects);
     let point = fit.point(0);
+    let (validated, error) = validated(&model, &point, unseen)?;
     let stage = Stage {
-        validated: validated(&model, &point, unseen)?,
+        validated,
         predicted_rmse: predicted(&model, &point, unseen)?,
         fit,
     };
-    Ok(Some(ExtendedStage {
+    let extended = ExtendedStage {
         effects: effects.iter().collect(),
         model,
         stage,
-    }))
+    };
+    Ok(Some((extended, error)))
 }
 
 /// Decision without names whose sizes may be zero; such names become suspects.
@@ -92,9 +95,9 @@ pub(crate) fn held_to(
     search: &mut Search<'_>,
     extended: &ExtendedStage,
     ([before, with], ceiling): ([&Unseen; 2], f64),
-    unseen: &[Recording],
+    errors: &mut Errors<'_>,
 ) -> Result<(Decided, Option<f64>), IdentifyError> {
-    if unseen.is_empty() || decided.named.is_empty() {
+    if errors.recordings.is_empty() || decided.named.is_empty() {
         return Ok((decided, None));
     }
     let effects: CandidateSet = extended.effects.iter().copied().collect();
@@ -108,9 +111,10 @@ pub(crate) fn held_to(
         let Some(node) = less.and_then(|less| search.get(less)) else {
             continue;
         };
-        let without = unseen::unseen(&node.model, &node.points[0], unseen)?;
         // What is not exercised there, or lost in the noise, says nothing.
-        let told = with.comes_true(&without).filter(|[_, error]| *error < TOLD);
+        let told = with
+            .comes_true(errors.of(node)?)
+            .filter(|[_, error]| *error < TOLD);
         let Some([share, _]) = told else {
             continue;
         };
@@ -133,7 +137,7 @@ pub(crate) fn held_to(
     let names: CandidateSet = decided.named.iter().map(|named| named.effect).collect();
     let suspected = effects.iter().any(|effect| !names.contains(effect));
     let own = match names_alone(search, effects, names)? {
-        Some(node) if suspected => Some(unseen::unseen(&node.model, &node.points[0], unseen)?),
+        Some(node) if suspected => Some(errors.of(node)?.clone()),
         _ => None,
     };
     // Without a fit of the names alone nothing is known of what they explain.
@@ -146,7 +150,7 @@ pub(crate) fn held_to(
                 .traces
                 .ask(RuleId::UnseenShare, "", by_names.unwrap_or(1.0))
                 || alone.squares() < AS_NEAR.powi(2) * before.squares()
-                    && is_as_near([alone, with], extended, unseen)?
+                    && is_as_near([alone, with], extended, errors.recordings)?
         }
     };
     // What suspects explain beside the names does not speak against these.

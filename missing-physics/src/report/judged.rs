@@ -1,12 +1,12 @@
 //! The decision on a finished search, and what it would be by other thresholds.
 
 use identify::IdentifyError;
-use recording::Recording;
 
 use crate::decide::{Decided, Known, RULES, Rule, Traces, Verdict, decide};
 use crate::evidence::Population;
 use crate::model::unseen::Unseen;
 use crate::report::diagnosis::{ExtendedStage, Stage};
+use crate::report::errors::Errors;
 use crate::report::held::{held_plainly, held_to, told};
 use crate::search::roads::Search;
 use crate::{Candidate, ExtendedModel};
@@ -20,11 +20,10 @@ pub(crate) struct Judging<'a> {
     pub(crate) population: &'a Population,
     pub(crate) known: &'a Known,
     pub(crate) extended: Option<&'a ExtendedStage>,
-    pub(crate) unseen: &'a [Recording],
     /// The baseline model and its fit.
     pub(crate) plain: (&'a ExtendedModel, &'a Stage),
-    /// Predictions of the unseen recordings by the baseline model and by the extended one, if there is one.
-    pub(crate) predictions: Option<&'a [Unseen; 2]>,
+    /// Errors of the baseline model and of the extended one on the recordings that were not used, if there is an extended one.
+    pub(crate) errors: Option<&'a [Unseen; 2]>,
     /// Mean square that there is no way below.
     pub(crate) ceiling: f64,
 }
@@ -42,16 +41,17 @@ impl Judging<'_> {
     pub(crate) fn judged(
         &self,
         search: &mut Search<'_>,
+        errors: &mut Errors<'_>,
         traces: Traces,
     ) -> Result<Judged, IdentifyError> {
         let mut decided = decide(self.population, self.known, traces);
         let mut by_names = None;
-        if let (Some(extended), Some([before, after])) = (self.extended, self.predictions) {
-            let errors = ([before, after], self.ceiling);
+        if let (Some(extended), Some([before, after])) = (self.extended, self.errors) {
+            let of_both = ([before, after], self.ceiling);
             decided = told(decided, extended);
-            (decided, by_names) = held_to(decided, search, extended, errors, self.unseen)?;
+            (decided, by_names) = held_to(decided, search, extended, of_both, errors)?;
         }
-        let decided = held_plainly(decided, self.plain, self.unseen)?;
+        let decided = held_plainly(decided, self.plain, errors.recordings)?;
         Ok(Judged { decided, by_names })
     }
 
@@ -59,6 +59,7 @@ impl Judging<'_> {
     pub(crate) fn otherwise(
         &self,
         search: &mut Search<'_>,
+        errors: &mut Errors<'_>,
         made: &Decided,
     ) -> Result<Vec<(&'static Rule, f64, Decided)>, IdentifyError> {
         let mut others = Vec::new();
@@ -67,7 +68,7 @@ impl Judging<'_> {
                 // Without another answer there is no other decision.
                 if made.traces.hang_on(rule, factor) {
                     let by = Traces::with_threshold_times(rule, factor);
-                    let decided = self.judged(search, by)?.decided;
+                    let decided = self.judged(search, errors, by)?.decided;
                     if says(&decided) != says(made) {
                         others.push((rule, factor, decided));
                     }

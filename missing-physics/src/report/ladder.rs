@@ -1,11 +1,11 @@
 //! From the plain to the extended model, an effect at a time.
 
 use identify::{IdentifyError, Validated};
-use recording::Recording;
 
 use crate::model::case::Node;
-use crate::model::elsewhere::{predicted, validated};
+use crate::model::elsewhere::predicted;
 use crate::report::diagnosis::{ExtendedStage, Rung, Stage};
+use crate::report::errors::Errors;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily};
 
@@ -13,14 +13,13 @@ impl Rung {
     fn of_node(
         added: CandidateSet,
         node: &Node,
-        unseen: &[Recording],
+        errors: &mut Errors<'_>,
     ) -> Result<Self, IdentifyError> {
-        let (model, point) = (&node.model, &node.points[0]);
         Ok(Self {
             added: added.iter().collect(),
             train_rmse: node.mean_square().sqrt(),
-            predicted_rmse: predicted(model, point, unseen)?,
-            unseen_rmse: Validated::rmse_of_all(&validated(model, point, unseen)?),
+            predicted_rmse: predicted(&node.model, &node.points[0], errors.recordings)?,
+            unseen_rmse: errors.of(node)?.mean_square().map(f64::sqrt),
         })
     }
 
@@ -44,7 +43,7 @@ pub(crate) fn ladder(
     search: &mut Search<'_>,
     plain: &Stage,
     extended: Option<&ExtendedStage>,
-    unseen: &[Recording],
+    errors: &mut Errors<'_>,
 ) -> Result<Vec<Rung>, IdentifyError> {
     let mut rungs = Vec::new();
     if let Some(extended) = extended {
@@ -62,7 +61,7 @@ pub(crate) fn ladder(
             let less = least.map_or(CandidateSet::EMPTY, |(less, _)| less);
             let added = set.iter().filter(|&one| !less.contains(one)).collect();
             rungs.push(match search.get(set) {
-                Some(node) if set != effects => Rung::of_node(added, node, unseen)?,
+                Some(node) if set != effects => Rung::of_node(added, node, errors)?,
                 _ => Rung::of_stage(added, &extended.stage),
             });
             set = less;
@@ -71,7 +70,7 @@ pub(crate) fn ladder(
     let of_family = search.baseline();
     if of_family.model.loop_family() != LoopFamily::Proximity {
         let shape = CandidateSet::of(Candidate::other_loop());
-        rungs.push(Rung::of_node(shape, of_family, unseen)?);
+        rungs.push(Rung::of_node(shape, of_family, errors)?);
     }
     rungs.push(Rung::plain(plain));
     rungs.reverse();

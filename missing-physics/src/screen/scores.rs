@@ -4,6 +4,7 @@ use identify::dense::{self, Matrix, symmetric_eigen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 
 use crate::model::projection::{Span, dot, norm};
 use crate::model::tangent::Trace;
@@ -82,8 +83,7 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
     let (plain_span, white_span) = (Span::of(ground.fitted.iter().copied()), Span::of(&white));
     let plain_residual = plain_span.outside(ground.residual);
     let white_residual = white_span.outside(&whitener.whiten(ground.residual));
-    let mut tests: Vec<Tested<'_>> = Vec::new();
-    for traces in grouped(traces) {
+    let all = grouped(traces).into_par_iter().map(|traces| {
         let outside = |trace: &&Trace| {
             let white = whitener.whiten(&trace.secant);
             let outside = white_span.outside(&white);
@@ -93,17 +93,22 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
                 vec![0.0; white.len()]
             }
         };
-        let test = Tested {
+        Tested {
             white: traces.iter().map(outside).collect(),
             traces,
-        };
+        }
+    });
+    let mut tests: Vec<Tested<'_>> = Vec::new();
+    for test in all.collect::<Vec<_>>() {
         if !tests.last().is_some_and(|last| last.is_the_same(&test)) {
             tests.push(test);
         }
     }
+    let each = tests
+        .par_iter()
+        .map(|test| test.score(&plain_span, &plain_residual, &white_residual, whitener));
     let mut scores: Vec<Score> = Vec::new();
-    for test in &tests {
-        let score = test.score(&plain_span, &plain_residual, &white_residual, whitener);
+    for score in each.collect::<Vec<_>>() {
         match scores.last_mut() {
             // The next value of the partner, or the next secant, of the same effect.
             Some(best) if best.effect == score.effect => {

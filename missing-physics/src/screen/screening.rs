@@ -132,6 +132,7 @@ pub(crate) fn sift(
         .collect();
     let traces: Vec<Trace> = wanted
         .par_iter()
+        .with_max_len(1)
         .map(|&effect| traces(case, node, effect, secants_of(case, effect), None))
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()
@@ -196,6 +197,7 @@ pub(crate) fn at_their_sizes(
         }
         let traces = moved
             .par_iter()
+            .with_max_len(1)
             .map(|&(k, share)| {
                 let score = &scores[k];
                 traces(case, node, score.effect, &[share], score.partner)

@@ -99,6 +99,7 @@ fn promote(
     }
     let found = new
         .par_iter()
+        .with_max_len(1)
         .map(|&(place, node)| Ok((place, on_all(fine[place].case, node)?)))
         .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
     for (place, node) in found {

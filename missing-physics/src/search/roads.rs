@@ -236,6 +236,7 @@ impl<'a> Search<'a> {
     pub(crate) fn finish(&mut self, sets: &[CandidateSet]) -> Result<(), IdentifyError> {
         let finished = sets
             .par_iter()
+            .with_max_len(1)
             .filter_map(|&set| self.index(set))
             .filter(|&index| !self.visited[index].is_finished)
             .map(|index| Ok((index, self.case.finished(&self.visited[index].node)?)))
@@ -386,6 +387,7 @@ impl<'a> Search<'a> {
         list: &[&Score],
     ) -> Result<Vec<(CandidateSet, Option<Node>)>, IdentifyError> {
         list.par_iter()
+            .with_max_len(1)
             .map(|score| {
                 let set = parent.effects.with(score.effect);
                 Ok((set, refit(self.case, parent, score)?))

@@ -110,6 +110,7 @@ fn raced(
 ) -> Result<Vec<End>, IdentifyError> {
     let ends = starts
         .par_iter()
+        .with_max_len(1)
         .map(|(_, start)| led(case.approached(node, start, iterations)))
         .collect::<Result<Vec<_>, IdentifyError>>()?;
     let mut ends: Vec<End> = ends

@@ -70,6 +70,7 @@ impl<'a> Weighing<'a> {
         let new: Vec<(usize, &Node)> = nodes(searches).filter(is_new).collect();
         let weighed = new
             .par_iter()
+            .with_max_len(1)
             .map(|&(place, node)| {
                 let search = &searches[place];
                 let sensitivities = search.sensitivities(node)?;
@@ -136,6 +137,7 @@ impl<'a> Weighing<'a> {
             .collect();
         let found = asked
             .par_iter()
+            .with_max_len(1)
             .map(|model| {
                 let (place, effects) = at(searches, model);
                 let search = &searches[place];
