@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use pso::{Bound, Stop, Swarm, SwarmConfig};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use recording::Recording;
 use recording::order::rising;
 
@@ -16,6 +15,7 @@ use crate::moments::BATCH;
 use crate::own_anew::own_anew;
 use crate::problem::{Problem, Residuals};
 use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
+use crate::tasks::try_in_parallel;
 use crate::thinned::{basin, thinned};
 use crate::uncertainty::covariance;
 use crate::{
@@ -159,21 +159,17 @@ pub fn fit(
         .collect();
     // Starts that take longer than others should not leave threads idle.
     'all: for group in starts.chunks(2 * rayon::current_num_threads()) {
-        let ended = group
-            .par_iter()
-            .with_max_len(1)
-            .map(|&(number, start)| {
-                let is_it = |ended: &&EndedStart| {
-                    (ended.seed, ended.start) == (config.seed, number)
-                        && ended.minimum.point.len() == problem.vector().len()
-                };
-                match config.ended.iter().find(is_it) {
-                    // A file may have been changed: a start whose cost is not that of its point is made again.
-                    Some(known) if is_of(&problem, &known.minimum)? => Ok(known.clone()),
-                    _ => start.search(number, &problem, few.as_ref(), config),
-                }
-            })
-            .collect::<Result<Vec<EndedStart>, _>>()?;
+        let ended = try_in_parallel(group, |&(number, start)| {
+            let is_it = |ended: &&EndedStart| {
+                (ended.seed, ended.start) == (config.seed, number)
+                    && ended.minimum.point.len() == problem.vector().len()
+            };
+            match config.ended.iter().find(is_it) {
+                // A file may have been changed: a start whose cost is not that of its point is made again.
+                Some(known) if is_of(&problem, &known.minimum)? => Ok(known.clone()),
+                _ => start.search(number, &problem, few.as_ref(), config),
+            }
+        })?;
         for ((_, start), ended) in group.iter().zip(ended) {
             search.take(&ended);
             let so_far = FitProgress {

@@ -44,6 +44,7 @@ mod specific_heat;
 mod state_of_run;
 mod static_effects;
 mod supply;
+mod tasks;
 mod temperature_unit;
 mod thermal_model;
 mod thinned;
@@ -89,6 +90,7 @@ pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
 pub use supply::Supply;
+pub use tasks::{in_parallel, try_in_parallel};
 pub use thermal_model::ThermalModel;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::{RUN_PARAMETERS, WienerModel, may_begin_warm};

@@ -4,7 +4,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use pso::Bound;
-use rayon::prelude::*;
 use recording::Recording;
 use wiener::Block;
 
@@ -15,6 +14,7 @@ use crate::least_squares::{Linearized, SumOfSquares};
 use crate::moments::{BATCH, Moments, Solved, Weighed, solve_linear};
 use crate::prior::{Prior, PriorRow, prior_rows};
 use crate::quantities::one_unit;
+use crate::tasks::try_in_parallel;
 use crate::{Enters, ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
 
 /// ```text
@@ -408,11 +408,7 @@ impl<'a> Problem<'a> {
             .chunks(BATCH)
             .flat_map(|batch| (0..self.recordings.len()).map(move |r| (r, batch)))
             .collect();
-        let moments = tasks
-            .par_iter()
-            .with_max_len(1)
-            .map(|&(r, batch)| self.moments(r, batch))
-            .collect::<Result<Vec<_>, _>>()?;
+        let moments = try_in_parallel(&tasks, |&(r, batch)| self.moments(r, batch))?;
         let n_recordings = self.recordings.len();
         let solved = self.solved(points, |p, r| {
             moments[p / BATCH * n_recordings + r][p % BATCH]
@@ -553,16 +549,11 @@ impl<'a> Problem<'a> {
         around: usize,
         sides: Sides,
     ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
-        let batches: Vec<Batch> = (0..self.recordings.len())
-            .map(|r| self.batch(r, points, around, sides))
+        let batches: Vec<(usize, Batch)> = (0..self.recordings.len())
+            .map(|r| (r, self.batch(r, points, around, sides)))
             .collect();
-        self.count(batches[0].points.len() as u64);
-        let seen = batches
-            .par_iter()
-            .with_max_len(1)
-            .enumerate()
-            .map(|(r, batch)| self.seen(r, batch))
-            .collect::<Result<Vec<_>, _>>()?;
+        self.count(batches[0].1.points.len() as u64);
+        let seen = try_in_parallel(&batches, |(r, batch)| self.seen(*r, batch))?;
         let solved = self.solved(points, |p, r| seen[r].moments[p]);
         let sums: Vec<f64> = solved
             .iter()

@@ -1,12 +1,11 @@
 //! Loops that lie where no recording has been.
 
-use rayon::prelude::*;
-
 use crate::IdentifyError;
 use crate::fit::VERY_STRONG;
 use crate::least_squares::{LeastSquaresConfig, Linearized, Minimum, SumOfSquares, minimize};
 use crate::problem::Problem;
 use crate::residual_noise::ResidualNoise;
+use crate::tasks::try_in_parallel;
 
 /// Sum of squares over the lowest up to which a fit counts: what lies no higher is told apart by what the model leaves out,
 /// not by the recordings.
@@ -195,22 +194,18 @@ pub(crate) fn held_within(
         return Ok(None);
     }
     let wall = WithinReach::held(problem, lowest.sum_of_squares);
-    let found = ends
-        .par_iter()
-        .with_max_len(1)
-        .map(|end| {
-            let pressed = minimize(&wall, problem.bounds(), &end.point, config)?;
-            let free = minimize(problem, problem.bounds(), &pressed.point, config)?;
-            let is_pressed = !beyond_reach(problem, &free.point)?.is_empty();
-            let end = if is_pressed { pressed } else { free };
-            let sum_of_squares = problem.sums(std::slice::from_ref(&end.point))?[0];
-            let minimum = Minimum {
-                sum_of_squares,
-                ..end
-            };
-            Ok((minimum, is_pressed))
-        })
-        .collect::<Result<Vec<(Minimum, bool)>, IdentifyError>>()?;
+    let found = try_in_parallel(ends, |end| {
+        let pressed = minimize(&wall, problem.bounds(), &end.point, config)?;
+        let free = minimize(problem, problem.bounds(), &pressed.point, config)?;
+        let is_pressed = !beyond_reach(problem, &free.point)?.is_empty();
+        let end = if is_pressed { pressed } else { free };
+        let sum_of_squares = problem.sums(std::slice::from_ref(&end.point))?[0];
+        let minimum = Minimum {
+            sum_of_squares,
+            ..end
+        };
+        Ok((minimum, is_pressed))
+    })?;
     let sums = found.iter().map(|(minimum, _)| minimum.sum_of_squares);
     let least = sums.clone().fold(f64::INFINITY, f64::min);
     let agreeing = sums.filter(|sum| *sum <= 1.01 * least).count() as u64;

@@ -1,12 +1,12 @@
 use std::borrow::Cow;
 
-use rayon::prelude::*;
 use recording::Recording;
 use recording::order::rising;
 
 use crate::least_squares::{LeastSquaresConfig, Minimum, minimize};
 use crate::moments::Solved;
 use crate::problem::Problem;
+use crate::tasks::in_parallel;
 use crate::{ForwardModel, IdentifyError, Prior, Termination};
 
 /// Where a least-squares search ended, and nothing more: for those who compare many models.
@@ -150,17 +150,13 @@ fn ends(
     starts: &[Vec<f64>],
     config: &LeastSquaresConfig,
 ) -> Result<Vec<(Minimum, Solved)>, IdentifyError> {
-    let ends = starts
-        .par_iter()
-        .with_max_len(1)
-        .map(|start| {
-            let own = problem.apart();
-            let end = minimize(&own, own.bounds(), start, config)?;
-            let solved = end.sum_of_squares.is_finite();
-            let solved = solved.then(|| own.solve_one(&end.point)).transpose()?;
-            problem.count(own.simulations());
-            Ok(solved.map(|solved| (end, solved)))
-        })
-        .collect::<Result<Vec<_>, IdentifyError>>()?;
-    Ok(ends.into_iter().flatten().collect())
+    let ends = in_parallel(starts, |start| {
+        let own = problem.apart();
+        let end = minimize(&own, own.bounds(), start, config)?;
+        let solved = end.sum_of_squares.is_finite();
+        let solved = solved.then(|| own.solve_one(&end.point)).transpose()?;
+        problem.count(own.simulations());
+        Ok(solved.map(|solved| (end, solved)))
+    });
+    ends.into_iter().filter_map(Result::transpose).collect()
 }

@@ -1,7 +1,9 @@
 //! Everything that may have changed in some runs, compared with no change.
 
-use identify::{ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope};
-use rayon::prelude::*;
+use identify::{
+    ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope, in_parallel,
+    try_in_parallel,
+};
 use recording::order::falling;
 
 use crate::changed::discrepancy::Discrepancy;
@@ -60,15 +62,12 @@ impl Comparison<'_> {
             }
             let leading = found.iter().take(LED_BY);
             let leading: Vec<&Ended> = leading.filter(|one| one.nats > LEADS).collect();
-            let again = leading
-                .into_par_iter()
-                .map(|one| {
-                    let version = none.version.clone();
-                    let from = one.joint.in_version(&version, self.runs.len());
-                    let there = self.settled(Joint::at(self.case, version, from)?)?;
-                    Ok((self.nats(&there), there))
-                })
-                .collect::<Result<Vec<_>, IdentifyError>>()?;
+            let again = try_in_parallel(&leading, |one| {
+                let version = none.version.clone();
+                let from = one.joint.in_version(&version, self.runs.len());
+                let there = self.settled(Joint::at(self.case, version, from)?)?;
+                Ok((self.nats(&there), there))
+            })?;
             let best = again.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
             match best {
                 Some((nats, better)) if nats > before + BETTER && round < ROUNDS => none = better,
@@ -96,9 +95,9 @@ impl Comparison<'_> {
         let node = self.case.node(model, coordinates, points, 0)?;
         let alternatives = alternatives(self.case, self.runs, &node, self.catalogue)?;
         let system = joint.system(self.runs, self.which, &self.discrepancy);
-        let tried = alternatives.par_iter();
-        let tried = tried.map(|one| (one.effect, one.tried(self.runs, &system, self.changed)));
-        Ok(tried.collect())
+        Ok(in_parallel(&alternatives, |one| {
+            (one.effect, one.tried(self.runs, &system, self.changed))
+        }))
     }
 
     /// All changes at the ends of their searches, the likeliest first.
@@ -122,12 +121,11 @@ impl Comparison<'_> {
                 starts.push((What::Law(law), version, start));
             }
         }
-        let ended = starts.into_par_iter().map(|(what, version, start)| {
-            let joint = self.settled(Joint::at(self.case, version, start)?)?;
-            let nats = self.nats(&joint);
+        let mut ended = try_in_parallel(&starts, |(what, version, start)| {
+            let joint = self.settled(Joint::at(self.case, version.clone(), start.clone())?)?;
+            let (what, nats) = (*what, self.nats(&joint));
             Ok(Ended { what, nats, joint })
-        });
-        let mut ended = ended.collect::<Result<Vec<Ended>, IdentifyError>>()?;
+        })?;
         falling(&mut ended, |one| one.nats);
         let mut seen: Vec<What> = Vec::new();
         ended.retain(|one| {

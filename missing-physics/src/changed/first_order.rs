@@ -1,8 +1,7 @@
 //! Effects that may have appeared, to first order: where searches of them start.
 
-use identify::IdentifyError;
 use identify::dense::{Matrix, symmetric_solved};
-use rayon::prelude::*;
+use identify::{IdentifyError, try_in_parallel};
 use recording::order::falling;
 
 use crate::changed::joint::Runs;
@@ -65,7 +64,7 @@ pub(crate) fn alternatives(
     let is_possible =
         |effect: &Candidate| !node.effects.contains(*effect) && case.missing(*effect).is_none();
     let wanted: Vec<Candidate> = catalogue.iter().filter(is_possible).collect();
-    let alternatives = wanted.into_par_iter().map(|effect| {
+    try_in_parallel(&wanted, |&effect| {
         let size = &effect.info().parameters[0];
         let shares: &[f64] = match sizes_of(effect).count() {
             1 => &SHARES,
@@ -77,8 +76,7 @@ pub(crate) fn alternatives(
         let ways = traces.chunk_by(|a, b| a.is_tested_with(b));
         let ways = ways.map(|group| Way::of(effect, group, runs)).collect();
         Ok(Alternative { effect, ways })
-    });
-    alternatives.collect()
+    })
 }
 
 impl Alternative {

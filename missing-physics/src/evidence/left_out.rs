@@ -1,9 +1,9 @@
 //! Predictions of blocks from a regression on all others.
 
+use identify::in_parallel;
 use std::ops::Range;
 
 use identify::dense::{Matrix, gram, symmetric_solved};
-use rayon::prelude::*;
 
 use crate::evidence::blocks::Block;
 
@@ -54,11 +54,7 @@ impl<'a> LeftOut<'a> {
         });
         // What is left out with one block may be left out with its neighbor too: no product is summed twice.
         let parts = parts(n, blocks);
-        let products: Vec<Matrix> = parts
-            .par_iter()
-            .with_max_len(1)
-            .map(|part| gram(&columns_and_target, part.clone()))
-            .collect();
+        let products = in_parallel(&parts, |part| gram(&columns_and_target, part.clone()));
         let sum = |is_in: &dyn Fn(&Range<usize>) -> bool| {
             let own = parts.iter().zip(&products).filter(|(part, _)| is_in(part));
             own.fold(
@@ -109,14 +105,10 @@ impl<'a> LeftOut<'a> {
             let pairs = target.iter().zip(predicted);
             pairs.map(|(target, shown)| (target - shown).powi(2)).sum()
         };
-        let tried: Vec<(f64, Vec<f64>)> = PENALTIES
-            .par_iter()
-            .with_max_len(1)
-            .map(|&penalty| {
-                let predicted = self.predicted(penalty);
-                (left(&predicted), predicted)
-            })
-            .collect();
+        let tried = in_parallel(&PENALTIES, |&penalty| {
+            let predicted = self.predicted(penalty);
+            (left(&predicted), predicted)
+        });
         let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         best.map(|(_, predicted)| predicted).unwrap_or_default()
     }

@@ -1,8 +1,8 @@
 //! How often noise of the same spectrum meets a prediction as well: by circular shifts.
 
+use identify::in_parallel;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use crate::model::projection::dot;
 
@@ -44,16 +44,16 @@ pub(crate) fn by_chance(pairs: &[(Vec<f64>, Vec<f64>)], shifts: usize, seed: u64
             each.collect()
         })
         .collect();
-    let meets_as_well = |shifts: &&Vec<usize>| {
-        let shifted = left.iter().zip(pairs).zip(*shifts);
+    let meets_as_well = in_parallel(&drawn, |shifts| {
+        let shifted = left.iter().zip(pairs).zip(shifts);
         let along = shifted.map(|((left, (_, predicted)), &shift)| {
             let (begin, end) = left.split_at(shift);
             let (first, last) = predicted.split_at(left.len() - shift);
             dot(end, first) + dot(begin, last)
         });
         along.sum::<f64>() >= found
-    };
-    let as_well = drawn.par_iter().filter(meets_as_well).count();
+    });
+    let as_well = meets_as_well.into_iter().filter(|as_well| *as_well).count();
     (1 + as_well) as f64 / (1 + shifts) as f64
 }
 

@@ -1,8 +1,7 @@
 //! Which block of the cascade lacks something: the one whose local terms predict the residual best.
 
-use identify::ResidualNoise;
 use identify::dense::Matrix;
-use rayon::prelude::*;
+use identify::{ResidualNoise, in_parallel};
 use recording::order::falling;
 
 use crate::EffectBlock;
@@ -111,15 +110,14 @@ impl Pulled {
             .map(|column| whitener.whiten(column))
             .collect();
         let span = Span::of(&fitted);
-        let (lengths, columns): (Vec<f64>, Vec<Vec<f64>>) = terms
-            .par_iter()
-            .map(|term| {
-                let white = whitener.whiten(&term.column);
-                let length = norm(&white).max(f64::MIN_POSITIVE);
-                let outside = span.outside(&white);
-                (length, outside.iter().map(|value| value / length).collect())
-            })
-            .unzip();
+        let columns = in_parallel(&terms, |term| {
+            let white = whitener.whiten(&term.column);
+            let length = norm(&white).max(f64::MIN_POSITIVE);
+            let mut outside = span.outside(&white);
+            outside.iter_mut().for_each(|value| *value /= length);
+            (length, outside)
+        });
+        let (lengths, columns): (Vec<f64>, Vec<Vec<f64>>) = columns.into_iter().unzip();
         let target = span.outside(&whitener.whiten(&located.node.residual));
         let folds = folds(&located.case.layout);
         Self {
@@ -171,8 +169,8 @@ impl Pulled {
     /// Sum of squares that the best model of a block leaves of blocks of time that it has not seen.
     fn left_by(&self, block: EffectBlock) -> f64 {
         let models = self.models(block);
-        let left = models.par_iter().map(|model| self.best(model).1);
-        left.reduce(|| self.folded.square(), f64::min)
+        let left = in_parallel(&models, |model| self.best(model).1);
+        left.into_iter().fold(self.folded.square(), f64::min)
     }
 }
 

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use identify::{ForwardModel, IdentifyError, ResidualNoise};
-use rayon::prelude::*;
+use identify::{ForwardModel, IdentifyError, ResidualNoise, in_parallel};
 use recording::Recording;
 
 /// Channel that fills a segment.
@@ -103,12 +102,12 @@ impl Layout {
             let each = points.chunks(BATCH).enumerate();
             each.map(move |(k, batch)| (r, k * BATCH, batch))
         });
-        let simulated = batches
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|(r, first, batch)| Ok((r, first, simulated(model, batch, &training[r])?)))
-            .collect::<Result<Vec<_>, IdentifyError>>()?;
-        for (r, first, channels) in simulated {
+        let batches: Vec<(usize, usize, &[Vec<f64>])> = batches.collect();
+        let simulated = in_parallel(&batches, |&(r, _, batch)| {
+            simulated(model, batch, &training[r])
+        });
+        for ((r, first, _), channels) in batches.into_iter().zip(simulated) {
+            let channels = channels?;
             for segment in self.segments.iter().filter(|one| one.recording == r) {
                 let (own, per) = match segment.channel {
                     Channel::Output => (&channels[0], 1.0),

@@ -7,9 +7,8 @@
 use identify::{
     Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo, ParameterState,
     ParameterVector, Prior, RUN_PARAMETERS, RefineConfig, ResidualNoise, Validated, predict,
-    refine, validate_at,
+    refine, try_in_parallel, validate_at,
 };
-use rayon::prelude::*;
 use recording::Recording;
 
 /// Stretches of a recording: so many that of each passage through the transformation, where alone the output tells of the
@@ -46,11 +45,7 @@ pub(crate) fn unseen(
     point: &[f64],
     recordings: &[Recording],
 ) -> Result<Unseen, IdentifyError> {
-    let of_each = recordings
-        .par_iter()
-        .map(|recording| Ok(of_recording(model, point, recording)?.0))
-        .collect::<Result<Vec<Unseen>, IdentifyError>>()?;
-    Ok(Unseen::of_all(of_each))
+    Ok(validated(model, point, recordings)?.1)
 }
 
 /// Validation of a model at a point on each of some recordings that were not used, with the values of all parameters that belong to it,
@@ -60,13 +55,10 @@ pub(crate) fn validated(
     point: &[f64],
     recordings: &[Recording],
 ) -> Result<(Vec<Validated>, Unseen), IdentifyError> {
-    let of_each = recordings
-        .par_iter()
-        .map(|recording| {
-            let (own, whole) = of_recording(model, point, recording)?;
-            Ok((by_stretches(model, &own, whole, recording)?, own))
-        })
-        .collect::<Result<Vec<(Validated, Unseen)>, IdentifyError>>()?;
+    let of_each = try_in_parallel(recordings, |recording| {
+        let (own, whole) = of_recording(model, point, recording)?;
+        Ok((by_stretches(model, &own, whole, recording)?, own))
+    })?;
     let (validated, of_each): (Vec<Validated>, Vec<Unseen>) = of_each.into_iter().unzip();
     Ok((validated, Unseen::of_all(of_each)))
 }

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use identify::{IdentifyError, Limits, ResidualNoise};
-use rayon::prelude::*;
+use identify::{IdentifyError, Limits, ResidualNoise, in_parallel};
 use recording::Recording;
 use recording::order::rising;
 
@@ -83,10 +82,8 @@ pub(crate) fn next_experiment(
         noise,
         hottest_degc,
     };
-    let tried: Vec<Tried> = library()
-        .par_iter()
-        .filter_map(|plan| lab.tried(*plan))
-        .collect();
+    let tried = in_parallel(&library(), |plan| lab.tried(*plan));
+    let tried: Vec<Tried> = tried.into_iter().flatten().collect();
     let separates: Vec<Candidate> = rivals.iter().map(|rival| rival.effect).collect();
     if let Some(best) = lab.soonest(&tried).or_else(|| lab.repeated(&tried)) {
         let run = Run {

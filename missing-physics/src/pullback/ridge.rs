@@ -1,9 +1,9 @@
 //! Penalized least squares, judged by blocks that it has not seen.
 
+use identify::in_parallel;
 use std::ops::Range;
 
 use identify::dense::{self, Matrix, symmetric_eigen};
-use rayon::prelude::*;
 
 use crate::model::projection::dot;
 use crate::model::series::{Channel, Layout};
@@ -42,7 +42,7 @@ impl Folded {
             products.collect()
         };
         Self {
-            grams: folds.par_iter().map(gram).collect(),
+            grams: in_parallel(folds, gram),
             alongs: folds.iter().map(along).collect(),
             squares: folds
                 .iter()

@@ -1,10 +1,10 @@
 //! Score tests: how much of a residual lies along the trace of each effect.
 
 use identify::dense::{self, Matrix, symmetric_eigen};
+use identify::in_parallel;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 
 use crate::model::projection::{Span, dot, norm};
 use crate::model::tangent::Trace;
@@ -83,7 +83,7 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
     let (plain_span, white_span) = (Span::of(ground.fitted.iter().copied()), Span::of(&white));
     let plain_residual = plain_span.outside(ground.residual);
     let white_residual = white_span.outside(&whitener.whiten(ground.residual));
-    let all = grouped(traces).into_par_iter().map(|traces| {
+    let all = in_parallel(&grouped(traces), |traces| {
         let outside = |trace: &&Trace| {
             let white = whitener.whiten(&trace.secant);
             let outside = white_span.outside(&white);
@@ -95,20 +95,20 @@ pub(crate) fn scores(traces: &[Trace], ground: &Ground<'_>, seed: u64) -> Scores
         };
         Tested {
             white: traces.iter().map(outside).collect(),
-            traces,
+            traces: traces.clone(),
         }
     });
     let mut tests: Vec<Tested<'_>> = Vec::new();
-    for test in all.collect::<Vec<_>>() {
+    for test in all {
         if !tests.last().is_some_and(|last| last.is_the_same(&test)) {
             tests.push(test);
         }
     }
-    let each = tests
-        .par_iter()
-        .map(|test| test.score(&plain_span, &plain_residual, &white_residual, whitener));
+    let each = in_parallel(&tests, |test| {
+        test.score(&plain_span, &plain_residual, &white_residual, whitener)
+    });
     let mut scores: Vec<Score> = Vec::new();
-    for score in each.collect::<Vec<_>>() {
+    for score in each {
         match scores.last_mut() {
             // The next value of the partner, or the next secant, of the same effect.
             Some(best) if best.effect == score.effect => {

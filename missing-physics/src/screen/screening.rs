@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use identify::{Fit, IdentifyError, WienerModel};
-use rayon::prelude::*;
+use identify::{Fit, IdentifyError, WienerModel, in_parallel};
 use recording::Recording;
 
 use crate::model::case::{Case, Node};
@@ -130,14 +129,13 @@ pub(crate) fn sift(
         .iter()
         .filter(|&effect| !node.effects.contains(effect) && case.missing(effect).is_none())
         .collect();
-    let traces: Vec<Trace> = wanted
-        .par_iter()
-        .with_max_len(1)
-        .map(|&effect| traces(case, node, effect, secants_of(case, effect), None))
-        .collect::<Result<Vec<_>, _>>()?
+    let traces = in_parallel(&wanted, |&effect| {
+        traces(case, node, effect, secants_of(case, effect), None)
+    });
+    let traces = traces
         .into_iter()
-        .flatten()
-        .collect();
+        .collect::<Result<Vec<Vec<Trace>>, _>>()?
+        .concat();
     let sensitivities = sensitivities(case, node)?;
     Ok(Sifted {
         found: scored(case, node, &sensitivities, &traces, seed),
@@ -195,14 +193,13 @@ pub(crate) fn at_their_sizes(
         if moved.is_empty() {
             break;
         }
-        let traces = moved
-            .par_iter()
-            .with_max_len(1)
-            .map(|&(k, share)| {
-                let score = &scores[k];
-                traces(case, node, score.effect, &[share], score.partner)
-            })
-            .collect::<Result<Vec<_>, _>>()?
+        let traces = in_parallel(&moved, |&(k, share)| {
+            let score = &scores[k];
+            traces(case, node, score.effect, &[share], score.partner)
+        });
+        let traces = traces
+            .into_iter()
+            .collect::<Result<Vec<Vec<Trace>>, _>>()?
             .concat();
         let found = scored(case, node, &sifted.sensitivities, &traces, seed).scores;
         for ((k, _), score) in moved.into_iter().zip(found) {

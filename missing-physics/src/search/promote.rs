@@ -1,7 +1,6 @@
 //! From models on recordings with few samples to the same models on all.
 
-use identify::IdentifyError;
-use rayon::prelude::*;
+use identify::{IdentifyError, in_parallel};
 use recording::order::falling;
 
 use crate::config::Part;
@@ -97,12 +96,9 @@ fn promote(
             new.extend(coarse[place].get(set).map(|node| (place, node)));
         }
     }
-    let found = new
-        .par_iter()
-        .with_max_len(1)
-        .map(|&(place, node)| Ok((place, on_all(fine[place].case, node)?)))
-        .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
-    for (place, node) in found {
+    let found = in_parallel(&new, |&(place, node)| on_all(fine[place].case, node));
+    for ((place, _), node) in new.into_iter().zip(found) {
+        let node = node?;
         fine[place].keep(node.effects, Some(node));
     }
     Ok(())

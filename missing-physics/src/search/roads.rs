@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use identify::{Fit, IdentifyError};
-use rayon::prelude::*;
+use identify::{Fit, IdentifyError, in_parallel, try_in_parallel};
 use recording::order::{falling, rising};
 
 use crate::config::Part;
@@ -234,17 +233,17 @@ impl<'a> Search<'a> {
 
     /// Takes searches that were cut short to their ends.
     pub(crate) fn finish(&mut self, sets: &[CandidateSet]) -> Result<(), IdentifyError> {
-        let finished = sets
-            .par_iter()
-            .with_max_len(1)
-            .filter_map(|&set| self.index(set))
+        let known = sets.iter().filter_map(|&set| self.index(set));
+        let open: Vec<usize> = known
             .filter(|&index| !self.visited[index].is_finished)
-            .map(|index| Ok((index, self.case.finished(&self.visited[index].node)?)))
-            .collect::<Result<Vec<(usize, Node)>, IdentifyError>>()?;
-        for (index, node) in finished {
+            .collect();
+        let finished = in_parallel(&open, |&index| {
+            self.case.finished(&self.visited[index].node)
+        });
+        for (index, node) in open.into_iter().zip(finished) {
             self.visited[index] = Visited {
                 is_finished: true,
-                ..node.into()
+                ..node?.into()
             };
         }
         Ok(())
@@ -386,13 +385,10 @@ impl<'a> Search<'a> {
         parent: &Node,
         list: &[&Score],
     ) -> Result<Vec<(CandidateSet, Option<Node>)>, IdentifyError> {
-        list.par_iter()
-            .with_max_len(1)
-            .map(|score| {
-                let set = parent.effects.with(score.effect);
-                Ok((set, refit(self.case, parent, score)?))
-            })
-            .collect()
+        try_in_parallel(list, |score| {
+            let set = parent.effects.with(score.effect);
+            Ok((set, refit(self.case, parent, score)?))
+        })
     }
 
     fn keep_all(&mut self, refitted: Vec<(CandidateSet, Option<Node>)>) {

@@ -2,10 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit};
+use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit, in_parallel};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use recording::order::rising;
 
 use crate::model::case::{Case, Node};
@@ -108,16 +107,12 @@ fn raced(
     starts: &[End],
     iterations: usize,
 ) -> Result<Vec<End>, IdentifyError> {
-    let ends = starts
-        .par_iter()
-        .with_max_len(1)
-        .map(|(_, start)| led(case.approached(node, start, iterations)))
-        .collect::<Result<Vec<_>, IdentifyError>>()?;
-    let mut ends: Vec<End> = ends
-        .into_iter()
-        .flatten()
-        .map(|end| (end.deviance, end.coordinates))
-        .collect();
+    let ends = in_parallel(starts, |(_, start)| {
+        let end = led(case.approached(node, start, iterations))?;
+        Ok(end.map(|end| (end.deviance, end.coordinates)))
+    });
+    let ends = ends.into_iter().filter_map(Result::transpose);
+    let mut ends = ends.collect::<Result<Vec<End>, IdentifyError>>()?;
     rising(&mut ends, |end| end.0);
     Ok(ends)
 }

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use identify::IdentifyError;
-use rayon::prelude::*;
+use identify::{IdentifyError, in_parallel, try_in_parallel};
 
 use crate::decide::leading;
 use crate::evidence::{Anonymous, Block, Evidence, Memory, Model, Population, audited, weighed};
@@ -68,21 +67,17 @@ impl<'a> Weighing<'a> {
             kept.is_none_or(|kept| kept.coordinates != node.coordinates)
         };
         let new: Vec<(usize, &Node)> = nodes(searches).filter(is_new).collect();
-        let weighed = new
-            .par_iter()
-            .with_max_len(1)
-            .map(|&(place, node)| {
-                let search = &searches[place];
-                let sensitivities = search.sensitivities(node)?;
-                let kept = Kept {
-                    coordinates: node.coordinates.clone(),
-                    drifts: node.effects.iter().any(is_drift),
-                    evidence: weighed(search.case, node, &sensitivities, self.blocks),
-                    anonymous: None,
-                };
-                Ok((key(place, node.effects), kept))
-            })
-            .collect::<Result<Vec<_>, IdentifyError>>()?;
+        let weighed = try_in_parallel(&new, |&(place, node)| {
+            let search = &searches[place];
+            let sensitivities = search.sensitivities(node)?;
+            let kept = Kept {
+                coordinates: node.coordinates.clone(),
+                drifts: node.effects.iter().any(is_drift),
+                evidence: weighed(search.case, node, &sensitivities, self.blocks),
+                anonymous: None,
+            };
+            Ok((key(place, node.effects), kept))
+        })?;
         self.kept.extend(weighed);
         self.remember(searches);
         Ok(())
@@ -118,9 +113,10 @@ impl<'a> Weighing<'a> {
             })
             .filter(|one| !is_known || one.nats.is_empty())
             .collect();
-        asked
-            .par_iter_mut()
-            .for_each(|one| one.nats = memory.by_block(layout, &one.residual, blocks));
+        let nats = in_parallel(&asked, |one| memory.by_block(layout, &one.residual, blocks));
+        for (one, nats) in asked.iter_mut().zip(nats) {
+            one.nats = nats;
+        }
         self.memory = Some(memory);
     }
 
@@ -135,27 +131,23 @@ impl<'a> Weighing<'a> {
         let asked: Vec<&Model> = models
             .filter(|model| wanted(model.names) && model.anonymous.is_none())
             .collect();
-        let found = asked
-            .par_iter()
-            .with_max_len(1)
-            .map(|model| {
-                let (place, effects) = at(searches, model);
-                let search = &searches[place];
-                let Some(node) = search.get(effects) else {
-                    unreachable!("the population is of visited models");
-                };
-                let sensitivities = search.sensitivities(node)?;
-                let anonymous = audited(
-                    search.case,
-                    node,
-                    &model.evidence,
-                    &sensitivities,
-                    self.blocks,
-                    self.seed,
-                )?;
-                Ok((key(place, effects), anonymous))
-            })
-            .collect::<Result<Vec<_>, IdentifyError>>()?;
+        let found = try_in_parallel(&asked, |model| {
+            let (place, effects) = at(searches, model);
+            let search = &searches[place];
+            let Some(node) = search.get(effects) else {
+                unreachable!("the population is of visited models");
+            };
+            let sensitivities = search.sensitivities(node)?;
+            let anonymous = audited(
+                search.case,
+                node,
+                &model.evidence,
+                &sensitivities,
+                self.blocks,
+                self.seed,
+            )?;
+            Ok((key(place, effects), anonymous))
+        })?;
         for (key, anonymous) in found {
             if let Some(kept) = self.kept.get_mut(&key) {
                 kept.anonymous = Some(anonymous);

@@ -1,0 +1,54 @@
+//! Independent tasks on all threads.
+
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::IdentifyError;
+
+/// Results of a task for each item, in the order of the items.
+///
+/// A thread takes an item whenever it is free, so that long tasks leave none idle. A task may itself have tasks.
+pub fn in_parallel<T: Sync, R: Send>(items: &[T], task: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
+    for_each_number(items.len(), &|k| {
+        let result = task(&items[k]);
+        *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+    });
+    // Every number had its turn.
+    let results = results.into_iter();
+    results
+        .filter_map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner))
+        .collect()
+}
+
+/// [`in_parallel`] of tasks that may fail.
+///
+/// # Errors
+///
+/// The error of the first item whose task failed.
+pub fn try_in_parallel<T: Sync, R: Send>(
+    items: &[T],
+    task: impl Fn(&T) -> Result<R, IdentifyError> + Sync,
+) -> Result<Vec<R>, IdentifyError> {
+    in_parallel(items, task).into_iter().collect()
+}
+
+/// Compiled once, not once for each task: what shares out the work is much code.
+fn for_each_number(n: usize, task: &(dyn Fn(usize) + Sync)) {
+    (0..n).into_par_iter().with_max_len(1).for_each(task);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_stand_in_the_order_of_their_items() {
+        let items: Vec<usize> = (0..100).collect();
+        let within = |k: &usize| in_parallel(&items[..*k], |j| j * k).iter().sum::<usize>();
+        let expected: Vec<usize> = items.iter().map(|k| (0..*k).sum::<usize>() * k).collect();
+        assert_eq!(in_parallel(&items, within), expected);
+        assert!(in_parallel(&items[..0], |k| *k).is_empty());
+    }
+}
