@@ -41,6 +41,8 @@ pub struct EffectInfo {
     pub names_loop_families: bool,
     /// True if it is a part of what loops of the other families are free to be.
     pub within_loop_families: bool,
+    /// True if it changes nothing but how the output follows the temperature and its past, as another formula of the loop does.
+    pub like_loop: bool,
     /// True if a recorded temperature of the surroundings already contains it, so that a thermometer beside the rod settles
     /// it.
     pub settled_by_ambient_record: bool,
@@ -68,6 +70,7 @@ impl EffectInfo {
         costly: false,
         names_loop_families: false,
         within_loop_families: false,
+        like_loop: false,
         settled_by_ambient_record: false,
         mean_acts_as: None,
     };

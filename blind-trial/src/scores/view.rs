@@ -75,12 +75,12 @@ impl CaseLine {
         (is_right || !(is_of_the_loop && self.case.has_other_loop())).then_some(is_right)
     }
 
-    /// True if a wrong name is stated.
+    /// True if a wrong name is stated, and nothing in its place that is right or of the loop.
     pub(super) fn is_wrong(&self) -> bool {
         let findings = &self.verdict.findings;
         findings
             .iter()
-            .any(|finding| self.is_right(&finding.effect) == Some(false))
+            .any(|finding| finding.set().all(|name| self.is_right(name) == Some(false)))
     }
 
     /// True if a wrong name is stated with confidence.

@@ -49,7 +49,7 @@ impl Known {
     }
 
     /// Standard deviation of the output.
-    fn output_deviation(&self, n_outputs: usize) -> f64 {
+    pub(crate) fn output_deviation(&self, n_outputs: usize) -> f64 {
         (self.output_squares / n_outputs as f64).sqrt()
     }
 

@@ -84,9 +84,14 @@ pub(crate) fn names(
     let mut sorted = [Vec::new(), Vec::new()];
     for effect in leading.names.iter() {
         let id = effect.id();
-        let (mut named, covered) = alternatives(leading, (belief, known), effect, traces);
-        let is_covered = traces.ask(RuleId::Set, id, covered);
         let less = population.without(leading, effect);
+        let lost = less.evidence.squares()[0] - leading.evidence.squares()[0];
+        let lost = lost / leading.evidence.n_outputs as f64;
+        let (mut named, covered) = alternatives(leading, (belief, known), effect, traces);
+        if may_be_the_loop(leading, known, effect, lost) {
+            named.shares_with(Candidate::other_loop());
+        }
+        let is_covered = traces.ask(RuleId::Set, id, covered);
         named.contribution = population.share(leading.evidence.squares(), less.evidence.squares());
         let added = known.segments.iter().map(|range| {
             let without = centered(&less.evidence.residual[range.clone()]);
@@ -108,12 +113,30 @@ pub(crate) fn names(
             p_value = p_value.max(by_wander(pairs, effect.info().parameters.len(), known.seed));
         }
         let is_own = traces.ask(RuleId::Own, id, p_value);
-        let lost = less.evidence.squares()[0] - leading.evidence.squares()[0];
-        let lost = lost / leading.evidence.n_outputs as f64;
         let is_material = known.is_material(traces, id, lost, leading.evidence.n_outputs);
         sorted[usize::from(!(is_covered && is_own && is_material))].push(named);
     }
     sorted
+}
+
+impl Named {
+    /// Takes in what could be in its place just as likely.
+    fn shares_with(&mut self, other: Candidate) {
+        self.probability *= 0.5;
+        self.others.iter_mut().for_each(|(_, mass)| *mass *= 0.5);
+        self.others.push((other, self.probability));
+        falling(&mut self.others, |other| other.1);
+    }
+}
+
+/// True if what a name explains may be the error of the loop's formula: it changes nothing but how the output follows the temperature
+/// and its past, beside a loop that is not the baseline's, and by no more than formulas of loops differ by.
+fn may_be_the_loop(leading: &Model, known: &Known, effect: Candidate, lost: f64) -> bool {
+    let of_formulas = OF_FORMULAS * known.output_deviation(leading.evidence.n_outputs);
+    leading.names.contains(Candidate::other_loop())
+        && effect != Candidate::other_loop()
+        && effect.info().like_loop
+        && lost < of_formulas.powi(2)
 }
 
 /// The smallest set of names with this one that is as probable as it must be, and that probability.
@@ -166,6 +189,10 @@ fn alternatives(
     };
     (named, covered)
 }
+
+/// Root mean square by which a loop of one family misses one of another at the least, though its shape is free, over the standard
+/// deviation of the output: as much may any of them miss a real loop.
+pub(crate) const OF_FORMULAS: f64 = 0.02;
 
 /// Shifts by which it is found whether a name goes with the recordings: so many that the best of a catalogue can pass.
 const SHIFTS: usize = 9_999;

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::known::{Known, Oddness};
+use super::names::OF_FORMULAS;
 use super::rules::{RULES, RuleId};
 use super::said::Verdict;
 use super::trace::Traces;
@@ -177,6 +178,41 @@ fn two_names_that_do_as_well_are_one_set() {
 }
 
 #[test]
+fn beside_another_loop_what_acts_like_one_may_be_its_formula_unless_it_is_large() {
+    let verdict = |effect: EffectId, beside: &[EffectId], over: f64| {
+        let (quiet, lost) = (noise(1.0, 1), trace(3.0, 1));
+        let (without, of_loop) = (sum(&quiet, &lost), trace(20.0, 2));
+        let worse = |series: &[f64]| sum(series, &noise(0.1, 7));
+        let all = [beside, &[effect]].concat();
+        let mut models = vec![
+            model(&[], sum(&without, &of_loop), worse(&without)),
+            model(beside, without.clone(), worse(&without)),
+            model(&all, quiet.clone(), worse(&quiet)),
+        ];
+        if beside.is_empty() {
+            models.remove(0);
+        }
+        let [less, with] = [1, 0].map(|back| models[models.len() - 1 - back].evidence.squares()[0]);
+        let known = Known {
+            output_squares: (less - with) / (OF_FORMULAS * over).powi(2),
+            ..known()
+        };
+        let decided = decide(&Population { models }, &known);
+        let own = decided.named.iter().find(|one| one.effect == effect);
+        let others = own.map(|one| one.others.iter().map(|(other, _)| other.id()).collect());
+        (decided.verdict, others.unwrap_or_else(Vec::new))
+    };
+    let shape = &[EffectId::LoopShape];
+    let alone = (Verdict::Explained, Vec::new());
+    let may_be = (Verdict::Ambiguous, vec!["loop-shape"]);
+    assert_eq!(verdict(EffectId::Backlash, shape, 0.98), may_be);
+    assert_eq!(verdict(EffectId::Backlash, shape, 1.02), alone);
+    // It is no matter of the loop, or stands beside the baseline's.
+    assert_eq!(verdict(EffectId::OutputLag, shape, 0.98), alone);
+    assert_eq!(verdict(EffectId::Backlash, &[], 0.98), alone);
+}
+
+#[test]
 fn a_remainder_is_said_from_the_error_of_a_formula_on() {
     // A hundredth of the explainable square, and less.
     let in_part = decide(&with_lag(3.0, 0.5), &known());
@@ -267,6 +303,11 @@ fn a_drift_that_slips_is_no_drift() {
         known.slip = Some(slip);
     });
     assert_eq!(found, [Verdict::Explained, Verdict::Unexplained]);
+    // Where it does not slip, a tone is what is left beside it.
+    let found = around(&with_lag(3.0, 0.0), RuleId::Tone, |known, tone| {
+        (known.left.tone, known.slip) = (tone, Some(0.0));
+    });
+    assert_eq!(found, [Verdict::Explained, Verdict::ExplainedInPart]);
 }
 
 /// A population whose residuals are those of another, changed.

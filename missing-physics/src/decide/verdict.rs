@@ -63,7 +63,7 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
         model
     };
     let more_is_left = is_left(population, judged, known, &mut traces);
-    let is_odd = is_odd(known, named.is_empty(), &mut traces);
+    let Odd { is_odd, slips } = odd(known, named.is_empty(), &mut traces);
     let verdict = if !describes {
         Verdict::Unexplained
     } else if named.is_empty() {
@@ -73,7 +73,7 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
         } else {
             Verdict::Adequate
         }
-    } else if is_odd && known.slip.is_some() {
+    } else if slips {
         Verdict::Unexplained
     } else if more_is_left || is_odd {
         Verdict::ExplainedInPart
@@ -105,7 +105,7 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
 fn nameless(population: &Population, known: &Known, aside: &mut Traces) -> Verdict {
     let describes = aside.ask(RuleId::Describes, "", described_plainly(population, known));
     let more_is_left = is_left(population, population.plain(), known, aside);
-    let is_odd = is_odd(known, true, aside);
+    let Odd { is_odd, .. } = odd(known, true, aside);
     if !describes || more_is_left || is_odd {
         Verdict::Unexplained
     } else {
@@ -190,8 +190,15 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
     is_needed && is_predicted && is_large && is_material
 }
 
-/// True if the residual is no noise of a sensor, though nothing predicts it.
-fn is_odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> bool {
+/// A residual that nothing predicts.
+struct Odd {
+    /// True if it is no noise of a sensor.
+    is_odd: bool,
+    /// True if what was taken for a drift of the sensor is a mount that slips.
+    slips: bool,
+}
+
+fn odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> Odd {
     let is_disturbed = is_nameless && traces.ask(RuleId::Disturbed, "", known.disturbed);
     let left = if is_nameless {
         known.left_by_plain
@@ -203,5 +210,8 @@ fn is_odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> bool {
     let slips = known
         .slip
         .is_some_and(|slip| traces.ask(RuleId::Slip, "", slip));
-    is_disturbed || has_tone || is_slow || slips
+    Odd {
+        is_odd: is_disturbed || has_tone || is_slow || slips,
+        slips,
+    }
 }

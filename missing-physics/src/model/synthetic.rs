@@ -12,7 +12,7 @@ use wiener::hysteresis::{LoopParams, Rule};
 use wiener::{Profile, Start, WienerParams};
 
 use crate::model::case::Case;
-use crate::{EffectSet, EffectValues, Extended, Member, Setting, setting_of_rod};
+use crate::{EffectSet, EffectValues, Extended, LoopFamily, Member, Setting, setting_of_rod};
 
 const CONDUCTANCE_W_PER_M_K: f64 = 0.141;
 
@@ -30,6 +30,16 @@ pub(crate) struct Synthetic {
 impl Synthetic {
     /// A slow run with partial cycles and a run of steps, with these effects and white noise.
     pub(crate) fn of(active: EffectSet, effects: EffectValues, seed: u64) -> Self {
+        Self::with_loop(LoopFamily::Proximity, active, effects, seed)
+    }
+
+    /// The same with a loop of some family.
+    pub(crate) fn with_loop(
+        loop_family: LoopFamily,
+        active: EffectSet,
+        effects: EffectValues,
+        seed: u64,
+    ) -> Self {
         let rod = Rod::parse("rod.toml", ROD).unwrap();
         let setting = Setting {
             rule: Rule::LastReversal,
@@ -39,7 +49,11 @@ impl Synthetic {
         let training: Vec<Recording> = [("slow", slow_a(), 0.3), ("steps", steps_a(), 0.1)]
             .into_iter()
             .map(|(name, drive, dt_s)| {
-                let plant = Setting { active, ..setting };
+                let plant = Setting {
+                    active,
+                    loop_family,
+                    ..setting
+                };
                 let clean = output_mm(plant, effects, &drive, dt_s);
                 let noisy = |mm: &f64| {
                     let normal: f64 = StandardNormal.sample(&mut rng);

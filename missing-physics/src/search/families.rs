@@ -226,8 +226,37 @@ pub(crate) fn begun<'c>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::synthetic::Synthetic;
+    use crate::decide::OF_FORMULAS;
+    use crate::model::synthetic::{NOISE_MM, Synthetic};
     use crate::{EffectSet, EffectValues};
+
+    /// What [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on.
+    #[test]
+    fn loops_of_two_families_miss_one_another_by_more_than_a_fiftieth() {
+        for truth in OTHERS {
+            for bends in [[0.0; 3], [0.1, 0.0, 0.05], [-0.1, 0.1, 0.0]] {
+                let mut values = EffectValues::default();
+                values.family.bends = bends;
+                let synthetic = Synthetic::with_loop(truth, EffectSet::EMPTY, values, 1);
+                let case = synthetic.case();
+                let n_outputs = case.layout.n_outputs() as f64;
+                let deviation = (case.output_squares() / n_outputs).sqrt();
+                for other in plain_fits(&case, STARTS, 1).unwrap() {
+                    let shaped = other.shaped(&case, case.base.clone(), 1).unwrap();
+                    let error = (shaped.fit.train_rmse.powi(2) - NOISE_MM.powi(2)).max(0.0);
+                    let share = error.sqrt() / deviation;
+                    if other.family == truth {
+                        assert!(share < 0.1 * OF_FORMULAS, "{truth:?} {bends:?} {share}");
+                    } else {
+                        assert!(
+                            (1.0..3.0).contains(&(share / OF_FORMULAS)),
+                            "{truth:?} {bends:?} {share}"
+                        );
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn another_loop_stands_in_where_it_has_one_minimum_and_half_of_the_error() {

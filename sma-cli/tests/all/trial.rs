@@ -151,7 +151,7 @@ fn cases_are_drawn_around_a_rig_of_one_s_own() {
     let (rod, drive) = (file("rod.toml"), file("train.csv"));
     let like = ["--like", &rod, "--drive", &drive, "--out", &out];
     let two = ["--family", "single", "--cases", "2", "--json", "-"];
-    let ran = drawn_from("b", &[&like[..], &two].concat());
+    let ran = drawn_from("k", &[&like[..], &two].concat());
     assert_eq!(
         ran.status.code(),
         Some(0),
@@ -162,14 +162,14 @@ fn cases_are_drawn_around_a_rig_of_one_s_own() {
     let reach = json["reach"].as_array().unwrap();
     assert_eq!(reach.len(), 2);
     assert!(reach.iter().all(|row| row["sizes"][0]["size"] == 1.0));
-    let counted = drawn_from("b", &[&like[..], &["--cases", "0"]].concat());
+    let counted = drawn_from("k", &[&like[..], &["--cases", "0"]].concat());
     let said = String::from_utf8(counted.stdout).unwrap();
     assert!(
         said.starts_with("Of 2 effects of their usual size this experiment would name "),
         "{said}"
     );
     // The folder is of this rig.
-    let other = drawn_from("b", &["--out", &out, "--cases", "0"]);
+    let other = drawn_from("k", &["--out", &out, "--cases", "0"]);
     let said = String::from_utf8(other.stderr).unwrap();
     assert!(said.contains("rig"), "{said}");
     let alone = sma(&["--like", &rod, "--out", &out]);

@@ -44,6 +44,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     presence: Presence::Seldom,
     acts_like: &[],
     needs_in_recording: &[Occurrence::Reversal],
+    like_loop: true,
     ..EffectInfo::ORDINARY
 };
 

@@ -40,6 +40,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     presence: Presence::Seldom,
     acts_like: &[],
     needs_in_recording: &[],
+    like_loop: true,
     ..EffectInfo::ORDINARY
 };
 

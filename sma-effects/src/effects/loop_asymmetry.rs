@@ -32,6 +32,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     acts_like: &[],
     needs_in_recording: &[Occurrence::BothBranches],
     within_loop_families: true,
+    like_loop: true,
     ..EffectInfo::ORDINARY
 };
 

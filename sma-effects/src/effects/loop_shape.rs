@@ -44,6 +44,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     needs_in_recording: &[],
     names_loop_families: true,
     within_loop_families: true,
+    like_loop: true,
     ..EffectInfo::ORDINARY
 };
 

@@ -53,6 +53,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     acts_like: &[],
     // On heating alone it is hardly to be told from the loop's own curve.
     needs_in_recording: &[Occurrence::Cooling],
+    like_loop: true,
     ..EffectInfo::ORDINARY
 };
 

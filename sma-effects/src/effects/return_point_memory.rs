@@ -36,6 +36,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     presence: Presence::Seldom,
     acts_like: &[],
     needs_in_recording: &[Occurrence::InnerReversals],
+    like_loop: true,
     ..EffectInfo::ORDINARY
 };
 

@@ -35,6 +35,7 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     presence: Presence::EveryRod,
     acts_like: &[],
     needs_in_recording: &[],
+    like_loop: true,
     ..EffectInfo::ORDINARY
 };
 

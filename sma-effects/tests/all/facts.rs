@@ -127,6 +127,21 @@ fn facts_of_single_effects() {
         ids(|info| info.within_loop_families),
         ["loop-shape", "loop-asymmetry"]
     );
+    // Beside another loop they may be an error of its formula.
+    assert_eq!(
+        ids(|info| info.like_loop),
+        [
+            "loop-shape",
+            "loop-asymmetry",
+            "return-point-memory",
+            "r-phase",
+            "stress-coupling",
+            "thermal-expansion",
+            "end-stop",
+            "backlash",
+            "sensor-nonlinearity",
+        ]
+    );
     assert_eq!(ids(EffectInfo::is_of_sensor), ["thermocouple-lag"]);
     assert_eq!(
         ids(|info| info.settled_by_ambient_record),
