@@ -62,7 +62,7 @@ fn named(diagnosis: &Diagnosis, finding: &Finding) -> String {
     });
     format!(
         "{} ({together}{} for {first} alone). If it is {first}: {}",
-        capitalized(&names(finding)),
+        capitalized(&names(finding, &diagnosis.findings)),
         probability(finding.probability),
         full_stop(what(finding))
     )

@@ -89,7 +89,7 @@ fn disturbances(diagnosis: &Diagnosis) -> Vec<&'static str> {
 /// "Latent heat, and dead time or supply lag, are missing from the baseline model."
 fn missing(findings: &[Finding]) -> String {
     let is_sure = findings.iter().all(|one| one.could_also_be.is_empty());
-    let names: Vec<String> = findings.iter().map(names).collect();
+    let names: Vec<String> = findings.iter().map(|one| names(one, findings)).collect();
     let verb = if names.len() == 1 { "is" } else { "are" };
     let cannot_tell = if is_sure {
         ""
@@ -102,10 +102,21 @@ fn missing(findings: &[Finding]) -> String {
     )
 }
 
-/// Name of a finding, or names: "latent heat", "either dead time or supply lag".
-pub(super) fn names(finding: &Finding) -> String {
-    let effects = std::iter::once(&finding.effect).chain(&finding.could_also_be);
-    let names: Vec<&str> = effects.map(|effect| effect.info().name).collect();
+/// Name of one of the findings, or names: "latent heat", "either dead time or supply lag".
+pub(super) fn names(finding: &Finding, all: &[Finding]) -> String {
+    let has_loop = all.iter().any(|one| one.effect.info().names_loop_families);
+    let others = finding.could_also_be.iter().map(|other| {
+        let info = other.info();
+        // Another loop is there in any case.
+        if info.names_loop_families && has_loop {
+            "a finer form of that loop"
+        } else {
+            info.name
+        }
+    });
+    let names: Vec<&str> = std::iter::once(finding.effect.info().name)
+        .chain(others)
+        .collect();
     match names.as_slice() {
         [one] => (*one).to_owned(),
         [_, _] => format!("either {}", listed(&names, "or")),

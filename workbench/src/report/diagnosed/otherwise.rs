@@ -23,7 +23,11 @@ pub(super) fn table(diagnosis: &Diagnosis) -> Option<Table> {
             Comparison::AtMost => "≤",
         };
         let needs = |threshold: f64| right(format!("{least} {}", spoken(threshold)));
-        let findings: Vec<String> = other.findings.iter().map(names).collect();
+        let findings: Vec<String> = other
+            .findings
+            .iter()
+            .map(|one| names(one, &other.findings))
+            .collect();
         table.add_row([
             Cell::new(rule.name),
             needs(rule.threshold),
