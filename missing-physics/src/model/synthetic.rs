@@ -33,7 +33,7 @@ impl Synthetic {
         Self::with_loop(LoopFamily::Proximity, active, effects, seed)
     }
 
-    /// The same with a loop of some family.
+    /// Such recordings of a wire with a loop of some family.
     pub(crate) fn with_loop(
         loop_family: LoopFamily,
         active: EffectSet,

@@ -230,7 +230,7 @@ mod tests {
     use crate::model::synthetic::{NOISE_MM, Synthetic};
     use crate::{EffectSet, EffectValues};
 
-    /// What [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on.
+    /// [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on it.
     #[test]
     fn loops_of_two_families_miss_one_another_by_more_than_a_fiftieth() {
         for truth in OTHERS {
