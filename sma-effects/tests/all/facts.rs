@@ -131,11 +131,11 @@ fn facts_of_single_effects() {
     assert_eq!(
         ids(|info| info.like_loop),
         [
-            "loop-shape",
-            "loop-asymmetry",
             "return-point-memory",
-            "r-phase",
+            "loop-shape",
             "stress-coupling",
+            "loop-asymmetry",
+            "r-phase",
             "thermal-expansion",
             "end-stop",
             "backlash",
