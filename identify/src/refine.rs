@@ -153,8 +153,8 @@ fn ends(
     let ends = in_parallel(starts, |start| {
         let own = problem.apart();
         let end = minimize(&own, own.bounds(), start, config)?;
-        let solved = end.sum_of_squares.is_finite();
-        let solved = solved.then(|| own.solve_one(&end.point)).transpose()?;
+        let is_finite = end.sum_of_squares.is_finite();
+        let solved = is_finite.then(|| own.solve_one(&end.point)).transpose()?;
         problem.count(own.simulations());
         Ok(solved.map(|solved| (end, solved)))
     });

@@ -15,14 +15,19 @@ pub fn in_parallel<T: Sync, R: Send>(items: &[T], task: impl Fn(&T) -> R + Sync)
         let result = task(&items[k]);
         *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
     });
-    // Every number had its turn.
     let results = results.into_iter();
     results
-        .filter_map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner))
+        .map(|result| {
+            let result = result.into_inner();
+            match result.unwrap_or_else(PoisonError::into_inner) {
+                Some(result) => result,
+                None => unreachable!("every number had its turn"),
+            }
+        })
         .collect()
 }
 
-/// [`in_parallel`] of tasks that may fail.
+/// [`in_parallel`] of tasks that may fail. All of them run, even after one failed, so that the error is the same on any number of threads.
 ///
 /// # Errors
 ///

@@ -42,7 +42,7 @@ fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     horner(coefficients, (N - 1) / 2 * 2, square) + x * horner(coefficients, N / 2 * 2 - 1, square)
 }
 
-/// Every second coefficient up to the one at `last`. A loop of its own, since compilers unroll it in the midst of any other.
+/// Sum of every second coefficient up to the one at `last`. Compilers unroll this loop wherever it stands; one loop over both sums they do not.
 #[inline(always)]
 fn horner<const N: usize>(coefficients: &[f64; N], last: usize, square: f64) -> f64 {
     let mut k = last;

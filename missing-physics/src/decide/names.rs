@@ -120,11 +120,12 @@ pub(crate) fn names(
 }
 
 impl Named {
-    /// Takes in what could be in its place just as likely.
+    /// Takes in what could be in the place of all of them just as likely.
     fn shares_with(&mut self, other: Candidate) {
+        let whole = self.probability + self.others.iter().map(|(_, mass)| mass).sum::<f64>();
         self.probability *= 0.5;
         self.others.iter_mut().for_each(|(_, mass)| *mass *= 0.5);
-        self.others.push((other, self.probability));
+        self.others.push((other, 0.5 * whole));
         falling(&mut self.others, |other| other.1);
     }
 }

@@ -198,6 +198,7 @@ struct Odd {
     slips: bool,
 }
 
+/// Judges a residual that nothing predicts.
 fn odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> Odd {
     let is_disturbed = is_nameless && traces.ask(RuleId::Disturbed, "", known.disturbed);
     let left = if is_nameless {

@@ -45,7 +45,10 @@ pub(crate) fn unseen(
     point: &[f64],
     recordings: &[Recording],
 ) -> Result<Unseen, IdentifyError> {
-    Ok(validated(model, point, recordings)?.1)
+    let of_each = try_in_parallel(recordings, |recording| {
+        Ok(of_recording(model, point, recording)?.0)
+    })?;
+    Ok(Unseen::of_all(of_each))
 }
 
 /// Validation of a model at a point on each of some recordings that were not used, with the values of all parameters that belong to it,

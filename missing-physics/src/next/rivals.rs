@@ -72,7 +72,9 @@ fn in_its_place<'a>(
     named: &Named,
 ) -> Vec<Rival<'a>> {
     let less = effects.without(named.effect);
+    // A finer form of a loop that is there is no candidate.
     let others = named.others.iter().map(|(effect, _)| *effect);
+    let others = others.filter(|&other| !effects.contains(other));
     std::iter::once(named.effect)
         .chain(others)
         .filter_map(|effect| {

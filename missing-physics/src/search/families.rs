@@ -230,7 +230,7 @@ mod tests {
     use crate::model::synthetic::{NOISE_MM, Synthetic};
     use crate::{EffectSet, EffectValues};
 
-    /// [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on it.
+    /// The value of [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on this test.
     #[test]
     fn loops_of_two_families_miss_one_another_by_more_than_a_fiftieth() {
         for truth in OTHERS {
