@@ -1,9 +1,9 @@
 //! Predictions of blocks from a regression on all others.
 
-use identify::in_parallel;
 use std::ops::Range;
 
 use identify::dense::{Matrix, gram, symmetric_solved};
+use identify::in_parallel;
 
 use crate::evidence::blocks::Block;
 

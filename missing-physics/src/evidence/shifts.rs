@@ -9,6 +9,9 @@ use crate::model::projection::dot;
 /// Share of a recording by which it is shifted at least.
 const LEAST: f64 = 0.05;
 
+/// Shifts that one thread takes at once: of a short recording one alone is less work than its share.
+const AT_ONCE: usize = 64;
+
 /// Probability that noise goes along with a prediction as well as a series does.
 ///
 /// `pairs` has a series and what was predicted of it, recording by recording, both without their means. What the
@@ -44,16 +47,18 @@ pub(crate) fn by_chance(pairs: &[(Vec<f64>, Vec<f64>)], shifts: usize, seed: u64
             each.collect()
         })
         .collect();
-    let meets_as_well = in_parallel(&drawn, |shifts| {
-        let shifted = left.iter().zip(pairs).zip(shifts);
+    let meets_as_well = |each: &&Vec<usize>| {
+        let shifted = left.iter().zip(pairs).zip(*each);
         let along = shifted.map(|((left, (_, predicted)), &shift)| {
             let (begin, end) = left.split_at(shift);
             let (first, last) = predicted.split_at(left.len() - shift);
             dot(end, first) + dot(begin, last)
         });
         along.sum::<f64>() >= found
-    });
-    let as_well = meets_as_well.into_iter().filter(|as_well| *as_well).count();
+    };
+    let groups: Vec<&[Vec<usize>]> = drawn.chunks(AT_ONCE).collect();
+    let as_well = in_parallel(&groups, |group| group.iter().filter(meets_as_well).count());
+    let as_well: usize = as_well.into_iter().sum();
     (1 + as_well) as f64 / (1 + shifts) as f64
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use identify::{ForwardModel, IdentifyError, ResidualNoise, in_parallel};
+use identify::{ForwardModel, IdentifyError, ResidualNoise, try_in_parallel};
 use recording::Recording;
 
 /// Channel that fills a segment.
@@ -103,23 +103,48 @@ impl Layout {
             each.map(move |(k, batch)| (r, k * BATCH, batch))
         });
         let batches: Vec<(usize, usize, &[Vec<f64>])> = batches.collect();
-        let simulated = in_parallel(&batches, |&(r, _, batch)| {
-            simulated(model, batch, &training[r])
-        });
-        for ((r, first, _), channels) in batches.into_iter().zip(simulated) {
-            let channels = channels?;
-            for segment in self.segments.iter().filter(|one| one.recording == r) {
-                let (own, per) = match segment.channel {
-                    Channel::Output => (&channels[0], 1.0),
-                    Channel::Temperature => (&channels[1], self.per_k),
-                };
+        let simulated = try_in_parallel(&batches, |&(r, _, batch)| {
+            self.simulated(model, batch, (r, &training[r]))
+        })?;
+        for ((r, first, _), segments) in batches.into_iter().zip(simulated) {
+            for (segment, own) in self.of_recording(r).zip(segments) {
                 for (series, own) in series[first..].iter_mut().zip(own) {
-                    let pairs = series[segment.range.clone()].iter_mut().zip(own);
-                    pairs.for_each(|(series, own)| *series = per * own);
+                    series[segment.range.clone()].copy_from_slice(&own);
                 }
             }
         }
         Ok(series)
+    }
+
+    fn of_recording(&self, r: usize) -> impl Iterator<Item = &Segment> {
+        self.segments.iter().filter(move |one| one.recording == r)
+    }
+
+    /// Series that a model has in each segment of one recording, one a point.
+    fn simulated(
+        &self,
+        model: &dyn ForwardModel,
+        points: &[Vec<f64>],
+        (r, recording): (usize, &Recording),
+    ) -> Result<Vec<Vec<Vec<f64>>>, IdentifyError> {
+        let empty = |_| Vec::with_capacity(recording.len());
+        let segments = self.of_recording(r);
+        let mut shown: Vec<Vec<Vec<f64>>> = segments
+            .map(|_| points.iter().map(empty).collect())
+            .collect();
+        model.simulate(points, recording, &mut |block| {
+            for (segment, series) in self.of_recording(r).zip(&mut shown) {
+                let (values, per) = match segment.channel {
+                    Channel::Output => (block.displacement, 1.0),
+                    Channel::Temperature => (block.temperature_degc, self.per_k),
+                };
+                for (lane, series) in series.iter_mut().enumerate() {
+                    let own = values.iter().skip(lane).step_by(block.stride);
+                    series.extend(own.map(|value| per * value));
+                }
+            }
+        })?;
+        Ok(shown)
     }
 
     /// The noise of each channel, as autoregressive models of a residual.
@@ -136,27 +161,6 @@ impl Layout {
             temperature: of(Channel::Temperature),
         }
     }
-}
-
-/// Output and temperature of a recording as a model has them, at each of some points.
-fn simulated(
-    model: &dyn ForwardModel,
-    points: &[Vec<f64>],
-    recording: &Recording,
-) -> Result<[Vec<Vec<f64>>; 2], IdentifyError> {
-    let empty = |_| Vec::with_capacity(recording.len());
-    let mut channels = [0, 1].map(|_| (0..points.len()).map(empty).collect::<Vec<_>>());
-    model.simulate(points, recording, &mut |block| {
-        for (shown, own) in [block.displacement, block.temperature_degc]
-            .into_iter()
-            .zip(&mut channels)
-        {
-            for (lane, own) in own.iter_mut().enumerate() {
-                own.extend(shown.iter().skip(lane).step_by(block.stride));
-            }
-        }
-    })?;
-    Ok(channels)
 }
 
 /// Noise of the two channels.

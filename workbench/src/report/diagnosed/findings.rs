@@ -4,7 +4,7 @@ use comfy_table::{Cell, Table};
 use missing_physics::{Candidate, Comparison, Diagnosis, Finding, RuleId, Trace};
 use sma_effects::Role;
 
-use super::headline::names;
+use super::headline::{names, names_of_others};
 use super::traces::of_effect;
 use crate::report::number::{probability, significant, spoken, spoken_percent};
 use crate::report::table::{right, table};
@@ -304,10 +304,8 @@ pub fn literature(finding: &Finding) -> Option<[f64; 2]> {
 /// Alternatives to a finding; empty if there are none.
 pub(super) fn or_else(findings: &[Finding], effect: Candidate) -> String {
     let found = findings.iter().find(|one| one.effect == effect);
-    let others = found.map_or(&[][..], |one| &one.could_also_be);
-    if others.is_empty() {
-        return String::new();
+    match found.map(|one| names_of_others(one, findings)) {
+        Some(names) if !names.is_empty() => format!("or {}", listed(&names, "or")),
+        _ => String::new(),
     }
-    let names: Vec<&str> = others.iter().map(|other| other.info().name).collect();
-    format!("or {}", listed(&names, "or"))
 }

@@ -104,6 +104,19 @@ fn missing(findings: &[Finding]) -> String {
 
 /// Name of one of the findings, or names: "latent heat", "either dead time or supply lag".
 pub(super) fn names(finding: &Finding, all: &[Finding]) -> String {
+    let others = names_of_others(finding, all);
+    let names: Vec<&str> = std::iter::once(finding.effect.info().name)
+        .chain(others)
+        .collect();
+    match names.as_slice() {
+        [one] => (*one).to_owned(),
+        [_, _] => format!("either {}", listed(&names, "or")),
+        several => format!("one of {}", listed(several, "or")),
+    }
+}
+
+/// Names of what one of the findings could also be.
+pub(super) fn names_of_others(finding: &Finding, all: &[Finding]) -> Vec<&'static str> {
     let has_loop = all.iter().any(|one| one.effect.info().names_loop_families);
     let others = finding.could_also_be.iter().map(|other| {
         let info = other.info();
@@ -114,14 +127,7 @@ pub(super) fn names(finding: &Finding, all: &[Finding]) -> String {
             info.name
         }
     });
-    let names: Vec<&str> = std::iter::once(finding.effect.info().name)
-        .chain(others)
-        .collect();
-    match names.as_slice() {
-        [one] => (*one).to_owned(),
-        [_, _] => format!("either {}", listed(&names, "or")),
-        several => format!("one of {}", listed(several, "or")),
-    }
+    others.collect()
 }
 
 /// The model with findings and suspects; the baseline model where there are neither.
