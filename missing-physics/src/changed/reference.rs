@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use identify::{Fit, ForwardModel, IdentifyError, Scale, WienerModel, predict};
 use recording::Recording;
 
+use crate::baseline::opened::{Opened, plain_fit};
 use crate::changed::change::{Change, Changing, Considered, LeftOut, decided, probabilities};
 use crate::changed::comparison::{Comparison, Ended};
 use crate::changed::discrepancy::Discrepancy;
@@ -12,12 +13,12 @@ use crate::changed::joint::{Joint, Runs};
 use crate::changed::likeliest::likeliest;
 use crate::changed::version::{Version, What};
 use crate::config::DiagnoseConfig;
-use crate::diagnose::diagnose_runs;
+use crate::diagnose::diagnosed;
 use crate::model::case::Case;
 use crate::model::coarse::coarse_at;
 use crate::model::unseen::validated;
 use crate::report::catalogue::HALF_95;
-use crate::watch::DiagnoseProgress;
+use crate::watch::{Caller, DiagnoseProgress};
 use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel, Setting};
 
 /// Odds by which an effect must be likelier than none, for each of the catalogue, to be taken into the laws.
@@ -71,7 +72,11 @@ impl Reference {
             catalogue: laws.fold(EffectSet::EMPTY, EffectSet::with),
             ..config.clone()
         };
-        let (base, diagnosis) = diagnose_runs(base, runs, &of_laws, progress)?;
+        let caller = Caller::new(progress, &of_laws);
+        let plain = plain_fit(base, runs, &of_laws, &caller)?;
+        let opened = Opened::of_runs(base, &plain, runs, &of_laws, &caller)?;
+        let base = opened.base.clone();
+        let diagnosis = diagnosed(opened, [runs, &[]], &of_laws, &caller)?;
         let plain = diagnosis.baseline.fit;
         let (model, fit) = match diagnosis.extended {
             Some(extended) => (extended.model, extended.stage.fit),

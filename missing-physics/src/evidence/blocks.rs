@@ -2,15 +2,17 @@
 
 use std::ops::Range;
 
-use recording::Recording;
-
-use crate::model::series::{Channel, Layout};
+use crate::model::case::Case;
+use crate::model::series::Channel;
 
 /// Blocks in all, about: enough to tell what one block says from what all say.
 const MOST: usize = 16;
 
 /// Blocks of a recording, at least: each is predicted from another of its own.
 const FEWEST: usize = 2;
+
+/// Gap between what is fitted and what is left out, time constants: so long a rod remembers.
+const GAP: f64 = 5.0;
 
 /// Gap on either side of a block over the block, at most.
 const WIDEST_GAP: f64 = 0.25;
@@ -41,8 +43,10 @@ impl Block {
     }
 }
 
-/// Equal parts of all recordings, none across two; `gap_s` is how long the rod remembers.
-pub(crate) fn blocks(layout: &Layout, training: &[Recording], gap_s: f64) -> Vec<Block> {
+/// Equal parts of all recordings of a case, none across two.
+pub(crate) fn blocks(case: &Case<'_>) -> Vec<Block> {
+    let (layout, training) = (&case.layout, case.training);
+    let gap_s = GAP * case.fit.tau_s();
     let n_outputs = layout.n_outputs().max(1);
     let temperatures: Vec<&Range<usize>> = training
         .iter()

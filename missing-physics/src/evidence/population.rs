@@ -80,12 +80,6 @@ impl Population {
         &self.models[0]
     }
 
-    /// The model with just these names.
-    pub(crate) fn get(&self, names: CandidateSet) -> Option<&Model> {
-        let own = self.models.iter().filter(|model| model.names == names);
-        own.max_by(|a, b| a.worth().total_cmp(&b.worth()))
-    }
-
     /// The most credible model that may be chosen; one in which all has a form of its own, if that does as well.
     pub(crate) fn best(&self) -> &Model {
         let admissible = || self.models.iter().filter(|model| model.is_admissible());

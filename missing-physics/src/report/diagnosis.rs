@@ -10,6 +10,8 @@ use crate::locate::mismatch::{Mismatch, Shape};
 use crate::next::run::NextExperiment;
 use crate::noise::floor::Measured;
 use crate::noise::kind::{Floor, NoiseClass};
+use crate::search::roads::Search;
+use crate::search::survey::Loops;
 use crate::{Candidate, ExtendedModel, LoopFamily, Need};
 
 /// The result of `diagnose`.
@@ -113,6 +115,17 @@ pub struct Simulations {
 }
 
 impl Simulations {
+    /// Those of the baseline model and at few samples.
+    pub(crate) fn before(plain: &Fit, loops: &Loops, at_few: &[Search<'_>]) -> Self {
+        let of_loops = loops.fits.iter().map(|other| other.fit.simulations);
+        Self {
+            baseline: plain.simulations,
+            other_loops: of_loops.sum(),
+            search: at_few.iter().map(Search::simulations).sum(),
+            judged: 0,
+        }
+    }
+
     /// All of them.
     #[must_use]
     pub fn total(self) -> u64 {

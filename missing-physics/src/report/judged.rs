@@ -23,7 +23,7 @@ pub(crate) struct Judging<'a> {
     /// The baseline model and its fit.
     pub(crate) plain: (&'a ExtendedModel, &'a Stage),
     /// Errors of the baseline model and of the extended one on the recordings that were not used, if there is an extended one.
-    pub(crate) errors: Option<&'a [Unseen; 2]>,
+    pub(crate) errors: Option<[&'a Unseen; 2]>,
     /// Mean square that there is no way below.
     pub(crate) ceiling: f64,
 }

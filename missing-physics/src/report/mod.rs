@@ -8,5 +8,9 @@ pub(crate) mod held;
 pub(crate) mod judged;
 pub(crate) mod ladder;
 pub(crate) mod remains;
+pub(crate) mod reporting;
 pub(crate) mod saved;
 pub(crate) mod sentence;
+
+pub(crate) use diagnosis::{Diagnosis, Simulations};
+pub(crate) use reporting::{Baseline, Reporting};

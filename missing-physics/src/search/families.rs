@@ -10,7 +10,6 @@ use crate::config::Part;
 use crate::decide::{RuleId, leading};
 use crate::evidence::Population;
 use crate::model::case::{Case, Node};
-use crate::noise::floor::Measured;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, EffectBlock, LoopFamily};
 
@@ -123,8 +122,15 @@ fn retain_near(fits: &mut Vec<OtherBaseline>, case: &Case<'_>) {
 }
 
 /// Families that may stand in for the paper's loop, the starts of which end apart; none where not even the best of these describes
-/// the output, since then another loop is not what is missing, or where no other loop has one minimum.
-pub(crate) fn instead(case: &Case<'_>, seed: u64) -> Result<Vec<OtherBaseline>, IdentifyError> {
+/// the output, since then another loop is not what is missing, where no other loop has one minimum, or where it is not among the candidates.
+pub(crate) fn instead(
+    case: &Case<'_>,
+    among: CandidateSet,
+    seed: u64,
+) -> Result<Vec<OtherBaseline>, IdentifyError> {
+    if !among.contains(Candidate::other_loop()) {
+        return Ok(Vec::new());
+    }
     let squares = case.fit.train_rmse.powi(2) * case.layout.n_outputs() as f64;
     let described = 1.0 - squares / case.output_squares();
     if !RuleId::Describes.rule().passes(described) || case.leaves_out(Part::OtherLoops) {
@@ -209,18 +215,6 @@ pub(crate) fn may_be_the_loop(population: &Population) -> bool {
     let model = leading(population);
     let is_of_loop = |name: Candidate| name.info().block == EffectBlock::Transformation;
     !model.is_whole() || model.names.iter().any(is_of_loop)
-}
-
-/// The models of a case with one effect at most.
-pub(crate) fn begun<'c>(
-    case: &'c Case<'c>,
-    catalogue: CandidateSet,
-    noise: &Measured,
-    seed: u64,
-) -> Result<Search<'c>, IdentifyError> {
-    let mut search = Search::new(case, case.baseline()?, catalogue, noise.highest(), seed)?;
-    search.grow_by_one()?;
-    Ok(search)
 }
 
 #[cfg(test)]

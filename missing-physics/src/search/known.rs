@@ -14,10 +14,9 @@ use crate::noise::slowness::slowness;
 use crate::noise::tone::tone;
 use crate::search::roads::Search;
 
-/// Facts that the judge needs beside the population.
+/// Facts that the judge needs beside the population. The leading model is that of the search with these effects.
 pub(crate) fn known(
-    search: &Search<'_>,
-    effects: CandidateSet,
+    (search, effects): (&Search<'_>, CandidateSet),
     population: &Population,
     noise: &Measured,
     blocks: &[Block],

@@ -11,4 +11,10 @@ pub(crate) mod promote;
 pub(crate) mod refit;
 pub(crate) mod roads;
 pub(crate) mod settle;
+pub(crate) mod survey;
 pub(crate) mod weighing;
+
+pub(crate) use occurs::testable;
+pub(crate) use promote::promoted;
+pub(crate) use survey::Survey;
+pub(crate) use weighing::at;

@@ -5,10 +5,11 @@ use recording::order::falling;
 
 use crate::config::Part;
 use crate::decide::leading;
-use crate::evidence::{Model, Population};
+use crate::evidence::{Block, Model, Population};
 use crate::model::case::{Case, Node};
-use crate::search::complete::{Completing, parts};
+use crate::search::complete::parts;
 use crate::search::roads::{Search, is_costly};
+use crate::search::survey::Survey;
 use crate::search::weighing::{Weighing, at};
 use crate::{CandidateSet, LoopFamily};
 
@@ -23,19 +24,26 @@ const FEWEST: usize = 12;
 const MOST: usize = 24;
 const FEW_PRESSED: usize = 4;
 
-/// The population of some models on all samples: those that coarse searches leave in question, at the ends that they have there.
+/// The population of some models on all samples: those that the searches at few samples leave in question, at the ends that they have there.
 ///
-/// `cases` are those of the searches, with all samples.
+/// `cases` are those of the searches, with all samples, and `blocks` those on which they are weighed; `noise` is the variance of the
+/// noise, at most.
 pub(crate) fn promoted<'c>(
     cases: &[&'c Case<'c>],
-    coarse: &mut [Search<'_>],
-    completing: &mut Completing<'_>,
-    weighing: &mut Weighing<'_>,
+    survey: &mut Survey<'_>,
+    blocks: &[Block],
     noise: f64,
 ) -> Result<(Vec<Search<'c>>, Population), IdentifyError> {
+    let Survey {
+        searches: coarse,
+        completing,
+        config,
+        ..
+    } = survey;
+    let mut weighing = Weighing::new(blocks, config.seed);
     let mut fine = cases
         .iter()
-        .zip(&*coarse)
+        .zip(coarse.iter())
         .map(|(case, coarse)| begun(case, coarse, noise))
         .collect::<Result<Vec<_>, IdentifyError>>()?;
     let mut settled: Vec<(usize, CandidateSet)> = Vec::new();

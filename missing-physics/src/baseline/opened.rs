@@ -1,0 +1,89 @@
+//! From the rig as it is written down to the baseline model that is searched from.
+
+use std::ops::ControlFlow;
+
+use identify::{Fit, FitConfig, IdentifyError, WienerModel};
+use recording::{Recording, RepeatFloor, repeat_floor};
+
+use crate::agreed::agreed;
+use crate::baseline::run_states::{with_open_runs, with_state_of_runs};
+use crate::baseline::unknowns::with_unknowns;
+use crate::config::DiagnoseConfig;
+use crate::watch::{Caller, DiagnoseProgress, Watched};
+
+/// A baseline model with what belongs to recordings and runs open as far as it is asked for.
+#[derive(Debug)]
+pub(crate) struct Opened {
+    pub(crate) base: WienerModel,
+    pub(crate) plain: Fit,
+    /// True if one minimum was found, before anything was opened or after.
+    pub(crate) is_found: bool,
+    /// Difference between recordings of the same drive, training and unseen.
+    pub(crate) repeats: Option<RepeatFloor>,
+}
+
+impl Opened {
+    /// The baseline model with what its recordings ask for; `plain` is its fit as it is.
+    pub(crate) fn of(
+        base: &WienerModel,
+        plain: Fit,
+        [training, unseen]: [&[Recording]; 2],
+        config: &DiagnoseConfig,
+        caller: &Caller<'_>,
+    ) -> Result<Self, IdentifyError> {
+        let has_converged = plain.converged();
+        let repeats = repeat_floor(&[training, unseen].concat());
+        let (base, plain) = with_unknowns(base, plain, training, config, caller)?;
+        let (base, plain) =
+            with_state_of_runs(&base, plain, training, repeats.as_ref(), (config, caller))?;
+        Ok(Self {
+            is_found: has_converged || plain.converged(),
+            base,
+            plain,
+            repeats,
+        })
+    }
+
+    /// The baseline model of runs that may differ from one another as runs of a rig ordinarily do.
+    pub(crate) fn of_runs(
+        base: &WienerModel,
+        plain: &Fit,
+        runs: &[Recording],
+        config: &DiagnoseConfig,
+        caller: &Caller<'_>,
+    ) -> Result<Self, IdentifyError> {
+        let has_converged = plain.converged();
+        let base = base.without_reference_run();
+        let (base, plain) = with_open_runs(&base, plain, runs, (config, caller))?;
+        Ok(Self {
+            is_found: has_converged || plain.converged(),
+            base,
+            plain,
+            repeats: repeat_floor(runs),
+        })
+    }
+}
+
+/// The baseline model fitted as it is.
+pub(crate) fn plain_fit(
+    base: &WienerModel,
+    training: &[Recording],
+    config: &DiagnoseConfig,
+    caller: &Caller<'_>,
+) -> Result<Fit, IdentifyError> {
+    let fit_config = FitConfig {
+        seed: config.seed,
+        ..config.baseline.clone()
+    };
+    let watched = Watched {
+        model: base,
+        watch: caller,
+    };
+    agreed(&watched, training, &fit_config, &mut |so_far| {
+        // If this ends it, so does the next simulation.
+        match caller.tell(DiagnoseProgress::Baseline(so_far.clone())) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        }
+    })
+}

@@ -1,0 +1,227 @@
+//! From a finished search to the diagnosis that is told of it.
+
+use identify::IdentifyError;
+use recording::order::falling;
+use recording::{Recording, RepeatFloor};
+
+use crate::config::{DiagnoseConfig, Part};
+use crate::decide::{Decided, Named, Traces, Verdict, leading};
+use crate::evidence::{Block, Population};
+use crate::locate::everywhere::locate;
+use crate::locate::mismatch::Mismatch;
+use crate::model::case::Case;
+use crate::model::elsewhere::predicted;
+use crate::model::unseen::{Unseen, validated};
+use crate::next::rivals::next;
+use crate::next::run::NextExperiment;
+use crate::noise::floor::Measured;
+use crate::report::catalogue::{catalogue, finding};
+use crate::report::diagnosis::{
+    Diagnosis, Explained, ExtendedStage, Finding, Otherwise, Remainder, Simulations, Stage,
+};
+use crate::report::errors::Errors;
+use crate::report::explained::explained;
+use crate::report::held::extended;
+use crate::report::judged::{Judged, Judging};
+use crate::report::ladder::ladder;
+use crate::report::remains::{blocks_of, located, remainder};
+use crate::search::known::known;
+use crate::search::roads::Search;
+use crate::watch::{Caller, DiagnoseProgress, Watch};
+use crate::{CandidateSet, ExtendedModel};
+
+/// The baseline model with its error on recordings that were not used.
+#[derive(Debug)]
+pub(crate) struct Baseline {
+    pub(crate) model: ExtendedModel,
+    pub(crate) stage: Stage,
+    /// Error on stretches of those recordings.
+    pub(crate) error: Unseen,
+}
+
+impl Baseline {
+    /// The baseline model of a case where it was fitted.
+    pub(crate) fn of(case: &Case<'_>, unseen: &[Recording]) -> Result<Self, IdentifyError> {
+        let point = case.fit.point(0);
+        let (validated, error) = validated(case.base, &point, unseen)?;
+        let predicted_rmse = predicted(case.base, &point, unseen)?;
+        Ok(Self {
+            model: case.model(CandidateSet::EMPTY),
+            stage: Stage {
+                validated,
+                predicted_rmse,
+                fit: case.fit.clone(),
+            },
+            error,
+        })
+    }
+}
+
+/// What is known before the search, and goes into what is told after it.
+#[derive(Debug)]
+pub(crate) struct Reporting<'a, 'p> {
+    /// Blocks on which models are weighed.
+    pub(crate) blocks: &'a [Block],
+    pub(crate) noise: Measured,
+    pub(crate) repeats: Option<RepeatFloor>,
+    pub(crate) baseline: Baseline,
+    pub(crate) unseen: &'a [Recording],
+    pub(crate) config: &'a DiagnoseConfig,
+    pub(crate) caller: &'a Caller<'p>,
+}
+
+impl Reporting<'_, '_> {
+    /// The diagnosis where no two starts of the baseline model agree, and no other loop does instead.
+    pub(crate) fn not_converged(self) -> Diagnosis {
+        Diagnosis::not_converged(
+            self.baseline.stage,
+            self.repeats,
+            &self.noise,
+            self.config.seed,
+        )
+    }
+
+    /// The diagnosis. `searches` are those of the population at all samples, the paper's loop first, and `place` and `effects` say where the
+    /// leading model stands in them. What is needed and was not searched is fitted. `simulations` are those of all that came before.
+    pub(crate) fn reported(
+        self,
+        (mut searches, population): (Vec<Search<'_>>, &Population),
+        (place, effects): (usize, CandidateSet),
+        simulations: Simulations,
+    ) -> Result<Diagnosis, IdentifyError> {
+        let Baseline {
+            model,
+            stage: baseline,
+            error: before,
+        } = &self.baseline;
+        let seed = self.config.seed;
+        let looked = (self.noise.gate.sqrt(), seed);
+        let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
+        let leader = (&searches[place], effects);
+        let known = known(leader, population, &self.noise, self.blocks, self.config)?;
+        let search = &mut searches[place];
+        let ceiling = population.ceiling()[0] / search.case.layout.n_outputs() as f64;
+        let (extended, error_after) = extended(search, effects, self.unseen)?.unzip();
+        let of_both = error_after.as_ref().map(|after| [before, after]);
+        let mut errors = Errors::on(self.unseen);
+        let judging = Judging {
+            population,
+            known: &known,
+            extended: extended.as_ref(),
+            plain: (model, baseline),
+            errors: of_both,
+            ceiling,
+        };
+        let Judged { decided, by_names } =
+            judging.judged(search, &mut errors, Traces::default())?;
+        let explained = of_both.map(|of_both| Explained {
+            by_findings: by_names,
+            ..explained(of_both, decided.explained, ceiling, seed)
+        });
+        self.caller.tell(DiagnoseProgress::Locate)?;
+        let findings = written(&decided.named, search, extended.as_ref());
+        let suspects = written(&decided.suspects, search, extended.as_ref());
+        // What a curve finds beyond the leading model, if only the error of a formula, may be any effect.
+        let hidden_rms = leading(population).found_by_curve().sqrt();
+        let n_outputs = search.case.layout.n_outputs();
+        let least_rms = known.least_that_matters(n_outputs).max(hidden_rms);
+        let of_population = (population, &decided);
+        let catalogue = catalogue(search, of_population, effects, least_rms, seed)?;
+        if !decided.named.is_empty() {
+            mismatch.blocks = blocks_of(&decided.named);
+            mismatch.block = mismatch.blocks.first().copied();
+        }
+        let remainder = self.remainder(
+            (search, effects),
+            (population, &decided),
+            &mismatch,
+            ceiling,
+        )?;
+        let next_experiment = self.next_experiment((search, effects), &decided)?;
+        let best = search.get(effects).unwrap_or(search.baseline());
+        let noise_floor = self.noise.floor(search.case, best);
+        // Last: it may visit models that are no rivals.
+        let ladder = ladder(search, baseline, extended.as_ref(), &mut errors)?;
+        // As it may, too, where an answer would be another one.
+        let otherwise = judging
+            .otherwise(search, &mut errors, &decided)?
+            .into_iter()
+            .map(|(rule, factor, decided)| Otherwise {
+                rule,
+                factor,
+                verdict: decided.verdict,
+                findings: written(&decided.named, search, extended.as_ref()),
+            })
+            .collect();
+        let audit_of_plain = population.plain().anonymous.as_ref();
+        Ok(Diagnosis {
+            verdict: decided.verdict,
+            noise_floor,
+            repeats: self.repeats,
+            ladder,
+            explained,
+            mismatch,
+            findings,
+            suspects,
+            remainder,
+            catalogue,
+            next_experiment,
+            audit: decided.audit,
+            baseline_audit: audit_of_plain.map(|one| one.audit),
+            traces: decided.traces.steps,
+            otherwise,
+            left_out: self.caller.left_out(),
+            simulations: Simulations {
+                judged: searches.iter().map(Search::simulations).sum(),
+                ..simulations
+            },
+            baseline: self.baseline.stage,
+            extended,
+            seed,
+        })
+    }
+
+    /// Residual error after the leading model, where a part of it is not explained.
+    fn remainder(
+        &self,
+        (search, effects): (&mut Search<'_>, CandidateSet),
+        (population, decided): (&Population, &Decided),
+        mismatch: &Mismatch,
+        ceiling: f64,
+    ) -> Result<Option<Remainder>, IdentifyError> {
+        if !matches!(
+            decided.verdict,
+            Verdict::ExplainedInPart | Verdict::Unexplained
+        ) {
+            return Ok(None);
+        }
+        let n_outputs = search.case.layout.n_outputs() as f64;
+        let of_both = [population.plain(), leading(population)]
+            .map(|model| model.evidence.squares()[0] / n_outputs - ceiling);
+        let looked = (self.noise.gate.sqrt(), self.config.seed);
+        remainder(search, effects, mismatch, of_both, looked)
+    }
+
+    /// The run that would tell apart what these recordings could not, unless it is left out.
+    fn next_experiment(
+        &self,
+        (search, effects): (&Search<'_>, CandidateSet),
+        decided: &Decided,
+    ) -> Result<Option<NextExperiment>, IdentifyError> {
+        let has_rivals = decided.named.iter().any(|named| !named.others.is_empty());
+        let may_differ = has_rivals || !decided.suspects.is_empty();
+        if may_differ && self.caller.leaves_out(Part::NextRun) {
+            return Ok(None);
+        }
+        next(search, decided, effects, &self.config.limits)
+    }
+}
+
+/// Names with their numbers, the strongest first.
+fn written(named: &[Named], search: &Search<'_>, extended: Option<&ExtendedStage>) -> Vec<Finding> {
+    let setting = &search.case.setting;
+    let findings = named.iter().map(|named| finding(named, setting, extended));
+    let mut findings: Vec<Finding> = findings.collect();
+    falling(&mut findings, |finding| finding.contribution);
+    findings
+}

@@ -1,0 +1,125 @@
+//! The search at few samples: which models are worth a look at all of them.
+
+use identify::IdentifyError;
+
+use crate::config::{DiagnoseConfig, Effort, Part};
+use crate::decide::leading;
+use crate::evidence::Block;
+use crate::model::case::Case;
+use crate::noise::floor::{Measured, measured};
+use crate::search::complete::Completing;
+use crate::search::families::{
+    self, OtherBaseline, is_anything, is_described, may_be_the_loop, retain_rivals,
+};
+use crate::search::roads::Search;
+use crate::{Candidate, CandidateSet};
+
+/// The searches at few samples, the paper's loop first.
+#[derive(Debug)]
+pub(crate) struct Survey<'c> {
+    case: &'c Case<'c>,
+    catalogue: CandidateSet,
+    noise: Measured,
+    pub(crate) config: &'c DiagnoseConfig,
+    pub(crate) completing: Completing<'c>,
+    pub(crate) searches: Vec<Search<'c>>,
+}
+
+/// Loops of other families that are searched beside the paper's.
+#[derive(Debug)]
+pub(crate) struct Loops {
+    pub(crate) fits: Vec<OtherBaseline>,
+    /// True if they are searched for all that is missing, and not only as rivals of what has a name.
+    goes_on: bool,
+}
+
+impl<'c> Survey<'c> {
+    /// The models of the paper's loop with one effect at most. `blocks` are those of the case.
+    pub(crate) fn begun(
+        case: &'c Case<'c>,
+        blocks: &'c [Block],
+        catalogue: CandidateSet,
+        config: &'c DiagnoseConfig,
+    ) -> Result<Self, IdentifyError> {
+        let noise = measured(case.training, case.fit.tau_s());
+        let search = with_one(case, catalogue, &noise, config.seed)?;
+        Ok(Self {
+            case,
+            catalogue,
+            noise,
+            config,
+            completing: Completing::new(blocks, config.seed),
+            searches: vec![search],
+        })
+    }
+
+    /// The loops that are to be searched beside the paper's. `stand_ins` are fits of those that stand in for one which has no minimum of
+    /// its own; none where it has.
+    ///
+    /// A loop of another family bends what is found of the rest: it comes before more effects do.
+    pub(crate) fn loops(&mut self, stand_ins: Vec<OtherBaseline>) -> Result<Loops, IdentifyError> {
+        let stands_in = !stand_ins.is_empty();
+        let mut fits = stand_ins;
+        if !stands_in
+            && self.catalogue.contains(Candidate::other_loop())
+            && is_anything(&self.completing.audited(&self.searches)?)
+            && !self.case.leaves_out(Part::OtherLoops)
+        {
+            fits = families::fits(self.case, self.config.seed)?;
+        }
+        let mut goes_on =
+            self.is_thorough(&fits) || stands_in || families::is_another(&fits, &self.searches[0]);
+        if !goes_on {
+            // More effects than one are worth their search where a curve finds more than one has.
+            let population = self.completing.completed(&mut self.searches)?;
+            goes_on = may_be_the_loop(&population);
+            if !goes_on {
+                let named = self.searches[0].get(leading(&population).names);
+                retain_rivals(&mut fits, named);
+            }
+        }
+        Ok(Loops { fits, goes_on })
+    }
+
+    /// Searches beside these loops, too; `cases` are the rig with each of them.
+    pub(crate) fn go_on(
+        &mut self,
+        cases: &'c [Case<'c>],
+        loops: &Loops,
+    ) -> Result<(), IdentifyError> {
+        let beside = families::beside(self.catalogue);
+        for case in cases {
+            let search = with_one(case, beside, &self.noise, self.config.seed)?;
+            self.searches.push(search);
+        }
+        if !loops.goes_on {
+            return Ok(());
+        }
+        // Where a loop leaves nothing that a curve finds, by itself or with one effect, more effects are in vain; and where not even
+        // a curve describes the output.
+        let population = self.completing.audited(&self.searches)?;
+        let is_in_vain = leading(&population).is_whole()
+            || !is_described(&population, self.case.output_squares());
+        if self.is_thorough(&loops.fits) || !is_in_vain {
+            families::grow(&mut self.searches)?;
+        }
+        self.completing.completed(&mut self.searches)?;
+        Ok(())
+    }
+
+    fn is_thorough(&self, fits: &[OtherBaseline]) -> bool {
+        self.config.effort == Effort::Thorough && !fits.is_empty()
+    }
+}
+
+/// The models of a case with one effect at most.
+fn with_one<'c>(
+    case: &'c Case<'c>,
+    catalogue: CandidateSet,
+    noise: &Measured,
+    seed: u64,
+) -> Result<Search<'c>, IdentifyError> {
+    let mut search = Search::new(case, case.baseline()?, catalogue, noise.highest(), seed)?;
+    search.grow_by_one()?;
+    Ok(search)
+}
