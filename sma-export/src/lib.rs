@@ -14,5 +14,5 @@ mod template;
 pub use c::{CNumbers, CPrefix, c_header};
 pub use error::ExportError;
 pub use exported::{Controller, Exported, Labels};
-pub use fmu::{FMU_LIBRARY, FMU_MARK, FmuVariable, fmu, fmu_guid};
+pub use fmu::{FMU_LIBRARY, FMU_MARK, FMU_TIME, Fmi, FmuVariable, fmu, fmu_guid};
 pub use python::python_module;

@@ -13,6 +13,7 @@ import sys
 
 import fmpy
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 
@@ -31,20 +32,26 @@ def main(unit, predicted):
     reference = {variable.name: variable.valueReference for variable in description.modelVariables}
     shown = [reference["displacement"], reference["temperature_degc"]]
     folder = fmpy.extract(unit)
-    slave = FMU2Slave(
-        guid=description.guid,
+    is_of_version_3 = description.fmiVersion.startswith("3")
+    slave = (FMU3Slave if is_of_version_3 else FMU2Slave)(
+        guid=description.guid or description.instantiationToken,
         unzipDirectory=folder,
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName="rod",
     )
     slave.instantiate()
-    slave.setupExperiment(startTime=time_s[0])
-    slave.enterInitializationMode()
+    if is_of_version_3:
+        slave.enterInitializationMode(startTime=time_s[0])
+        get, set_to = slave.getFloat64, slave.setFloat64
+    else:
+        slave.setupExperiment(startTime=time_s[0])
+        slave.enterInitializationMode()
+        get, set_to = slave.getReal, slave.setReal
     slave.exitInitializationMode()
     differing = 0
     for k, value in enumerate(drive):
-        differing += tuple(slave.getReal(shown)) != expected[k]
-        slave.setReal([reference["drive"]], [value])
+        differing += tuple(get(shown)) != expected[k]
+        set_to([reference["drive"]], [value])
         slave.doStep(time_s[k], step_s)
     slave.terminate()
     slave.freeInstance()

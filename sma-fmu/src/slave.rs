@@ -8,7 +8,7 @@ use missing_physics::{RestoredModel, parse_model};
 use recording::read_text;
 use sha2::{Digest, Sha256};
 use sma_effects::{EffectId, EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
-use sma_export::{FmuVariable, fmu_guid};
+use sma_export::{FMU_TIME, FmuVariable, fmu_guid};
 use wiener::{Drive, Input, Plant, WienerParams};
 
 /// Most bytes of a model.
@@ -35,13 +35,19 @@ pub(crate) enum SlaveError {
     Guid { found: String, expected: String },
     #[error("the plant is refused: {0}")]
     Plant(#[from] PhysicsError),
+    #[error("identity and location of the resources: expected text")]
+    Untold,
+    #[error("type of the unit: expected co-simulation")]
+    Purpose,
+    #[error("resource path {}: expected an absolute path", path.display())]
+    Path { path: PathBuf },
     #[error("{call}: {count} variables, but no place for their {what}")]
     Null {
         call: &'static str,
         count: usize,
         what: &'static str,
     },
-    #[error("value reference {reference}: expected 0 to {}", FmuVariable::ALL.len() - 1)]
+    #[error("value reference {reference}: expected 0 to {FMU_TIME}")]
     Reference { reference: u32 },
     #[error("{name} = {value}: must be a finite number")]
     NotFinite { name: &'static str, value: f64 },
@@ -90,6 +96,8 @@ impl std::fmt::Display for Phase {
 #[derive(Debug, Clone)]
 pub(crate) struct Snapshot {
     phase: Phase,
+    /// Time of the importer, s, on which nothing depends.
+    time_s: f64,
     values: [f64; FmuVariable::ALL.len()],
     /// Plant by the parameters, and its state; none until both are needed.
     running: Option<(ExtendedPlant, ExtendedState)>,
@@ -115,9 +123,9 @@ const LONGEST_SAMPLES: f64 = 64.0;
 const MOST_PARTS: f64 = 1e6;
 
 impl Slave {
-    /// Reads `model.toml` in the resources, whose identity must be the one that the importer was told.
-    pub(crate) fn new(guid: &str, resources: &str) -> Result<Self, SlaveError> {
-        let path = path_of(resources)?.join("model.toml");
+    /// Reads `model.toml` in the folder of resources; its identity must be the one that the importer was told.
+    pub(crate) fn new(guid: &str, resources: &Path) -> Result<Self, SlaveError> {
+        let path = resources.join("model.toml");
         let text = read_text(&path, MOST_BYTES).map_err(|source| SlaveError::Unreadable {
             path: path.clone(),
             source,
@@ -148,6 +156,7 @@ impl Slave {
         let recorded = saved.recordings().first().and_then(|one| one.sample_time_s);
         let first = Snapshot {
             phase: Phase::Instantiated,
+            time_s: 0.0,
             values,
             running: None,
         };
@@ -172,26 +181,28 @@ impl Slave {
         }
     }
 
-    pub(crate) fn setup(&self) -> Result<(), SlaveError> {
-        self.only("fmi2SetupExperiment", &[Phase::Instantiated])
+    pub(crate) fn setup(&mut self, start_s: f64) -> Result<(), SlaveError> {
+        self.only("SetupExperiment", &[Phase::Instantiated])?;
+        self.now.time_s = start_s;
+        Ok(())
     }
 
     pub(crate) fn begin_initialization(&mut self) -> Result<(), SlaveError> {
-        self.only("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
+        self.only("EnterInitializationMode", &[Phase::Instantiated])?;
         self.now.phase = Phase::Initializing;
         Ok(())
     }
 
     /// The rod starts, by its parameters and its surroundings of this moment.
     pub(crate) fn end_initialization(&mut self) -> Result<(), SlaveError> {
-        self.only("fmi2ExitInitializationMode", &[Phase::Initializing])?;
+        self.only("ExitInitializationMode", &[Phase::Initializing])?;
         self.start()?;
         self.now.phase = Phase::Stepping;
         Ok(())
     }
 
     pub(crate) fn terminate(&mut self) -> Result<(), SlaveError> {
-        self.only("fmi2Terminate", &[Phase::Stepping])?;
+        self.only("Terminate", &[Phase::Stepping])?;
         self.now.phase = Phase::Terminated;
         Ok(())
     }
@@ -252,6 +263,9 @@ impl Slave {
 
     /// Reads a variable; an output in the initialization is that of the start by what is set so far.
     pub(crate) fn get(&mut self, reference: u32) -> Result<f64, SlaveError> {
+        if reference == FMU_TIME {
+            return Ok(self.now.time_s);
+        }
         let variable = variable(reference)?;
         if !variable.is_output() {
             return Ok(self.value(variable));
@@ -271,9 +285,9 @@ impl Slave {
         })
     }
 
-    /// Moves the rod on by a communication step, s, under the inputs that are set.
-    pub(crate) fn step(&mut self, length_s: f64) -> Result<(), SlaveError> {
-        self.only("fmi2DoStep", &[Phase::Stepping])?;
+    /// Moves the rod on by a communication step from a time of the importer, s, under the inputs that are set.
+    pub(crate) fn step(&mut self, time_s: f64, length_s: f64) -> Result<(), SlaveError> {
+        self.only("DoStep", &[Phase::Stepping])?;
         if !(length_s >= 0.0 && length_s.is_finite()) {
             return Err(SlaveError::Step { value: length_s });
         }
@@ -301,6 +315,7 @@ impl Slave {
                 plant.step(state, &input, part_s);
             }
         }
+        self.now.time_s = time_s + length_s;
         Ok(())
     }
 }
@@ -322,7 +337,7 @@ fn sha256(text: &str) -> String {
 }
 
 /// Path of a file URI: file:/path, file:///path or file://localhost/path, with escaped bytes.
-fn path_of(uri: &str) -> Result<PathBuf, SlaveError> {
+pub(crate) fn path_of(uri: &str) -> Result<PathBuf, SlaveError> {
     let refused = || SlaveError::Location {
         uri: uri.to_owned(),
     };

@@ -11,7 +11,7 @@ use recording::{Quantity, open_regular, read_text};
 use serde::Deserialize;
 use sma_effects::{EffectId, Member};
 use sma_export::{
-    CNumbers, CPrefix, Controller, ExportError, Exported, FMU_LIBRARY, Labels, c_header, fmu,
+    CNumbers, CPrefix, Controller, ExportError, Exported, FMU_LIBRARY, Fmi, Labels, c_header, fmu,
     python_module,
 };
 use workbench::{Rig, controller, sha256_of};
@@ -31,7 +31,7 @@ const MOST_LIBRARY_BYTES: u64 = 1 << 28;
 /// Parameters of single recordings that stay behind: how a run differs from the rig.
 const OF_RUNS: [&str; 3] = ["ambient_level_k", "run_heat_loss", "run_gain"];
 
-/// Export an identified model to be used without this program: as C99 or Python source, or for FMI 2.0.
+/// Export an identified model to be used without this program: as C99 or Python source, or for FMI 2.0 or 3.0.
 ///
 /// It computes what `sma simulate` and `sma tune` compute. Source holds the plant and its controller; a functional mock-up
 /// unit holds the plant, with all effects. A part of a model that has no export is refused by name.
@@ -90,6 +90,8 @@ enum Language {
     Python,
     /// A functional mock-up unit: FMI 2.0, co-simulation.
     Fmu,
+    /// One for FMI 3.0.
+    Fmu3,
 }
 
 /// Runs the command.
@@ -118,7 +120,8 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
             c_header(&exported, numbers, &prefix)?.into_bytes()
         }
         Language::Python => python_module(&exported)?.into_bytes(),
-        Language::Fmu => fmu(&exported, &model_toml, &args.library()?)?,
+        Language::Fmu => fmu(&exported, Fmi::V2, &model_toml, &args.library()?)?,
+        Language::Fmu3 => fmu(&exported, Fmi::V3, &model_toml, &args.library()?)?,
     };
     say(args.quiet, &notes(&saved, &exported))?;
     sink.write_bytes(&result)?;
@@ -132,7 +135,11 @@ impl ExportArgs {
         let given = [
             ("--float", self.float, &[Language::C][..]),
             ("--prefix", self.prefix.is_some(), &[Language::C]),
-            ("--library", self.library.is_some(), &[Language::Fmu]),
+            (
+                "--library",
+                self.library.is_some(),
+                &[Language::Fmu, Language::Fmu3],
+            ),
             (
                 "--tuned and --gains",
                 has_controller,
@@ -181,6 +188,7 @@ impl Language {
             Self::C => "c",
             Self::Python => "python",
             Self::Fmu => "fmu",
+            Self::Fmu3 => "fmu3",
         }
     }
 }

@@ -189,6 +189,11 @@ fn a_unit_holds_the_library_and_the_model() {
     assert_eq!(named("displacement").attribute("valueReference"), Some("2"));
     called(folder, call);
     assert!(std::fs::read(folder.join("rod.fmu")).unwrap() == unit);
+    let call = "export model.toml --to fmu3 --library libsma_fmu.so --output rod3.fmu --quiet";
+    called(folder, call);
+    let unit = std::fs::read(folder.join("rod3.fmu")).unwrap();
+    let holds = |part: &[u8]| unit.windows(part.len()).any(|window| window == part);
+    assert!(holds(b"binaries/x86_64-linux/sma_fmu.so") && holds(b"fmiVersion=\"3.0\""));
     std::fs::write(folder.join("other.so"), &library[..20]).unwrap();
     let error = refused(
         folder,

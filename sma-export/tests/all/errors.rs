@@ -1,7 +1,7 @@
 //! Texts of errors.
 
 use sma_effects::{EffectId, Hypothesis};
-use sma_export::{CNumbers, CPrefix, ExportError, Exported, c_header, fmu, python_module};
+use sma_export::{CNumbers, CPrefix, ExportError, Exported, Fmi, c_header, fmu, python_module};
 use wiener::Drive;
 use wiener::hysteresis::{LoopFamily, Rule};
 
@@ -83,7 +83,9 @@ fn own_hypotheses_are_refused() {
 fn units_are_refused_by_what_they_lack() {
     let mut model = exported(Drive::Current, Rule::Nested, &[EffectId::LatentHeat]);
     assert_eq!(
-        fmu(&model, "", b"no library").unwrap_err().to_string(),
+        fmu(&model, Fmi::V2, "", b"no library")
+            .unwrap_err()
+            .to_string(),
         format!(
             "the library is no 64-bit ELF file; expected libsma_fmu.so of sma {}, beside the program or as --library",
             env!("CARGO_PKG_VERSION")
@@ -91,7 +93,9 @@ fn units_are_refused_by_what_they_lack() {
     );
     model.dt_s = -1.0;
     assert_eq!(
-        fmu(&model, "", b"no library").unwrap_err().to_string(),
+        fmu(&model, Fmi::V2, "", b"no library")
+            .unwrap_err()
+            .to_string(),
         "sample time -1 s: must be finite and > 0"
     );
     assert_eq!(
