@@ -17,7 +17,11 @@ pub(crate) fn leading(population: &Population) -> &Model {
     loop {
         let idle = model.names.iter().filter_map(|name| {
             let less = population.without(model, name);
-            let share = population.share(model.evidence.squares(), less.evidence.squares());
+            let of_both = [model, less].map(|one| one.evidence.squares());
+            let share = match is_drift(name) {
+                true => population.share(of_both[0], of_both[1]),
+                false => population.share_beside_drifts(model, of_both[0], of_both[1]),
+            };
             let is_small = !RuleId::Form.rule().passes(share);
             let is_told =
                 is_whole && model.is_rigid() || does_without_a_drift(population, model, name);

@@ -205,7 +205,7 @@ pub const RULES: [Rule; 15] = [
         comparison: Comparison::AtLeast,
         threshold: 6.0,
         basis: Basis::Quantile,
-        reason: "no noise repeats itself after hundreds of samples: by chance in 1 of ten million recordings",
+        reason: "no noise repeats itself after so many samples: by chance in 1 of ten million recordings",
     },
     Rule {
         id: RuleId::Slow,
@@ -228,7 +228,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Told,
         name: "told",
-        statistic: "size of a name over half of its 95 % interval, of several sizes the largest",
+        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Quantile,

@@ -182,7 +182,7 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
     let share = if model.names.is_empty() {
         anonymous.audit.share
     } else {
-        population.share(with, left)
+        population.share_beside_drifts(model, with, left)
     };
     let is_large = traces.ask(RuleId::Form, "", share);
     let gained = (left[0] - with[0]) / model.evidence.n_outputs as f64;

@@ -2,6 +2,7 @@
 
 use crate::evidence::audit::Anonymous;
 use crate::evidence::worth::Evidence;
+use crate::model::elsewhere::is_drift;
 use crate::{Candidate, CandidateSet, LoopFamily};
 
 /// Logarithm of the odds against something that nobody has listed: as against any one that is listed.
@@ -113,7 +114,26 @@ impl Population {
 
     /// Share of what could be explained that is lost from one sum of squares to another; of both channels the larger.
     pub(crate) fn share(&self, with: [f64; 2], without: [f64; 2]) -> f64 {
-        let (plain, ceiling) = (self.plain().evidence.squares(), self.ceiling());
+        self.share_beside(self.plain(), with, without)
+    }
+
+    /// The same of what could be explained beside the drifts that a model has.
+    ///
+    /// A drift is a curve of time: what its knots miss knows nothing of where the rod is. So what another effect explains need not be large
+    /// beside a drift to be more than an error of its formula.
+    pub(crate) fn share_beside_drifts(
+        &self,
+        model: &Model,
+        with: [f64; 2],
+        without: [f64; 2],
+    ) -> f64 {
+        let drifts = model.names.iter().filter(|&name| is_drift(name)).collect();
+        let mut alone = self.models.iter().filter(|one| one.names == drifts);
+        self.share_beside(alone.next().unwrap_or(self.plain()), with, without)
+    }
+
+    fn share_beside(&self, one: &Model, with: [f64; 2], without: [f64; 2]) -> f64 {
+        let (plain, ceiling) = (one.evidence.squares(), self.ceiling());
         let of = |channel: usize| {
             let all = plain[channel] - ceiling[channel];
             // Of what is hardly anything a share says nothing.

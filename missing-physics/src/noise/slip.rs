@@ -1,10 +1,13 @@
 //! Slip of a sensor's mount, which looks like a drift of the sensor's zero.
 
-use identify::IdentifyError;
+use std::ops::Range;
+
+use identify::{ForwardModel, IdentifyError, ParameterVector};
 
 use crate::model::case::{Case, Node};
 use crate::model::projection::{Span, dot};
 use crate::model::series::Channel;
+use crate::model::tangent::{Sensitivity, sensitivities};
 use crate::{Belongs, Candidate, EffectBlock};
 
 /// Powers of the stroke that a slip may go with: a mount holds until the force is large.
@@ -17,7 +20,8 @@ const POWERS: [i32; 3] = [1, 2, 4];
 /// Σ_k c_k ∫ s^k dt,   k = 1, 2, 4,   s the share of the output's range
 /// ```
 ///
-/// A drift of the sensor knows nothing of the rod; it has four values, and this three.
+/// A drift of the sensor knows nothing of the rod; it has four values, and this three. The other parameters may follow either, to first
+/// order: they were fitted beside the drift.
 pub(crate) fn slip(case: &Case<'_>, node: &Node) -> Result<Option<f64>, IdentifyError> {
     let is_of_zero = |effect: &Candidate| {
         let info = effect.info();
@@ -37,15 +41,42 @@ pub(crate) fn slip(case: &Case<'_>, node: &Node) -> Result<Option<f64>, Identify
             vec![point]
         })?
         .swap_remove(0);
-    let (mut drifting, mut slipping) = (0.0, 0.0);
-    for segment in case.layout.of_channel(Channel::Output) {
-        let place = segment.range.clone();
-        let recorded = &case.recorded()[place.clone()];
-        let left = recorded.iter().zip(&shown[place.clone()]);
-        let left: Vec<f64> = left.map(|(recorded, shown)| recorded - shown).collect();
-        drifting += without(&node.residual[place], &[]);
-        slipping += without(&left, &slips(recorded));
+    let outputs: Vec<Range<usize>> = case
+        .layout
+        .of_channel(Channel::Output)
+        .map(|one| one.range.clone())
+        .collect();
+    let of_outputs = |series: &[f64]| -> Vec<f64> {
+        let own = outputs.iter().flat_map(|range| &series[range.clone()]);
+        own.copied().collect()
+    };
+    let recorded = case.recorded();
+    let left: Vec<f64> = recorded.iter().zip(&shown).map(|(y, f)| y - f).collect();
+    let vector = ParameterVector::new(node.model.parameters(), case.training.len());
+    let is_of_drift = |one: &Sensitivity| {
+        one.coordinate
+            .is_some_and(|j| knots.contains(&vector.parameter(j)))
+    };
+    let (drift, others): (Vec<Sensitivity>, Vec<Sensitivity>) = sensitivities(case, node)?
+        .into_iter()
+        .partition(is_of_drift);
+    let columns = |of: &[Sensitivity]| -> Vec<Vec<f64>> {
+        of.iter().map(|one| of_outputs(&one.column)).collect()
+    };
+    // Of each recording its own.
+    let (mut levels, mut slipped) = (Vec::new(), Vec::new());
+    for range in &outputs {
+        let alone = |column: &[f64]| {
+            let mut alone = vec![0.0; recorded.len()];
+            alone[range.clone()].copy_from_slice(column);
+            of_outputs(&alone)
+        };
+        levels.push(alone(&vec![1.0; range.len()]));
+        slipped.extend(slips(&recorded[range.clone()]).iter().map(|one| alone(one)));
     }
+    levels.extend(columns(&others));
+    let drifting = without(&of_outputs(&node.residual), &[&levels, &columns(&drift)]);
+    let slipping = without(&of_outputs(&left), &[&levels, &slipped]);
     Ok(Some(drifting / slipping.max(f64::MIN_POSITIVE)))
 }
 
@@ -67,10 +98,9 @@ fn slips(output: &[f64]) -> Vec<Vec<f64>> {
     POWERS.map(slipped).to_vec()
 }
 
-/// Sum of squares of a series that is left beside a mean and some columns.
-fn without(series: &[f64], columns: &[Vec<f64>]) -> f64 {
-    let level = vec![1.0; series.len()];
-    let left = Span::of(std::iter::once(&level).chain(columns)).outside(series);
+/// Sum of squares of a series that is left beside some columns.
+fn without(series: &[f64], columns: &[&Vec<Vec<f64>>]) -> f64 {
+    let left = Span::of(columns.iter().copied().flatten()).outside(series);
     dot(&left, &left)
 }
 
@@ -92,8 +122,9 @@ mod tests {
             })
             .collect();
         let ramp: Vec<f64> = (0..400).map(|k| 0.005 * f64::from(k)).collect();
-        let columns = slips(&output);
-        let share = |series: &[f64]| without(series, &columns) / without(series, &[]);
+        let (level, columns) = (vec![vec![1.0; 400]], slips(&output));
+        let share =
+            |series: &[f64]| without(series, &[&level, &columns]) / without(series, &[&level]);
         assert!(share(&slip) < 1e-9, "{}", share(&slip));
         assert!(share(&ramp) > 1e-3, "{}", share(&ramp));
     }

@@ -1,5 +1,6 @@
 //! The chosen model at its end, and what was decided, held to the recordings that were not used.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
 use identify::{IdentifyError, ParameterState, Validated};
@@ -9,6 +10,7 @@ use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
 use crate::model::case::Node;
 use crate::model::elsewhere::{predicted, spread};
 use crate::model::unseen::{Unseen, validated};
+use crate::report::catalogue::HALF_95;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::explained::share;
@@ -62,18 +64,20 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
             .filter(|parameter| parameter.role == Role::Size)
             .filter_map(|size| fit.parameter(size.name))
             .filter(|size| size.info.state == ParameterState::Free);
-        let over = free.map(|size| match size.intervals[0] {
-            Some(own) => {
-                let value = size.values[0];
+        let over = free.flat_map(|size| {
+            let each = size.values.iter().zip(&size.intervals);
+            each.map(move |(&value, interval)| match interval {
                 // An end that stands at a bound is no end of the interval.
-                value.abs() / (own.upper - value).max(value - own.lower)
-            }
-            // At an end of what can be it is as large as that.
-            None if size.at_bound => f64::INFINITY,
-            None => 0.0,
+                Some(own) => value.abs() / (own.upper - value).max(value - own.lower),
+                // At an end of what can be it is as large as that.
+                None if size.at_bound => f64::INFINITY,
+                None => 0.0,
+            })
         });
+        let over: Vec<f64> = over.collect();
         // A loop of another family has no size.
-        let largest = over.reduce(f64::max);
+        let largest = over.iter().copied().reduce(f64::max);
+        let largest = largest.map(|largest| largest / widened(over.len()));
         largest.is_none_or(|largest| traces.ask(RuleId::Told, effect.id(), largest))
     };
     let (told, fallen) = std::mem::take(&mut decided.named)
@@ -85,6 +89,23 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
         decided.verdict = decided.nameless;
     }
     decided
+}
+
+/// Half of an interval that each of so many normal deviations keeps to with 95 % in all, over that of one.
+fn widened(n: usize) -> f64 {
+    let outside = |deviations: f64| libm::erfc(deviations * FRAC_1_SQRT_2);
+    let each = outside(HALF_95) / n as f64;
+    // No interval of numbers that a machine holds is wider.
+    let (mut low, mut high) = (HALF_95, 40.0);
+    while high - low > 1e-9 {
+        let middle = 0.5 * (low + high);
+        if outside(middle) > each {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low / HALF_95
 }
 
 /// Decision, held to the recordings that were not used: a name that makes them worse becomes a suspect, and an error
@@ -220,4 +241,16 @@ fn is_as_near(
     let spread = spread(model, &stage.fit, &stage.validated, unseen)?;
     let uncertain = (TWICE.powi(2) * spread).min(left);
     Ok(error < (AS_NEAR * stage.fit.train_rmse).powi(2) + uncertain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::widened;
+
+    #[test]
+    fn intervals_of_several_sizes_are_wider() {
+        assert!((widened(1) - 1.0).abs() < 1e-8);
+        // Standard normal quantile of 1 - 0.025/8: 2.7344.
+        assert!((widened(8) * 1.96 - 2.7344).abs() < 1e-3, "{}", widened(8));
+    }
 }
