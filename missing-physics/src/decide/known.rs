@@ -28,8 +28,8 @@ pub(crate) struct Known {
     pub(crate) left: Oddness,
     /// Oddness of the baseline model's residual.
     pub(crate) left_by_plain: Oddness,
-    /// Error of a drift of the zero over that of a slipping mount, where the leading model has such a drift.
-    pub(crate) slip: Option<f64>,
+    /// A drift of the zero, where the leading model has one, and its error over that of a slipping mount.
+    pub(crate) slip: Option<(Candidate, f64)>,
     pub(crate) seed: u64,
 }
 

@@ -9,7 +9,7 @@ use crate::model::elsewhere::is_drift;
 /// formulas are.
 ///
 /// Beside an effect with a form of its own even a small one is told if with it nothing predictable is left: what a formula
-/// leaves wrong a curve would find. Nor is what does nearly all of a drift's work without it an error of the drift: that is a curve
+/// leaves wrong a curve would find. So it is beside a loop of another family, if it is nothing that such a loop could be. Nor is what does nearly all of a drift's work without it an error of the drift: that is a curve
 /// of time, which takes what it can of any law.
 pub(crate) fn leading(population: &Population) -> &Model {
     let mut model = population.best();
@@ -18,13 +18,13 @@ pub(crate) fn leading(population: &Population) -> &Model {
         let idle = model.names.iter().filter_map(|name| {
             let less = population.without(model, name);
             let of_both = [model, less].map(|one| one.evidence.squares());
-            let share = match is_drift(name) {
+            let share = match is_of_time(model, name) {
                 true => population.share(of_both[0], of_both[1]),
                 false => population.share_beside_drifts(model, of_both[0], of_both[1]),
             };
             let is_small = !RuleId::Form.rule().passes(share);
-            let is_told =
-                is_whole && model.is_rigid() || does_without_a_drift(population, model, name);
+            let is_told = is_whole && has_form_of_its_own(model, name)
+                || does_without_a_drift(population, model, name);
             (is_small && !is_told).then_some((share, less))
         });
         match idle.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -32,6 +32,25 @@ pub(crate) fn leading(population: &Population) -> &Model {
             None => return model,
         }
     }
+}
+
+/// True if a name could be what a drift's values miss: it is a drift, or acts like one of the model's.
+fn is_of_time(model: &Model, name: Candidate) -> bool {
+    let mut drifts = model.names.iter().filter(|&one| is_drift(one));
+    let acts_like = |drift: Candidate| {
+        let mut alike = drift.info().acts_like.iter();
+        alike.any(|&one| Candidate::from(one) == name)
+    };
+    is_drift(name) || drifts.any(acts_like)
+}
+
+/// True if a name could not be an error of the formulas beside it: all have a form of their own; or a loop of another family alone has
+/// none, and the name is not of how the output follows the temperature, as a loop is.
+fn has_form_of_its_own(model: &Model, name: Candidate) -> bool {
+    let other_loop = Candidate::other_loop();
+    let mut others = model.names.iter().filter(|&one| one != other_loop);
+    model.is_rigid()
+        || name != other_loop && !name.info().like_loop && others.all(|one| !one.info().flexible)
 }
 
 /// Share of what a drift and another effect explain together that may be lost without the drift if the other does its work.

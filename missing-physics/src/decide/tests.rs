@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::known::{Known, Oddness};
+use super::leading;
 use super::names::OF_FORMULAS;
 use super::rules::{RULES, RuleId};
 use super::said::Verdict;
@@ -297,15 +298,77 @@ fn what_follows_the_state_or_has_a_tone_is_no_noise() {
     assert_eq!(beside_a_name, expected);
 }
 
+/// Names of the leading model where a small effect, a thousandth in its square, stands beside a large one; `left` is the size of what
+/// only a curve finds beside both.
+fn led_by(large: EffectId, small: EffectId, left: f64) -> Vec<&'static str> {
+    let quiet = noise(1.0, 1);
+    let (of_large, of_small) = (trace(30.0, 1), trace(1.0, 2));
+    let rest = sum(&quiet, &trace(left, 3));
+    let with_curve = sum(&quiet, &noise(0.1, 7));
+    let with = |names: &[EffectId], more: &[&Vec<f64>]| {
+        let residual = more.iter().fold(rest.clone(), |all, one| sum(&all, one));
+        model(names, residual, with_curve.clone())
+    };
+    let population = Population {
+        models: vec![
+            with(&[], &[&of_large, &of_small]),
+            with(&[large], &[&of_small]),
+            with(&[small], &[&of_large]),
+            with(&[large, small], &[]),
+        ],
+    };
+    let names = leading(&population).names;
+    names.iter().map(|name| name.id()).collect()
+}
+
+#[test]
+fn a_small_effect_is_told_beside_what_it_cannot_be_an_error_of() {
+    use EffectId::{AmbientDrift, Backlash, LoopShape, OutputLag};
+    // A curve of time knows nothing of where the rod is.
+    let beside_a_drift = ["ambient-drift", "backlash"];
+    assert_eq!(led_by(AmbientDrift, Backlash, 0.0), beside_a_drift);
+    assert_eq!(led_by(AmbientDrift, Backlash, 1.0), beside_a_drift);
+    // A play may be an error of the loop's curves, a lag is none if nothing is left with it.
+    assert_eq!(led_by(LoopShape, Backlash, 0.0), ["loop-shape"]);
+    assert_eq!(
+        led_by(LoopShape, OutputLag, 0.0),
+        ["loop-shape", "output-lag"]
+    );
+    assert_eq!(led_by(LoopShape, OutputLag, 1.0), ["loop-shape"]);
+}
+
+#[test]
+fn what_was_ambiguous_by_a_name_that_falls_is_explained() {
+    let mut found = decide(&with_lag(3.0, 0.0), &known());
+    assert_eq!(found.verdict, Verdict::Explained);
+    let mut second = found.named[0].clone();
+    second.effect = EffectId::Backlash.into();
+    second.others = vec![(EffectId::EndStop.into(), 0.5)];
+    found.named.push(second);
+    found.verdict = Verdict::Ambiguous;
+    found.fall(CandidateSet::EMPTY);
+    assert_eq!(found.verdict, Verdict::Ambiguous);
+    found.fall(CandidateSet::of(EffectId::Backlash));
+    assert_eq!((found.verdict, found.named.len()), (Verdict::Explained, 1));
+    assert_eq!(found.suspects.len(), 1);
+    found.fall(CandidateSet::of(EffectId::OutputLag));
+    assert_eq!(found.verdict, found.nameless);
+}
+
 #[test]
 fn a_drift_that_slips_is_no_drift() {
     let found = around(&with_lag(3.0, 0.0), RuleId::Slip, |known, slip| {
-        known.slip = Some(slip);
+        known.slip = Some((EffectId::OutputLag.into(), slip));
     });
     assert_eq!(found, [Verdict::Explained, Verdict::Unexplained]);
+    // Where no drift goes with the recordings, neither does a slip.
+    let found = around(&nothing(), RuleId::Slip, |known, slip| {
+        known.slip = Some((EffectId::OutputLag.into(), slip));
+    });
+    assert_eq!(found, [Verdict::Adequate; 2]);
     // Where it does not slip, a tone is what is left beside it.
     let found = around(&with_lag(3.0, 0.0), RuleId::Tone, |known, tone| {
-        (known.left.tone, known.slip) = (tone, Some(0.0));
+        (known.left.tone, known.slip) = (tone, Some((EffectId::OutputLag.into(), 0.0)));
     });
     assert_eq!(found, [Verdict::Explained, Verdict::ExplainedInPart]);
 }

@@ -1,5 +1,6 @@
 //! The verdict.
 
+use crate::CandidateSet;
 use crate::decide::known::Known;
 use crate::decide::leading::leading;
 use crate::decide::names::{Belief, Named, names};
@@ -34,6 +35,22 @@ impl Decided {
             Verdict::Explained | Verdict::ExplainedInPart | Verdict::Ambiguous
         )
     }
+
+    /// Makes suspects of names that do not hold after all. Without a name the verdict is that on the baseline model, and what was
+    /// ambiguous by them alone is explained.
+    pub(crate) fn fall(&mut self, fallen: CandidateSet) {
+        let (fallen, named): (Vec<Named>, Vec<Named>) = std::mem::take(&mut self.named)
+            .into_iter()
+            .partition(|one| fallen.contains(one.effect));
+        self.named = named;
+        self.suspects.extend(fallen);
+        let is_ambiguous = self.named.iter().any(|one| !one.others.is_empty());
+        if self.named.is_empty() && self.is_of_names() {
+            self.verdict = self.nameless;
+        } else if self.verdict == Verdict::Ambiguous && !is_ambiguous {
+            self.verdict = Verdict::Explained;
+        }
+    }
 }
 
 /// Decides on a population.
@@ -63,7 +80,8 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
         model
     };
     let more_is_left = is_left(population, judged, known, &mut traces);
-    let Odd { is_odd, slips } = odd(known, named.is_empty(), &mut traces);
+    let slip = slip(known, named.iter().chain(&suspects), &traces);
+    let Odd { is_odd, slips } = odd(known, slip, named.is_empty(), &mut traces);
     let verdict = if !describes {
         Verdict::Unexplained
     } else if named.is_empty() {
@@ -86,7 +104,7 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
         suspects.append(&mut named);
     }
     let mut aside = traces.begun_again();
-    let nameless = nameless(population, known, &mut aside);
+    let nameless = nameless(population, known, slip, &mut aside);
     traces.set_aside(aside);
     let with = model.evidence.squares();
     let without = population.plain().evidence.squares();
@@ -102,15 +120,32 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
 }
 
 /// Verdict on the baseline model.
-fn nameless(population: &Population, known: &Known, aside: &mut Traces) -> Verdict {
+fn nameless(
+    population: &Population,
+    known: &Known,
+    slip: Option<f64>,
+    aside: &mut Traces,
+) -> Verdict {
     let describes = aside.ask(RuleId::Describes, "", described_plainly(population, known));
     let more_is_left = is_left(population, population.plain(), known, aside);
-    let Odd { is_odd, .. } = odd(known, true, aside);
+    let Odd { is_odd, .. } = odd(known, slip, true, aside);
     if !describes || more_is_left || is_odd {
         Verdict::Unexplained
     } else {
         Verdict::Adequate
     }
+}
+
+/// Error of the leading model's drift of the zero over that of a slip, if the drift goes with the recordings: where there is neither,
+/// both fit noise as well.
+fn slip<'a>(
+    known: &Known,
+    mut names: impl Iterator<Item = &'a Named>,
+    traces: &Traces,
+) -> Option<f64> {
+    let (drift, over) = known.slip?;
+    let is_found = names.any(|one| one.effect == drift && is_found(traces, one));
+    is_found.then_some(over)
 }
 
 /// True if the contribution of a suspect goes with the recordings, and matters.
@@ -179,7 +214,7 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
     let [left, with] = [&model.evidence, &anonymous.evidence].map(|one| one.squares());
     let is_needed = traces.ask(RuleId::Remainder, "", with_curve(model, known.seed));
     let is_predicted = traces.ask(RuleId::Predicted, "", anonymous.audit.p_value);
-    let share = if model.names.is_empty() {
+    let share = if model.names.iter().all(is_drift) {
         anonymous.audit.share
     } else {
         population.share_beside_drifts(model, with, left)
@@ -199,7 +234,7 @@ struct Odd {
 }
 
 /// Judges a residual that nothing predicts.
-fn odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> Odd {
+fn odd(known: &Known, slip: Option<f64>, is_nameless: bool, traces: &mut Traces) -> Odd {
     let is_disturbed = is_nameless && traces.ask(RuleId::Disturbed, "", known.disturbed);
     let left = if is_nameless {
         known.left_by_plain
@@ -208,9 +243,7 @@ fn odd(known: &Known, is_nameless: bool, traces: &mut Traces) -> Odd {
     };
     let has_tone = traces.ask(RuleId::Tone, "", left.tone);
     let is_slow = traces.ask(RuleId::Slow, "", left.slowness);
-    let slips = known
-        .slip
-        .is_some_and(|slip| traces.ask(RuleId::Slip, "", slip));
+    let slips = slip.is_some_and(|slip| traces.ask(RuleId::Slip, "", slip));
     Odd {
         is_odd: is_disturbed || has_tone || is_slow || slips,
         slips,

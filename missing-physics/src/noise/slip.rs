@@ -13,8 +13,8 @@ use crate::{Belongs, Candidate, EffectBlock};
 /// Powers of the stroke that a slip may go with: a mount holds until the force is large.
 const POWERS: [i32; 3] = [1, 2, 4];
 
-/// Squares that a drift of the zero leaves, over those of one that moves only while the rod is out; `None` of a model without
-/// such a drift.
+/// A drift of the zero, and the squares that it leaves over those of one that moves only while the rod is out; `None` of a model
+/// without such a drift.
 ///
 /// ```text
 /// Σ_k c_k ∫ s^k dt,   k = 1, 2, 4,   s the share of the output's range
@@ -22,17 +22,21 @@ const POWERS: [i32; 3] = [1, 2, 4];
 ///
 /// A drift of the sensor knows nothing of the rod; it has four values, and this three. The other parameters may follow either, to first
 /// order: they were fitted beside the drift.
-pub(crate) fn slip(case: &Case<'_>, node: &Node) -> Result<Option<f64>, IdentifyError> {
+pub(crate) fn slip(
+    case: &Case<'_>,
+    node: &Node,
+) -> Result<Option<(Candidate, f64)>, IdentifyError> {
     let is_of_zero = |effect: &Candidate| {
         let info = effect.info();
         info.belongs_to == Belongs::Recording && info.block == EffectBlock::Displacement
     };
     let drift = node.effects.iter().find(is_of_zero);
-    let Some((drift, first)) = drift.and_then(|one| Some((one, node.model.first_parameter(one)?)))
+    let Some((of_zero, first)) =
+        drift.and_then(|one| Some((one, node.model.first_parameter(one)?)))
     else {
         return Ok(None);
     };
-    let knots = first..first + drift.info().parameters.len();
+    let knots = first..first + of_zero.info().parameters.len();
     let shown = case
         .layout
         .shown(&node.model, case.training, |r| {
@@ -77,7 +81,7 @@ pub(crate) fn slip(case: &Case<'_>, node: &Node) -> Result<Option<f64>, Identify
     levels.extend(columns(&others));
     let drifting = without(&of_outputs(&node.residual), &[&levels, &columns(&drift)]);
     let slipping = without(&of_outputs(&left), &[&levels, &slipped]);
-    Ok(Some(drifting / slipping.max(f64::MIN_POSITIVE)))
+    Ok(Some((of_zero, drifting / slipping.max(f64::MIN_POSITIVE))))
 }
 
 /// How far mounts would have slipped, each in its own unit.

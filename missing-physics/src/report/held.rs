@@ -6,7 +6,7 @@ use std::sync::Arc;
 use identify::{IdentifyError, ParameterState, Validated};
 use recording::Recording;
 
-use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
+use crate::decide::{Decided, RuleId, Traces, Verdict};
 use crate::model::case::Node;
 use crate::model::elsewhere::{predicted, spread};
 use crate::model::unseen::{Unseen, validated};
@@ -80,14 +80,12 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
         let largest = largest.map(|largest| largest / widened(over.len()));
         largest.is_none_or(|largest| traces.ask(RuleId::Told, effect.id(), largest))
     };
-    let (told, fallen) = std::mem::take(&mut decided.named)
-        .into_iter()
-        .partition::<Vec<Named>, _>(|one| is_told(one.effect, &mut decided.traces));
-    decided.named = told;
-    decided.suspects.extend(fallen);
-    if decided.named.is_empty() && decided.is_of_names() {
-        decided.verdict = decided.nameless;
-    }
+    let fallen = decided
+        .named
+        .iter()
+        .filter(|one| !is_told(one.effect, &mut decided.traces));
+    let fallen: CandidateSet = fallen.map(|one| one.effect).collect();
+    decided.fall(fallen);
     decided
 }
 
@@ -144,15 +142,9 @@ pub(crate) fn held_to(
             fallen = fallen.with(named.effect);
         }
     }
-    let (fallen, named): (Vec<Named>, Vec<Named>) = decided
-        .named
-        .into_iter()
-        .partition(|named| fallen.contains(named.effect));
-    decided.named = named;
-    decided.suspects.extend(fallen);
+    decided.fall(fallen);
     if decided.named.is_empty() {
         // They made these recordings worse: what is left to say is what the baseline model leaves.
-        decided.verdict = decided.nameless;
         return Ok((decided, None));
     }
     let names: CandidateSet = decided.named.iter().map(|named| named.effect).collect();
