@@ -4,7 +4,7 @@
 const LAG: usize = 2;
 
 /// Median of |x| over the standard deviation of a normal x.
-const MEDIAN: f64 = 0.674_489_750_196_081_7;
+pub(crate) const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// Deviation of what residuals have in common with themselves two samples later over that of noise between neighbors: 0 of white
 /// noise and of outliers, ρ/√(1 - ρ) of noise of first order with correlation ρ; 0 where most samples are equal.

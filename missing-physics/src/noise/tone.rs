@@ -1,5 +1,7 @@
 //! A tone in what is left: no noise has one, and no effect of a rod.
 
+use crate::noise::slowness::MEDIAN;
+
 /// Lags at which a residual is compared with itself: so many, from a quarter of the recording on, samples.
 const LAGS: usize = 64;
 
@@ -8,6 +10,9 @@ const FARTHEST: usize = 300;
 
 /// Least samples at which they begin: beyond the memory that differences of noise have.
 const NEAREST: usize = 64;
+
+/// Deviations of a normal distribution beyond which a difference counts no more: two outliers at one distance are no tone.
+const OUTLIER: f64 = 3.0;
 
 /// How much a residual repeats itself at long lags, sample by sample, in standard deviations of a correlation without a tone;
 /// 0 of a recording too short to tell, of less than 256 samples.
@@ -22,7 +27,15 @@ pub(crate) fn tone(residual: &[f64]) -> f64 {
     if first < NEAREST {
         return 0.0;
     }
-    let steps: Vec<f64> = residual.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut steps: Vec<f64> = residual.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut magnitudes: Vec<f64> = steps.iter().map(|step| step.abs()).collect();
+    magnitudes.sort_by(f64::total_cmp);
+    let most = OUTLIER * magnitudes[magnitudes.len() / 2] / MEDIAN;
+    if most > 0.0 {
+        for step in &mut steps {
+            *step = step.clamp(-most, most);
+        }
+    }
     let all: f64 = steps.iter().map(|step| step * step).sum();
     let per = (steps.len() as f64).sqrt() / all.max(f64::MIN_POSITIVE);
     let correlations = (first..first + LAGS).map(|lag| {
@@ -58,5 +71,18 @@ mod tests {
             assert!(tone(&hum.collect::<Vec<f64>>()) > 6.0);
         }
         assert_eq!(tones, 0);
+    }
+
+    #[test]
+    fn outliers_are_no_tone() {
+        for seed in 0..100 {
+            let rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut noise: Vec<f64> = StandardNormal.sample_iter(rng).take(800).collect();
+            // At one distance, which is among the lags.
+            for k in [150, 370, 590] {
+                noise[k] = 40.0;
+            }
+            assert!(tone(&noise) < 6.0, "{}", tone(&noise));
+        }
     }
 }

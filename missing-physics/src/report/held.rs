@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
-use identify::{IdentifyError, ParameterState, Validated};
+use identify::{Bounds, IdentifyError, ParameterState, Validated};
 use recording::Recording;
 
 use crate::decide::{Decided, RuleId, Traces, Verdict};
@@ -69,8 +69,8 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
             each.map(move |(&value, interval)| match interval {
                 // An end that stands at a bound is no end of the interval.
                 Some(own) => value.abs() / (own.upper - value).max(value - own.lower),
-                // At an end of what can be it is as large as that.
-                None if size.at_bound => f64::INFINITY,
+                // At an end of what can be it is as large as that; none has no size.
+                None if size.at_bound && !is_none(value, size.info.bounds) => f64::INFINITY,
                 None => 0.0,
             })
         });
@@ -87,6 +87,12 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     let fallen: CandidateSet = fallen.map(|one| one.effect).collect();
     decided.fall(fallen);
     decided
+}
+
+/// True if a size is 0 within its bounds, to rounding.
+fn is_none(value: f64, bounds: Bounds) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    value.abs() <= ROUNDING * bounds.width()
 }
 
 /// Half of an interval that each of so many normal deviations keeps to with 95 % in all, over that of one.
