@@ -1,6 +1,6 @@
 """Checks a functional mock-up unit with FMPy, and compares it with `sma simulate`, bit for bit.
 
-    sma export model.toml --to fmu --output rod.fmu
+    sma export model.toml --to fmu --output rod.fmu      (or --to fmu3)
     sma simulate model.toml --drive profile.csv --output predicted.csv
     python check.py rod.fmu predicted.csv
 

@@ -6,7 +6,7 @@ use crate::component::{ERROR, OK, with};
 use crate::pointers::values;
 use crate::slave::{Slave, SlaveError, Snapshot};
 
-/// Reads variables; of pointers the second parts say how much is behind them.
+/// Reads variables; the second part of each pair is the length of its array.
 ///
 /// # Safety
 ///

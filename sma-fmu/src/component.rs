@@ -1,4 +1,4 @@
-//! What a component pointer of this library points to.
+//! Instance behind a component pointer.
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::fmt;

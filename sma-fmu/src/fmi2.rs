@@ -2,6 +2,8 @@
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 
+use sma_export::Fmi;
+
 use crate::calls::{free_state, get_reals, keep_state, restore_state, set_reals};
 use crate::component::{Callbacks, Component, ERROR, Log, OK, with};
 use crate::pointers::text;
@@ -61,7 +63,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     let slave = match (guid, resources) {
         (Some(_), Some(_)) if kind != CO_SIMULATION => Err(SlaveError::Purpose),
         (Some(guid), Some(resources)) => {
-            path_of(resources).and_then(|path| Slave::new(guid, &path))
+            path_of(resources).and_then(|path| Slave::new(Fmi::V2, guid, &path))
         }
         _ => Err(SlaveError::Untold),
     };
@@ -94,7 +96,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     _stop_s: f64,
 ) -> c_int {
     // SAFETY: as the caller promises.
-    unsafe { with(component, |slave| slave.setup(start_s)) }
+    unsafe { with(component, |slave| slave.setup("SetupExperiment", start_s)) }
 }
 
 /// Begins the initialization.

@@ -3,6 +3,8 @@
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::path::Path;
 
+use sma_export::Fmi;
+
 use crate::calls::{free_state, get_reals, keep_state, restore_state, set_reals};
 use crate::component::{Component, ERROR, Log, LogMessage, OK, with};
 use crate::pointers::text;
@@ -53,7 +55,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let resources = unsafe { text(resources) };
     let name = CString::new(name.unwrap_or_default()).unwrap_or_default();
     let slave = match (token, resources.map(Path::new)) {
-        (Some(token), Some(path)) if path.is_absolute() => Slave::new(token, path),
+        (Some(token), Some(path)) if path.is_absolute() => Slave::new(Fmi::V3, token, path),
         (Some(_), Some(path)) => Err(SlaveError::Path {
             path: path.to_owned(),
         }),
@@ -62,35 +64,65 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     Component::given_away(slave, name, Log::Fmi3(logger, environment))
 }
 
-/// Refuses: the unit is one of co-simulation.
+/// Refuses: the unit is one of co-simulation, which the log says.
+///
+/// # Safety
+///
+/// As the standard has it: the name ends with a zero, and the log takes its arguments.
 #[unsafe(no_mangle)]
-pub extern "C" fn fmi3InstantiateModelExchange(
-    _name: *const c_char,
+pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+    name: *const c_char,
     _token: *const c_char,
     _resources: *const c_char,
     _visible: bool,
     _logging: bool,
-    _environment: *mut c_void,
-    _logger: Option<LogMessage>,
+    environment: *mut c_void,
+    logger: Option<LogMessage>,
 ) -> *mut c_void {
-    std::ptr::null_mut()
+    // SAFETY: as the caller promises.
+    unsafe { refused(name, logger, environment) }
 }
 
-/// Refuses: the unit is one of co-simulation.
+/// Refuses: the unit is one of co-simulation, which the log says.
+///
+/// # Safety
+///
+/// As the standard has it: the name ends with a zero, and the log takes its arguments.
 #[unsafe(no_mangle)]
-pub extern "C" fn fmi3InstantiateScheduledExecution(
-    _name: *const c_char,
+pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
+    name: *const c_char,
     _token: *const c_char,
     _resources: *const c_char,
     _visible: bool,
     _logging: bool,
-    _environment: *mut c_void,
-    _logger: Option<LogMessage>,
+    environment: *mut c_void,
+    logger: Option<LogMessage>,
     _clock_update: *const c_void,
     _lock_preemption: *const c_void,
     _unlock_preemption: *const c_void,
 ) -> *mut c_void {
-    std::ptr::null_mut()
+    // SAFETY: as the caller promises.
+    unsafe { refused(name, logger, environment) }
+}
+
+/// Null for an instance of another purpose.
+///
+/// # Safety
+///
+/// The name is null or ends with a zero, and the log takes its arguments.
+unsafe fn refused(
+    name: *const c_char,
+    logger: Option<LogMessage>,
+    environment: *mut c_void,
+) -> *mut c_void {
+    // SAFETY: as the caller promises.
+    let name = unsafe { text(name) };
+    let name = CString::new(name.unwrap_or_default()).unwrap_or_default();
+    Component::given_away(
+        Err(SlaveError::Purpose),
+        name,
+        Log::Fmi3(logger, environment),
+    )
 }
 
 /// Frees an instance.
@@ -119,7 +151,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     _stop_s: f64,
 ) -> c_int {
     let begin = |slave: &mut Slave| {
-        slave.setup(start_s)?;
+        slave.setup("EnterInitializationMode", start_s)?;
         slave.begin_initialization()
     };
     // SAFETY: as the caller promises.
@@ -231,18 +263,19 @@ pub unsafe extern "C" fn fmi3DoStep(
     // SAFETY: as the caller promises.
     let status = unsafe { with(component, |slave| slave.step(time_s, length_s)) };
     for place in [event_needed, terminates, early_return] {
-        // SAFETY: as the caller promises.
-        if let Some(place) = unsafe { place.as_mut() } {
-            *place = false;
+        if !place.is_null() {
+            // SAFETY: as the caller promises; nothing is read from it before.
+            unsafe { place.write(false) };
         }
     }
-    // SAFETY: as the caller promises.
-    if let Some(place) = unsafe { last_s.as_mut() } {
-        *place = if status == OK {
+    if !last_s.is_null() {
+        let reached_s = if status == OK {
             time_s + length_s
         } else {
             time_s
         };
+        // SAFETY: as above.
+        unsafe { last_s.write(reached_s) };
     }
     status
 }

@@ -1,4 +1,4 @@
-//! What importers point to.
+//! Texts and values behind pointers of an importer.
 
 use std::ffi::{CStr, c_char};
 

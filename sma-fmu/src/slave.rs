@@ -8,7 +8,7 @@ use missing_physics::{RestoredModel, parse_model};
 use recording::read_text;
 use sha2::{Digest, Sha256};
 use sma_effects::{EffectId, EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
-use sma_export::{FMU_TIME, FmuVariable, fmu_guid};
+use sma_export::{FMU_TIME, Fmi, FmuVariable, fmu_guid};
 use wiener::{Drive, Input, Plant, WienerParams};
 
 /// Most bytes of a model.
@@ -31,8 +31,12 @@ pub(crate) enum SlaveError {
     Model { error: Box<IdentifyError> },
     #[error("model.toml: expected a model of one rod that a drive heats")]
     Kind,
-    #[error("GUID {found}: expected {expected}, of model.toml in the resources")]
-    Guid { found: String, expected: String },
+    #[error("{what} {found}: expected {expected}, of model.toml in the resources")]
+    Identity {
+        what: &'static str,
+        found: String,
+        expected: String,
+    },
     #[error("the plant is refused: {0}")]
     Plant(#[from] PhysicsError),
     #[error("identity and location of the resources: expected text")]
@@ -47,8 +51,8 @@ pub(crate) enum SlaveError {
         count: usize,
         what: &'static str,
     },
-    #[error("value reference {reference}: expected 0 to {FMU_TIME}")]
-    Reference { reference: u32 },
+    #[error("value reference {reference}: expected 0 to {last}")]
+    Reference { reference: u32, last: u32 },
     #[error("{name} = {value}: must be a finite number")]
     NotFinite { name: &'static str, value: f64 },
     #[error("{name} = {value}: must lie from 0 to 1")]
@@ -106,6 +110,8 @@ pub(crate) struct Snapshot {
 /// An instance.
 #[derive(Debug)]
 pub(crate) struct Slave {
+    /// Largest value reference: of FMI 3.0 that of the time.
+    last_reference: u32,
     setting: Setting,
     params: WienerParams,
     effects: EffectValues,
@@ -124,7 +130,7 @@ const MOST_PARTS: f64 = 1e6;
 
 impl Slave {
     /// Reads `model.toml` in the folder of resources; its identity must be the one that the importer was told.
-    pub(crate) fn new(guid: &str, resources: &Path) -> Result<Self, SlaveError> {
+    pub(crate) fn new(fmi: Fmi, guid: &str, resources: &Path) -> Result<Self, SlaveError> {
         let path = resources.join("model.toml");
         let text = read_text(&path, MOST_BYTES).map_err(|source| SlaveError::Unreadable {
             path: path.clone(),
@@ -132,7 +138,11 @@ impl Slave {
         })?;
         let expected = fmu_guid(&sha256(&text));
         if guid != expected {
-            return Err(SlaveError::Guid {
+            return Err(SlaveError::Identity {
+                what: match fmi {
+                    Fmi::V2 => "GUID",
+                    Fmi::V3 => "instantiation token",
+                },
                 found: guid.to_owned(),
                 expected,
             });
@@ -161,6 +171,10 @@ impl Slave {
             running: None,
         };
         Ok(Self {
+            last_reference: match fmi {
+                Fmi::V2 => FMU_TIME - 1,
+                Fmi::V3 => FMU_TIME,
+            },
             setting: restored.fleet().setting,
             params: member.params,
             effects: member.effects,
@@ -181,8 +195,16 @@ impl Slave {
         }
     }
 
-    pub(crate) fn setup(&mut self, start_s: f64) -> Result<(), SlaveError> {
-        self.only("SetupExperiment", &[Phase::Instantiated])?;
+    /// Takes note of the start of the importer's time, s.
+    pub(crate) fn setup(&mut self, call: &'static str, start_s: f64) -> Result<(), SlaveError> {
+        self.only(call, &[Phase::Instantiated])?;
+        if !start_s.is_finite() {
+            let name = "start time";
+            return Err(SlaveError::NotFinite {
+                name,
+                value: start_s,
+            });
+        }
         self.now.time_s = start_s;
         Ok(())
     }
@@ -219,6 +241,15 @@ impl Slave {
         self.now = snapshot.clone();
     }
 
+    fn variable(&self, reference: u32) -> Result<FmuVariable, SlaveError> {
+        let all = FmuVariable::ALL.into_iter();
+        let mut found = all.filter(|variable| *variable as u32 == reference);
+        let last = self.last_reference;
+        found
+            .next()
+            .ok_or(SlaveError::Reference { reference, last })
+    }
+
     fn value(&self, variable: FmuVariable) -> f64 {
         self.now.values[variable as usize]
     }
@@ -240,7 +271,11 @@ impl Slave {
 
     /// Sets an input, or before the end of the initialization a parameter.
     pub(crate) fn set(&mut self, reference: u32, value: f64) -> Result<(), SlaveError> {
-        let variable = variable(reference)?;
+        if reference == FMU_TIME && self.last_reference == FMU_TIME {
+            let what = "the time of the importer: it cannot be set";
+            return Err(SlaveError::NotNow { name: "time", what });
+        }
+        let variable = self.variable(reference)?;
         let name = variable.name();
         if !value.is_finite() {
             return Err(SlaveError::NotFinite { name, value });
@@ -263,10 +298,10 @@ impl Slave {
 
     /// Reads a variable; an output in the initialization is that of the start by what is set so far.
     pub(crate) fn get(&mut self, reference: u32) -> Result<f64, SlaveError> {
-        if reference == FMU_TIME {
+        if reference == FMU_TIME && self.last_reference == FMU_TIME {
             return Ok(self.now.time_s);
         }
-        let variable = variable(reference)?;
+        let variable = self.variable(reference)?;
         if !variable.is_output() {
             return Ok(self.value(variable));
         }
@@ -288,6 +323,13 @@ impl Slave {
     /// Moves the rod on by a communication step from a time of the importer, s, under the inputs that are set.
     pub(crate) fn step(&mut self, time_s: f64, length_s: f64) -> Result<(), SlaveError> {
         self.only("DoStep", &[Phase::Stepping])?;
+        if !time_s.is_finite() {
+            let name = "time of the step";
+            return Err(SlaveError::NotFinite {
+                name,
+                value: time_s,
+            });
+        }
         if !(length_s >= 0.0 && length_s.is_finite()) {
             return Err(SlaveError::Step { value: length_s });
         }
@@ -318,12 +360,6 @@ impl Slave {
         self.now.time_s = time_s + length_s;
         Ok(())
     }
-}
-
-fn variable(reference: u32) -> Result<FmuVariable, SlaveError> {
-    let all = FmuVariable::ALL.into_iter();
-    let mut found = all.filter(|variable| *variable as u32 == reference);
-    found.next().ok_or(SlaveError::Reference { reference })
 }
 
 /// SHA-256 of a text, in hexadecimal.

@@ -9,8 +9,8 @@ use crate::model::elsewhere::is_drift;
 /// formulas are.
 ///
 /// Beside an effect with a form of its own even a small one is told if with it nothing predictable is left: what a formula
-/// leaves wrong a curve would find. So it is beside a loop of another family, if it is nothing that such a loop could be. Nor is what does nearly all of a drift's work without it an error of the drift: that is a curve
-/// of time, which takes what it can of any law.
+/// leaves wrong a curve would find. Beside a loop of another family it is told if no such loop could act like it. An effect that does
+/// nearly all of a drift's work without the drift is told as well: a drift is a curve of time, which takes what it can of any law.
 pub(crate) fn leading(population: &Population) -> &Model {
     let mut model = population.best();
     let is_whole = model.is_whole();

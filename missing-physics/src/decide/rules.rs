@@ -201,11 +201,11 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Tone,
         name: "tone",
-        statistic: "correlation of what is left with itself at long lags, standard deviations",
+        statistic: "correlation of what is left with itself at eight of 64 long lags, standard deviations",
         comparison: Comparison::AtLeast,
         threshold: 6.0,
         basis: Basis::Quantile,
-        reason: "no noise repeats itself after so many samples: by chance in 1 of ten million recordings",
+        reason: "no noise repeats itself after so many samples: by chance in less than 1 of ten million recordings",
     },
     Rule {
         id: RuleId::Slow,

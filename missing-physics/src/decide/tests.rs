@@ -323,11 +323,14 @@ fn led_by(large: EffectId, small: EffectId, left: f64) -> Vec<&'static str> {
 
 #[test]
 fn a_small_effect_is_told_beside_what_it_cannot_be_an_error_of() {
-    use EffectId::{AmbientDrift, Backlash, LoopShape, OutputLag};
+    use EffectId::{AmbientDrift, Backlash, FunctionalFatigue, LoopShape, OutputLag};
     // A curve of time knows nothing of where the rod is.
     let beside_a_drift = ["ambient-drift", "backlash"];
     assert_eq!(led_by(AmbientDrift, Backlash, 0.0), beside_a_drift);
     assert_eq!(led_by(AmbientDrift, Backlash, 1.0), beside_a_drift);
+    // A fatigue may be what its values miss.
+    let alone = ["ambient-drift"];
+    assert_eq!(led_by(AmbientDrift, FunctionalFatigue, 1.0), alone);
     // A play may be an error of the loop's curves, a lag is none if nothing is left with it.
     assert_eq!(led_by(LoopShape, Backlash, 0.0), ["loop-shape"]);
     assert_eq!(

@@ -36,8 +36,8 @@ impl Decided {
         )
     }
 
-    /// Makes suspects of names that do not hold after all. Without a name the verdict is that on the baseline model, and what was
-    /// ambiguous by them alone is explained.
+    /// Moves names to the suspects. Without a name left the verdict is that on the baseline model; without an alternative left,
+    /// ambiguous becomes explained.
     pub(crate) fn fall(&mut self, fallen: CandidateSet) {
         let (fallen, named): (Vec<Named>, Vec<Named>) = std::mem::take(&mut self.named)
             .into_iter()
@@ -104,7 +104,7 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
         suspects.append(&mut named);
     }
     let mut aside = traces.begun_again();
-    let nameless = nameless(population, known, slip, &mut aside);
+    let nameless = nameless(population, known, &mut aside);
     traces.set_aside(aside);
     let with = model.evidence.squares();
     let without = population.plain().evidence.squares();
@@ -120,15 +120,10 @@ pub(crate) fn decide(population: &Population, known: &Known, mut traces: Traces)
 }
 
 /// Verdict on the baseline model.
-fn nameless(
-    population: &Population,
-    known: &Known,
-    slip: Option<f64>,
-    aside: &mut Traces,
-) -> Verdict {
+fn nameless(population: &Population, known: &Known, aside: &mut Traces) -> Verdict {
     let describes = aside.ask(RuleId::Describes, "", described_plainly(population, known));
     let more_is_left = is_left(population, population.plain(), known, aside);
-    let Odd { is_odd, .. } = odd(known, slip, true, aside);
+    let Odd { is_odd, .. } = odd(known, None, true, aside);
     if !describes || more_is_left || is_odd {
         Verdict::Unexplained
     } else {

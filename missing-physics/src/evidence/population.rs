@@ -117,10 +117,11 @@ impl Population {
         self.share_beside(self.plain(), with, without)
     }
 
-    /// The same of what could be explained beside the drifts that a model has.
+    /// Share of what could be explained beside the drifts of a model that is lost from one sum of squares to another; of what the baseline
+    /// model leaves, if the model with its drifts alone was not visited.
     ///
-    /// A drift is a curve of time: what its knots miss knows nothing of where the rod is. So what another effect explains need not be large
-    /// beside a drift to be more than an error of its formula.
+    /// A drift is a curve of time: what its knots miss knows nothing of where the rod is, as long as the rod turns back between them. So what
+    /// another effect explains need not be large beside a drift to be more than an error of its formula.
     pub(crate) fn share_beside_drifts(
         &self,
         model: &Model,

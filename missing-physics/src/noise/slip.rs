@@ -21,7 +21,7 @@ const POWERS: [i32; 3] = [1, 2, 4];
 /// ```
 ///
 /// A drift of the sensor knows nothing of the rod; it has four values, and this three. The other parameters may follow either, to first
-/// order: they were fitted beside the drift.
+/// order: they were fitted beside the drift. What stands on a bound, or has a prior, stays.
 pub(crate) fn slip(
     case: &Case<'_>,
     node: &Node,
@@ -64,9 +64,9 @@ pub(crate) fn slip(
     let (drift, others): (Vec<Sensitivity>, Vec<Sensitivity>) = sensitivities(case, node)?
         .into_iter()
         .partition(is_of_drift);
-    let columns = |of: &[Sensitivity]| -> Vec<Vec<f64>> {
-        of.iter().map(|one| of_outputs(&one.column)).collect()
-    };
+    let has_prior = |j: usize| vector.infos()[vector.parameter(j)].ordinary.is_some();
+    let is_free = |one: &&Sensitivity| !one.held && !one.coordinate.is_some_and(has_prior);
+    let drift: Vec<Vec<f64>> = drift.iter().map(|one| of_outputs(&one.column)).collect();
     // Of each recording its own.
     let (mut levels, mut slipped) = (Vec::new(), Vec::new());
     for range in &outputs {
@@ -78,8 +78,13 @@ pub(crate) fn slip(
         levels.push(alone(&vec![1.0; range.len()]));
         slipped.extend(slips(&recorded[range.clone()]).iter().map(|one| alone(one)));
     }
-    levels.extend(columns(&others));
-    let drifting = without(&of_outputs(&node.residual), &[&levels, &columns(&drift)]);
+    levels.extend(
+        others
+            .iter()
+            .filter(is_free)
+            .map(|one| of_outputs(&one.column)),
+    );
+    let drifting = without(&of_outputs(&node.residual), &[&levels, &drift]);
     let slipping = without(&of_outputs(&left), &[&levels, &slipped]);
     Ok(Some((of_zero, drifting / slipping.max(f64::MIN_POSITIVE))))
 }

@@ -1,8 +1,10 @@
 //! A tone in what is left: no noise has one, and no effect of a rod.
 
+use recording::order::falling;
+
 use crate::noise::slowness::MEDIAN;
 
-/// Lags at which a residual is compared with itself: so many, from a quarter of the recording on, samples.
+/// Number of lags at which a residual is compared with itself; they begin at a quarter of the recording.
 const LAGS: usize = 64;
 
 /// Most samples at which the lags begin.
@@ -14,14 +16,21 @@ const NEAREST: usize = 64;
 /// Deviations of a normal distribution beyond which a difference counts no more: two outliers at one distance are no tone.
 const OUTLIER: f64 = 3.0;
 
-/// How much a residual repeats itself at long lags, sample by sample, in standard deviations of a correlation without a tone;
+/// Lags at which a tone is heard, at least: a mismatch that comes back with a repeated drive does so at one distance, and a tone at many.
+const HEARD: usize = 8;
+
+/// Sum of squares of all correlations of differences of white noise.
+const OF_NEIGHBORS: f64 = 1.5;
+
+/// How much a residual repeats itself at long lags, sample by sample, in standard deviations of the correlation of white noise;
 /// 0 of a recording too short to tell, of less than 256 samples.
 ///
 /// ```text
-/// √n max |Σ d_k d_(k+lag)| / Σ d_k²,   d_k = r_(k+1) - r_k
+/// |Σ d_k d_(k+lag)| / (Σ d_k² √(1.5 (n - lag)) / n),   d_k = r_(k+1) - r_k, cut at three deviations;   the eighth largest
 /// ```
 ///
-/// Differences forget what is slow: mismatches of physics, and noise that grows toward low frequencies.
+/// Differences forget what is slow: mismatches of physics, and noise that grows toward low frequencies. Those of white noise have a
+/// correlation of -½ with their neighbors, and the sum of squares of all correlations is 1.5.
 pub(crate) fn tone(residual: &[f64]) -> f64 {
     let first = (residual.len() / 4).min(FARTHEST);
     if first < NEAREST {
@@ -36,14 +45,17 @@ pub(crate) fn tone(residual: &[f64]) -> f64 {
             *step = step.clamp(-most, most);
         }
     }
+    let n = steps.len() as f64;
     let all: f64 = steps.iter().map(|step| step * step).sum();
-    let per = (steps.len() as f64).sqrt() / all.max(f64::MIN_POSITIVE);
-    let correlations = (first..first + LAGS).map(|lag| {
+    let correlation = |lag: usize| {
         let later = steps[lag..].iter();
         let product: f64 = steps.iter().zip(later).map(|(a, b)| a * b).sum();
-        per * product.abs()
-    });
-    correlations.fold(0.0, f64::max)
+        let deviation = all * (OF_NEIGHBORS * (n - lag as f64)).sqrt() / n;
+        product.abs() / deviation.max(f64::MIN_POSITIVE)
+    };
+    let mut correlations: Vec<f64> = (first..first + LAGS).map(correlation).collect();
+    falling(&mut correlations, |one| *one);
+    correlations[HEARD - 1]
 }
 
 #[cfg(test)]
@@ -84,5 +96,21 @@ mod tests {
             }
             assert!(tone(&noise) < 6.0, "{}", tone(&noise));
         }
+    }
+
+    #[test]
+    fn a_mismatch_that_comes_back_with_the_drive_is_no_tone() {
+        let rng = ChaCha8Rng::seed_from_u64(1);
+        let mut noise: Vec<f64> = StandardNormal.sample_iter(rng).take(600).collect();
+        // Three equal cycles of 170 samples, among the lags, with a mismatch at each step of the drive.
+        for k in [40, 80, 120]
+            .iter()
+            .flat_map(|at| [*at, at + 170, at + 340])
+        {
+            for (more, value) in noise[k..k + 5].iter_mut().enumerate() {
+                *value += 30.0 * 0.5_f64.powi(more as i32);
+            }
+        }
+        assert!(tone(&noise) < 6.0, "{}", tone(&noise));
     }
 }

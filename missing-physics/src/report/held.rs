@@ -69,8 +69,8 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
             each.map(move |(&value, interval)| match interval {
                 // An end that stands at a bound is no end of the interval.
                 Some(own) => value.abs() / (own.upper - value).max(value - own.lower),
-                // At an end of what can be it is as large as that; none has no size.
-                None if size.at_bound && !is_none(value, size.info.bounds) => f64::INFINITY,
+                // At an end of what can be it is as large as that; at 0 it is absent.
+                None if size.at_bound && !is_zero(value, size.info.bounds) => f64::INFINITY,
                 None => 0.0,
             })
         });
@@ -90,12 +90,13 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
 }
 
 /// True if a size is 0 within its bounds, to rounding.
-fn is_none(value: f64, bounds: Bounds) -> bool {
+fn is_zero(value: f64, bounds: Bounds) -> bool {
     const ROUNDING: f64 = 1e-9;
     value.abs() <= ROUNDING * bounds.width()
 }
 
-/// Half of an interval that each of so many normal deviations keeps to with 95 % in all, over that of one.
+/// Half of an interval that each of so many normal deviations keeps to with 95 % in all, over that of one: about, since those of
+/// parameters are Student's.
 fn widened(n: usize) -> f64 {
     let outside = |deviations: f64| libm::erfc(deviations * FRAC_1_SQRT_2);
     let each = outside(HALF_95) / n as f64;

@@ -57,7 +57,7 @@ impl Baseline {
     }
 }
 
-/// What is known before the search, and goes into what is told after it.
+/// Facts known before the search, for the report.
 #[derive(Debug)]
 pub(crate) struct Reporting<'a, 'p> {
     /// Blocks on which models are weighed.
@@ -81,8 +81,8 @@ impl Reporting<'_, '_> {
         )
     }
 
-    /// The diagnosis. `searches` are those of the population at all samples, the paper's loop first, and `place` and `effects` say where the
-    /// leading model stands in them. What is needed and was not searched is fitted. `simulations` are those of all that came before.
+    /// The diagnosis. `searches` are those of the population at all samples, the paper's loop first; `place` and `effects` say where
+    /// the leading model stands in them. A model that is needed and was not searched is fitted. `simulations` are those before.
     pub(crate) fn reported(
         self,
         (mut searches, population): (Vec<Search<'_>>, &Population),

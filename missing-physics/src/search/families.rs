@@ -121,8 +121,9 @@ fn retain_near(fits: &mut Vec<OtherBaseline>, case: &Case<'_>) {
     fits.retain(|other| other.fit.train_rmse < most);
 }
 
-/// Families that may stand in for the paper's loop, the starts of which end apart; none where not even the best of these describes
-/// the output, since then another loop is not what is missing, where no other loop has one minimum, or where it is not among the candidates.
+/// Families that may stand in for the paper's loop, the starts of which end apart. There are none where another loop is no candidate,
+/// where not even the best start describes the output (then another loop is not what is missing), or where no other loop has one
+/// minimum.
 pub(crate) fn instead(
     case: &Case<'_>,
     among: CandidateSet,

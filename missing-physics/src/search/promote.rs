@@ -26,8 +26,8 @@ const FEW_PRESSED: usize = 4;
 
 /// The population of some models on all samples: those that the searches at few samples leave in question, at the ends that they have there.
 ///
-/// `cases` are those of the searches, with all samples, and `blocks` those on which they are weighed; `noise` is the variance of the
-/// noise, at most.
+/// `cases` are those of the searches, with all samples, and `blocks` those on which they are weighed; `noise` is its largest
+/// variance.
 pub(crate) fn promoted<'c>(
     cases: &[&'c Case<'c>],
     survey: &mut Survey<'_>,

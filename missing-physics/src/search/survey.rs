@@ -53,8 +53,8 @@ impl<'c> Survey<'c> {
         })
     }
 
-    /// The loops that are to be searched beside the paper's. `stand_ins` are fits of those that stand in for one which has no minimum of
-    /// its own; none where it has.
+    /// The loops that are to be searched beside the paper's. `stand_ins` are fitted because the paper's loop has no single minimum; else
+    /// there are none.
     ///
     /// A loop of another family bends what is found of the rest: it comes before more effects do.
     pub(crate) fn loops(&mut self, stand_ins: Vec<OtherBaseline>) -> Result<Loops, IdentifyError> {

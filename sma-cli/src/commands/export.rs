@@ -90,7 +90,7 @@ enum Language {
     Python,
     /// A functional mock-up unit: FMI 2.0, co-simulation.
     Fmu,
-    /// One for FMI 3.0.
+    /// A functional mock-up unit: FMI 3.0, co-simulation.
     Fmu3,
 }
 

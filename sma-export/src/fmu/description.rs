@@ -1,4 +1,4 @@
-//! What a unit says of itself.
+//! Description of a unit: modelDescription.xml.
 
 use wiener::Drive;
 
@@ -74,6 +74,9 @@ pub(super) fn description(exported: &Exported, fmi: Fmi) -> String {
         ),
     ];
     let mut units: Vec<&str> = variables.iter().map(|one| one.2).collect();
+    if fmi == Fmi::V3 {
+        units.push("s");
+    }
     units.sort_unstable();
     units.dedup();
     let units: String = units.into_iter().map(unit).collect();
@@ -121,13 +124,12 @@ pub(super) fn description(exported: &Exported, fmi: Fmi) -> String {
 </fmiModelDescription>
 "#
         ),
-        // Value references here, places counted from 1 there.
+        // Variables are told by their value references, and not by their places from 1 on.
         Fmi::V3 => format!(
             r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" {names}>
   <CoSimulation modelIdentifier="{FMU_LIBRARY}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true" canSerializeFMUState="false"/>
   <UnitDefinitions>
-    <Unit name="s"><BaseUnit s="1"/></Unit>
 {units}  </UnitDefinitions>
   <DefaultExperiment startTime="0.0" stepSize="{step_s}"/>
   <ModelVariables>
@@ -149,6 +151,7 @@ pub(super) fn description(exported: &Exported, fmi: Fmi) -> String {
 fn unit(name: &str) -> String {
     let base = match name {
         "1" => "<BaseUnit/>",
+        "s" => r#"<BaseUnit s="1"/>"#,
         "A" => r#"<BaseUnit A="1"/>"#,
         "V" => r#"<BaseUnit kg="1" m="2" s="-3" A="-1"/>"#,
         "W" => r#"<BaseUnit kg="1" m="2" s="-3"/>"#,

@@ -1,4 +1,4 @@
-//! The same library by the interface of FMI 3.0.
+//! The library as an importer of FMI 3.0 calls it.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -168,7 +168,11 @@ fn what_is_refused_in_version_3_is_logged() {
     let (folder, uri) = resources();
     let path = folder.path().join("a wire").display().to_string();
     assert!(Instance::try_new("{0}", &path).is_none());
-    assert!(last().starts_with("GUID {0}: expected {"), "{}", last());
+    assert!(
+        last().starts_with("instantiation token {0}: expected {"),
+        "{}",
+        last()
+    );
     // A URI is that of version 2.
     assert!(Instance::try_new(&guid(), &uri).is_none());
     assert!(last().ends_with("expected an absolute path"), "{}", last());
@@ -192,7 +196,23 @@ fn what_is_refused_in_version_3_is_logged() {
     assert_eq!(fmi3GetInt32(unit.0, references.as_ptr(), 1, none, 0), 3);
     let text = std::ptr::null();
     let null = std::ptr::null_mut();
-    assert!(fmi3InstantiateModelExchange(text, text, text, false, false, null, None).is_null());
+    let instance =
+        // SAFETY: null pointers are not read, and the log is a function.
+        unsafe { fmi3InstantiateModelExchange(text, text, text, false, true, null, Some(log)) };
+    assert!(instance.is_null());
+    assert!(last().ends_with("expected co-simulation"), "{}", last());
+    let (time, value) = (FMU_TIME, 1.0);
+    // SAFETY: one reference and one value.
+    let status = unsafe { fmi3SetFloat64(unit.0, &raw const time, 1, &raw const value, 1) };
+    assert_eq!(status, 3);
+    assert_eq!(
+        last(),
+        "time: is the time of the importer: it cannot be set"
+    );
+    // SAFETY: of fmi3InstantiateCoSimulation and not freed.
+    let status = unsafe { fmi3EnterInitializationMode(unit.0, false, 0.0, f64::NAN, false, 0.0) };
+    assert_eq!(status, 3);
+    assert_eq!(last(), "start time = NaN: must be a finite number");
     // SAFETY: a null pointer is refused, and its places are not written.
     let status = unsafe {
         let no = std::ptr::null_mut();

@@ -345,11 +345,11 @@ fn errors_are_logged_with_name_value_and_what_is_accepted() {
         last(),
         "communication step of -1 s: must be finite and >= 0"
     );
-    let (reference, mut value) = (8, 0.0);
+    let (reference, mut value) = (7, 0.0);
     // SAFETY: one reference and room for one value.
     let status = unsafe { fmi2GetReal(unit.0, &raw const reference, 1, &raw mut value) };
     assert_ne!(status, 0);
-    assert_eq!(last(), "value reference 8: expected 0 to 7");
+    assert_eq!(last(), "value reference 7: expected 0 to 6");
     let no_values = std::ptr::null_mut();
     // SAFETY: null pointers are not read.
     let status = unsafe { fmi2GetReal(unit.0, std::ptr::null(), 2, &raw mut value) };
