@@ -7,6 +7,7 @@ use sma_export::Fmi;
 use crate::calls::{free_state, get_reals, keep_state, restore_state, set_reals};
 use crate::component::{Callbacks, Component, ERROR, Log, OK, with};
 use crate::pointers::text;
+use crate::refusals::{refused, without_variables};
 use crate::slave::{Slave, SlaveError, path_of};
 
 /// fmi2CoSimulation.
@@ -139,12 +140,8 @@ pub unsafe extern "C" fn fmi2Terminate(component: *mut c_void) -> c_int {
 /// The component is of [`fmi2Instantiate`] and not freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(component: *mut c_void) -> c_int {
-    let reset = |slave: &mut Slave| {
-        slave.reset();
-        Ok(())
-    };
     // SAFETY: as the caller promises.
-    unsafe { with(component, reset) }
+    unsafe { with(component, Slave::reset) }
 }
 
 /// Reads variables.
@@ -239,19 +236,6 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(
     unsafe { free_state(state) }
 }
 
-/// Functions of the standard that a unit without such variables or abilities refuses.
-macro_rules! refused {
-    ($($name:ident($($argument:ty),*);)+) => {
-        $(
-            /// Refuses: the unit says in its description that it has none of this.
-            #[unsafe(no_mangle)]
-            pub extern "C" fn $name(_: *mut c_void, $(_: $argument),*) -> c_int {
-                ERROR
-            }
-        )+
-    };
-}
-
 refused! {
     fmi2SerializedFMUstateSize(*mut c_void, *mut usize);
     fmi2SerializeFMUstate(*mut c_void, *mut c_char, usize);
@@ -265,24 +249,6 @@ refused! {
     fmi2GetIntegerStatus(c_int, *mut c_int);
     fmi2GetBooleanStatus(c_int, *mut c_int);
     fmi2GetStringStatus(c_int, *mut *const c_char);
-}
-
-/// Functions for variables of types that the unit does not have: no variable is no error.
-macro_rules! without_variables {
-    ($($name:ident($value:ty);)+) => {
-        $(
-            /// Reads or sets variables of a type that the unit does not have.
-            #[unsafe(no_mangle)]
-            pub extern "C" fn $name(
-                _: *mut c_void,
-                _: *const c_uint,
-                count: usize,
-                _: $value,
-            ) -> c_int {
-                if count == 0 { OK } else { ERROR }
-            }
-        )+
-    };
 }
 
 without_variables! {

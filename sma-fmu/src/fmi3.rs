@@ -8,6 +8,7 @@ use sma_export::Fmi;
 use crate::calls::{free_state, get_reals, keep_state, restore_state, set_reals};
 use crate::component::{Component, ERROR, Log, LogMessage, OK, with};
 use crate::pointers::text;
+use crate::refusals::{refused, without_variables};
 use crate::slave::{Slave, SlaveError};
 
 /// Version of the standard.
@@ -187,12 +188,8 @@ pub unsafe extern "C" fn fmi3Terminate(component: *mut c_void) -> c_int {
 /// The component is of [`fmi3InstantiateCoSimulation`] and not freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Reset(component: *mut c_void) -> c_int {
-    let reset = |slave: &mut Slave| {
-        slave.reset();
-        Ok(())
-    };
     // SAFETY: as the caller promises.
-    unsafe { with(component, reset) }
+    unsafe { with(component, Slave::reset) }
 }
 
 /// Reads variables.
@@ -317,19 +314,6 @@ pub unsafe extern "C" fn fmi3FreeFMUState(
     unsafe { free_state(state) }
 }
 
-/// Functions of the standard that a unit without such variables or abilities refuses.
-macro_rules! refused {
-    ($($name:ident($($argument:ty),*);)+) => {
-        $(
-            /// Refuses: the unit says in its description that it has none of this.
-            #[unsafe(no_mangle)]
-            pub extern "C" fn $name(_: *mut c_void, $(_: $argument),*) -> c_int {
-                ERROR
-            }
-        )+
-    };
-}
-
 refused! {
     fmi3EnterEventMode();
     fmi3EnterStepMode();
@@ -364,24 +348,6 @@ refused! {
     fmi3GetEventIndicators(*mut f64, usize);
     fmi3GetNumberOfEventIndicators(*mut usize);
     fmi3GetNumberOfContinuousStates(*mut usize);
-}
-
-/// Functions for variables of types that the unit does not have: no variable is no error.
-macro_rules! without_variables {
-    ($($name:ident($($value:ty),+);)+) => {
-        $(
-            /// Reads or sets variables of a type that the unit does not have.
-            #[unsafe(no_mangle)]
-            pub extern "C" fn $name(
-                _: *mut c_void,
-                _: *const c_uint,
-                count: usize,
-                $(_: $value),+
-            ) -> c_int {
-                if count == 0 { OK } else { ERROR }
-            }
-        )+
-    };
 }
 
 without_variables! {

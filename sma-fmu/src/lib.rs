@@ -7,6 +7,7 @@ mod component;
 mod fmi2;
 mod fmi3;
 mod pointers;
+mod refusals;
 mod slave;
 
 use sma_export::FMU_MARK;

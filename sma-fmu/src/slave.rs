@@ -229,8 +229,9 @@ impl Slave {
         Ok(())
     }
 
-    pub(crate) fn reset(&mut self) {
+    pub(crate) fn reset(&mut self) -> Result<(), SlaveError> {
         self.now = self.first.clone();
+        Ok(())
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {

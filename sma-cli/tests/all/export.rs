@@ -158,6 +158,14 @@ fn source_is_the_same_every_time() {
     }
 }
 
+/// Description in a unit.
+fn described(unit: &[u8]) -> String {
+    let text = String::from_utf8_lossy(unit);
+    let start = text.find("<fmiModelDescription").unwrap();
+    let end = text.find("</fmiModelDescription>").unwrap() + "</fmiModelDescription>".len();
+    text[start..end].to_owned()
+}
+
 #[test]
 fn a_unit_holds_the_library_and_the_model() {
     let folder = identified();
@@ -175,10 +183,8 @@ fn a_unit_holds_the_library_and_the_model() {
     assert!(unit.starts_with(b"PK\x03\x04modelDescription.xml") || holds(b"modelDescription.xml"));
     assert!(holds(b"binaries/linux64/sma_fmu.so") && holds(&library));
     assert!(holds(b"resources/model.toml") && holds(read(folder, "model.toml").as_bytes()));
-    let text = String::from_utf8_lossy(&unit);
-    let start = text.find("<fmiModelDescription").unwrap();
-    let end = text.find("</fmiModelDescription>").unwrap() + "</fmiModelDescription>".len();
-    let description = roxmltree::Document::parse(&text[start..end]).unwrap();
+    let description = described(&unit);
+    let description = roxmltree::Document::parse(&description).unwrap();
     let named = |name: &str| {
         let mut variables = description.descendants();
         variables
@@ -194,10 +200,8 @@ fn a_unit_holds_the_library_and_the_model() {
     let unit = std::fs::read(folder.join("rod3.fmu")).unwrap();
     let holds = |part: &[u8]| unit.windows(part.len()).any(|window| window == part);
     assert!(holds(b"binaries/x86_64-linux/sma_fmu.so"));
-    let text = String::from_utf8_lossy(&unit);
-    let start = text.find("<fmiModelDescription").unwrap();
-    let end = text.find("</fmiModelDescription>").unwrap() + "</fmiModelDescription>".len();
-    let description = roxmltree::Document::parse(&text[start..end]).unwrap();
+    let description = described(&unit);
+    let description = roxmltree::Document::parse(&description).unwrap();
     let root = description.root_element();
     assert_eq!(root.attribute("fmiVersion"), Some("3.0"));
     let variables = description
