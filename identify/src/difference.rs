@@ -22,12 +22,14 @@ pub(crate) struct Batch {
     pub(crate) points: Vec<Vec<f64>>,
     pub(crate) around: usize,
     pub(crate) differences: Vec<Difference>,
+    /// Differences by the coordinates for which there were no lanes left, around the same point.
+    pub(crate) further: Option<Box<Batch>>,
 }
 
 impl Batch {
     /// Some points and what differences by the acting coordinates take around one of them. At a bound they are
     /// one-sided, between equal bounds there is none; central ones are so for as many coordinates, from the first, as there are
-    /// lanes for.
+    /// lanes for. `points` leave a lane at least.
     pub(crate) fn new(
         acting: &[usize],
         bounds: &[Bound],
@@ -35,6 +37,12 @@ impl Batch {
         around: usize,
         sides: Sides,
     ) -> Self {
+        let lanes = BATCH.saturating_sub(points.len());
+        let (acting, others) = acting.split_at(acting.len().min(lanes));
+        let further = (!others.is_empty()).then(|| {
+            let center = std::slice::from_ref(&points[around]);
+            Box::new(Self::new(others, bounds, center, 0, sides))
+        });
         let center = &points[around];
         let mut points = points.to_vec();
         let mut differences = Vec::new();
@@ -72,7 +80,14 @@ impl Batch {
             points,
             around,
             differences,
+            further,
         }
+    }
+
+    /// Points of this batch and of those behind it.
+    pub(crate) fn n_points(&self) -> usize {
+        let further = self.further.as_deref().map_or(0, Self::n_points);
+        self.points.len() + further
     }
 }
 

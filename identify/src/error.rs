@@ -258,14 +258,6 @@ pub enum IdentifyError {
     /// A model without a free nonlinear parameter.
     #[error("every parameter is fixed: nothing to identify")]
     NothingFree,
-    /// More parameters to differentiate by than a batch has room for.
-    #[error("{found} free parameters; at most {most} can be fitted together")]
-    TooManyParameters {
-        /// Free nonlinear parameters.
-        found: usize,
-        /// Most that can be fitted.
-        most: usize,
-    },
     /// A model that is not of this crate refuses a point or a recording.
     #[error("model")]
     Model(#[source] Box<dyn std::error::Error + Send + Sync>),

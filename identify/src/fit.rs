@@ -120,7 +120,7 @@ pub struct FitProgress {
 ///
 /// # Errors
 ///
-/// [`IdentifyError::NothingFree`], [`IdentifyError::TooManyParameters`],
+/// [`IdentifyError::NothingFree`],
 /// [`IdentifyError::NoRecordings`], [`IdentifyError::StartLength`], [`IdentifyError::Swarm`] for settings that the swarm refuses, and
 /// what the model refuses.
 pub fn fit(

@@ -67,7 +67,7 @@ pub use input_path::OneWay;
 pub use least_squares::{LeastSquaresConfig, Termination};
 pub use loop_model::LoopModel;
 pub use model_file::{KnownEffects, NamedEffect};
-pub use of_family::{SHAPE_PARAMETERS, parameters_of_family};
+pub use of_family::{SECOND_POPULATION_PARAMETERS, SHAPE_PARAMETERS, parameters_of_family};
 pub use of_rig::OfRig;
 pub use parameter::{
     Bounds, Enters, Ordinary, ParameterInfo, ParameterState, ParameterVector, Scale, Scope,

@@ -24,15 +24,36 @@ const SHAPE_ENDS: [[f64; 2]; 4] = [
 /// Name of the tails of a loop of relays.
 const RELAY_TAILS: &str = "relay_tails";
 
+/// Names of the parameters that are a second population of relays, in the order of
+/// [`SecondPopulation`](wiener::hysteresis::SecondPopulation).
+pub const SECOND_POPULATION_PARAMETERS: [&str; 5] = [
+    "second_share",
+    "second_shift",
+    "second_log_width",
+    "second_log_spread",
+    "second_zeta",
+];
+
+/// Ends of these parameters: the second is the smaller one, and lies where the first has relays, too, or next to them.
+const SECOND_POPULATION_ENDS: [[f64; 2]; 5] = [
+    [0.0, 0.5],
+    [-4.0, 4.0],
+    [-1.5, 1.5],
+    [-1.5, 1.5],
+    [-1.0, 1.0],
+];
+
 /// True if a loop of another family has a parameter that the paper's loop does not have.
 pub(crate) fn is_of_family(name: &str) -> bool {
-    SHAPE_PARAMETERS.contains(&name) || name == RELAY_TAILS
+    SHAPE_PARAMETERS.contains(&name)
+        || name == RELAY_TAILS
+        || SECOND_POPULATION_PARAMETERS.contains(&name)
 }
 
 /// Parameters of a family that the paper's loop does not have, behind those of the baseline model: of a loop of relays or kinetics
 /// the difference of its branches' spreads ([`LimitingLoop::with_asymmetry`](wiener::hysteresis::LimitingLoop::with_asymmetry)) and
 /// three bends ([`Hysteresis::with_bends`](wiener::hysteresis::Hysteresis::with_bends)), and of relays their tails
-/// ([`LoopFamily::Relays`]). In files of earlier versions, which lack some of them, these are 0.
+/// ([`LoopFamily::Relays`]) and a second population of them ([`SecondPopulation`](wiener::hysteresis::SecondPopulation)). In files of earlier versions, which lack some of them, these are 0.
 #[must_use]
 pub fn parameters_of_family(family: LoopFamily) -> Vec<ParameterInfo> {
     let searched = |name, [lower, upper]: [f64; 2]| {
@@ -52,7 +73,11 @@ pub fn parameters_of_family(family: LoopFamily) -> Vec<ParameterInfo> {
                 admissible,
                 ..searched(RELAY_TAILS, [0.0, 2.0])
             };
-            shape.chain([tails]).collect()
+            let second = SECOND_POPULATION_PARAMETERS
+                .iter()
+                .zip(SECOND_POPULATION_ENDS);
+            let second = second.map(|(name, ends)| searched(name, ends));
+            shape.chain([tails]).chain(second).collect()
         }
     }
 }

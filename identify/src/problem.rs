@@ -8,7 +8,7 @@ use recording::Recording;
 use wiener::Block;
 
 use crate::dense::Matrix;
-use crate::difference::{Batch, Sides};
+use crate::difference::{Batch, Difference, Sides};
 use crate::factor::Triangle;
 use crate::least_squares::{Linearized, SumOfSquares};
 use crate::moments::{BATCH, Moments, Solved, Weighed, solve_linear};
@@ -64,6 +64,15 @@ pub(crate) struct Row<'a> {
     pub(crate) residual: f64,
 }
 
+/// Differences by a coordinate that had no lane beside the others, sample by sample.
+#[derive(Debug)]
+struct Quotients {
+    coordinate: usize,
+    /// Of the output at a gain of 1, and of the temperature, K.
+    output: Vec<f64>,
+    temperature: Vec<f64>,
+}
+
 /// Measured quantity of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Channel {
@@ -83,12 +92,6 @@ impl<'a> Problem<'a> {
         recordings: &'a [Recording],
     ) -> Result<Self, IdentifyError> {
         let vector = ParameterVector::new(model.parameters(), recordings.len());
-        // A difference takes a lane a coordinate beside the point itself.
-        let most = BATCH - 1;
-        let found = vector.acting_on(0).count();
-        if found > most {
-            return Err(IdentifyError::TooManyParameters { found, most });
-        }
         one_unit(recordings)?;
         let gain = linear_state(model, Enters::Gain, Scope::Shared, 1.0)?;
         let offset = linear_state(model, Enters::Offset, Scope::PerRecording, 0.0)?;
@@ -491,6 +494,7 @@ impl<'a> Problem<'a> {
             .temperature_degc()
             .filter(|_| self.temperature_weight > 0.0);
         let mut derivatives = vec![0.0; linear + self.vector.len()];
+        let further = self.quotients(r, batch.further.as_deref())?;
         self.simulate(r, &values, &mut |block| {
             visit(&block);
             let shapes = block.displacement.chunks_exact(block.stride);
@@ -504,6 +508,9 @@ impl<'a> Problem<'a> {
                 for difference in &batch.differences {
                     derivatives[linear + difference.coordinate] =
                         solved.gain * difference.quotient(shapes);
+                }
+                for known in &further {
+                    derivatives[linear + known.coordinate] = solved.gain * known.output[sample];
                 }
                 let fitted = solved.gain * shapes[around] + solved.offsets[r];
                 visit_row(&Row {
@@ -519,6 +526,9 @@ impl<'a> Problem<'a> {
                 for difference in &batch.differences {
                     derivatives[linear + difference.coordinate] = difference.quotient(shown);
                 }
+                for known in &further {
+                    derivatives[linear + known.coordinate] = known.temperature[sample];
+                }
                 visit_row(&Row {
                     channel: Channel::Temperature,
                     sample,
@@ -527,6 +537,34 @@ impl<'a> Problem<'a> {
                 });
             }
         })
+    }
+
+    /// Differences of a recording by the coordinates of a batch and of those behind it; none without one.
+    fn quotients(&self, r: usize, batch: Option<&Batch>) -> Result<Vec<Quotients>, IdentifyError> {
+        let Some(batch) = batch else {
+            return Ok(Vec::new());
+        };
+        let mut all = self.quotients(r, batch.further.as_deref())?;
+        let of_difference = |difference: &Difference| Quotients {
+            coordinate: difference.coordinate,
+            output: Vec::new(),
+            temperature: Vec::new(),
+        };
+        let mut own: Vec<Quotients> = batch.differences.iter().map(of_difference).collect();
+        let point = |point: &Vec<f64>| self.vector.values(point, r);
+        let values: Vec<Vec<f64>> = batch.points.iter().map(point).collect();
+        self.simulate(r, &values, &mut |block| {
+            let shapes = block.displacement.chunks_exact(block.stride);
+            let shown = block.temperature_degc.chunks_exact(block.stride);
+            for (shapes, shown) in shapes.zip(shown) {
+                for (difference, known) in batch.differences.iter().zip(&mut own) {
+                    known.output.push(difference.quotient(shapes));
+                    known.temperature.push(difference.quotient(shown));
+                }
+            }
+        })?;
+        all.append(&mut own);
+        Ok(all)
     }
 
     /// Some points, and others around one of them.
@@ -552,7 +590,7 @@ impl<'a> Problem<'a> {
         let batches: Vec<(usize, Batch)> = (0..self.recordings.len())
             .map(|r| (r, self.batch(r, points, around, sides)))
             .collect();
-        self.count(batches[0].1.points.len() as u64);
+        self.count(batches[0].1.n_points() as u64);
         let seen = try_in_parallel(&batches, |(r, batch)| self.seen(*r, batch))?;
         let solved = self.solved(points, |p, r| seen[r].moments[p]);
         let sums: Vec<f64> = solved
@@ -683,7 +721,7 @@ impl SumOfSquares for Problem<'_> {
         points: &[Vec<f64>],
         around: usize,
     ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
-        if points.len() + self.vector.acting_on(0).count() > BATCH {
+        if points.len() > 1 && points.len() + self.vector.acting_on(0).count() > BATCH {
             let sums = self.sums(points)?;
             return Ok((sums, self.linearize(&points[around])?));
         }

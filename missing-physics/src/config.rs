@@ -15,7 +15,7 @@ pub enum Effort {
     /// Sixteen starts; loops of other families where they may do instead of the findings. Trials are made with this.
     #[default]
     Normal,
-    /// Forty-eight starts, and loops of other families wherever one of them comes near.
+    /// Forty-eight starts, and loops of other families wherever one of them comes near, relays of two populations among them.
     Thorough,
 }
 

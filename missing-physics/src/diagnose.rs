@@ -87,7 +87,7 @@ pub(crate) fn diagnosed(
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
     let stand_ins = match is_found {
         true => Vec::new(),
-        false => families::instead(&few_case, all, config.seed)?,
+        false => families::instead(&few_case, all, (config.effort, config.seed))?,
     };
     if !is_found && stand_ins.is_empty() {
         return Ok(reporting.not_converged());

@@ -121,6 +121,7 @@ impl<const L: usize> Plants<L> {
         });
         let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
         let tails = values.map(|lane| lane.family.tails);
+        let second = values.map(|lane| lane.family.second);
         let bends = [0, 1, 2].map(|k| values.map(|lane| lane.family.bends[k]));
         let proximity = SineProximity::new(params.map(|lane| lane.zeta))?;
         // Relays remember all reversals: that they do is what they are.
@@ -141,6 +142,7 @@ impl<const L: usize> Plants<L> {
             )
             .of_family(setting.loop_family)
             .with_tails(tails)?
+            .with_second_population(second)?
             .with_bends(bends)?,
         };
         let own = Own::new(setting.hypotheses, values);
@@ -152,6 +154,7 @@ impl<const L: usize> Plants<L> {
             hysteresis: Hysteresis::new(limits, proximity, rule)
                 .of_family(setting.loop_family)
                 .with_tails(tails)?
+                .with_second_population(second)?
                 .with_bends(bends)?,
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),

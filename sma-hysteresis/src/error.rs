@@ -56,6 +56,18 @@ pub enum HysteresisError {
         /// Rejected value.
         value: f64,
     },
+    /// A number of a second population of relays outside its range.
+    #[error("{name} of the second population = {value}: must be from {lower} to {upper}")]
+    SecondPopulation {
+        /// Name of the number.
+        name: &'static str,
+        /// Rejected value.
+        value: f64,
+        /// Least that is accepted.
+        lower: f64,
+        /// Most that is accepted.
+        upper: f64,
+    },
     /// Bends of a loop that would make its branches turn back.
     #[error("bends of the loop lower a slope by {value} of it: must be from 0 to 1")]
     Bends {

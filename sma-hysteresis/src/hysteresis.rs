@@ -3,7 +3,7 @@ use crate::limiting_loop::{Branch, LimitingLoop};
 use crate::memory::{Memory, Rule, Rules};
 use crate::path::{Paths, Reversal};
 use crate::proximity::{Proximity, SineProximity};
-use crate::{HysteresisError, LoopFamily};
+use crate::{HysteresisError, LoopFamily, SecondPopulation};
 
 /// Rounding of a sum of bends that is 1.
 const SUM_ROUNDING: f64 = 1e-12;
@@ -61,6 +61,25 @@ impl<const L: usize> Hysteresis<L> {
             return Err(HysteresisError::Tails { value });
         }
         self.curves = self.curves.map(|curves| curves.with_tails(tails));
+        Ok(self)
+    }
+
+    /// Sets a second population of relays beside the first. Loops of other families have none and stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`HysteresisError::SecondPopulation`] for a number outside of its range.
+    pub fn with_second_population(
+        mut self,
+        second: [SecondPopulation; L],
+    ) -> Result<Self, HysteresisError> {
+        for lane in &second {
+            lane.check()?;
+        }
+        let (limits, zeta) = (self.limits, self.proximity.zeta());
+        self.curves = self
+            .curves
+            .map(|curves| curves.with_second_population(&limits, zeta, second));
         Ok(self)
     }
 

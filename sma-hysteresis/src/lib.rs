@@ -16,7 +16,7 @@ pub use elementary::{
     sin_quarter, sqrt,
 };
 pub use error::HysteresisError;
-pub use family::LoopFamily;
+pub use family::{LoopFamily, SecondPopulation};
 pub use hysteresis::{Hysteresis, Sensed};
 pub use limiting_loop::{Branch, LimitingLoop, LoopParams};
 pub use memory::{Memory, NESTING_CAPACITY, Rule};

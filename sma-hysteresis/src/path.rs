@@ -68,6 +68,8 @@ pub(crate) struct Path {
     /// 1/T_pr, 1/K. On the limiting curve, where nothing is left to fade, any value of the right sign:
     /// 0 would make ∞ to `NaN`.
     pub(crate) inverse_proximity_per_k: f64,
+    /// A constant more, of curves that need one; the paper's do not.
+    pub(crate) further: f64,
 }
 
 impl Path {
@@ -99,6 +101,7 @@ impl Path {
             rise: 1.0 / widening,
             proximity_k: distance_k / widening,
             inverse_proximity_per_k: sign / distance_k.abs(),
+            further: 0.0,
         };
         let reached_k = natural.level_k(proximity, lane, end.temperature_k);
         let excess_k = sign * (reached_k - end.level_k);
@@ -112,7 +115,6 @@ impl Path {
         let proximity_scale = if falls_short { slowed } else { rise_scale };
         let proximity_k = proximity_scale * natural.proximity_k;
         Self {
-            start,
             // On the limiting curve a branch leads along it, wherever it returns to.
             rise: if is_limiting {
                 natural.rise
@@ -125,6 +127,7 @@ impl Path {
             } else {
                 natural.inverse_proximity_per_k
             },
+            ..natural
         }
     }
 
@@ -202,6 +205,7 @@ pub(crate) struct Paths<const L: usize> {
     rise: [f64; L],
     proximity_k: [f64; L],
     inverse_proximity_per_k: [f64; L],
+    further: [f64; L],
 }
 
 impl<const L: usize> Paths<L> {
@@ -214,6 +218,7 @@ impl<const L: usize> Paths<L> {
             rise: [0.0; L],
             proximity_k: [0.0; L],
             inverse_proximity_per_k: [0.0; L],
+            further: [0.0; L],
         };
         for l in 0..L {
             paths.put(l, &path_of(l, &courses.get(l)));
@@ -231,6 +236,7 @@ impl<const L: usize> Paths<L> {
             rise: self.rise[lane],
             proximity_k: self.proximity_k[lane],
             inverse_proximity_per_k: self.inverse_proximity_per_k[lane],
+            further: self.further[lane],
         }
     }
 
@@ -241,6 +247,7 @@ impl<const L: usize> Paths<L> {
         self.rise[lane] = path.rise;
         self.proximity_k[lane] = path.proximity_k;
         self.inverse_proximity_per_k[lane] = path.inverse_proximity_per_k;
+        self.further[lane] = path.further;
     }
 }
 

@@ -4,7 +4,7 @@
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use sma_hysteresis::{
-    Branch, Hysteresis, LimitingLoop, LoopFamily, LoopParams, Rule, SineProximity,
+    Branch, Hysteresis, LimitingLoop, LoopFamily, LoopParams, Rule, SecondPopulation, SineProximity,
 };
 
 #[derive(Debug, Arbitrary)]
@@ -13,6 +13,7 @@ struct Drawn {
     is_nested: bool,
     is_extreme: bool,
     shape: [u16; 5],
+    second: [u16; 5],
     raw: [f64; 3],
     start: u8,
     path: Vec<i16>,
@@ -67,6 +68,17 @@ fuzz_target!(|drawn: Drawn| {
     let family = LoopFamily::ALL[usize::from(drawn.family) % 3];
     let material = Hysteresis::new(limits, proximity, rule).of_family(family);
     let Ok(material) = material.with_tails([between(tails, 0.0, 4.0)]) else {
+        return;
+    };
+    let [share, shift, log_width, log_spread, zeta] = drawn.second;
+    let second = SecondPopulation {
+        share: between(share, 0.0, 1.0),
+        shift: between(shift, -10.0, 10.0),
+        log_width: between(log_width, -3.0, 3.0),
+        log_spread: between(log_spread, -3.0, 3.0),
+        zeta: between(zeta, -1.0, 1.0),
+    };
+    let Ok(material) = material.with_second_population([second]) else {
         return;
     };
     let start = f64::from(drawn.start);

@@ -9,6 +9,7 @@ mod coverage;
 mod cross_check;
 mod doubts;
 mod ended;
+mod many_parameters;
 mod recover;
 mod rod_file;
 mod saved_model;

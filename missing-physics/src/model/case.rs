@@ -8,6 +8,7 @@ use recording::Recording;
 
 use crate::config::Part;
 use crate::model::elsewhere::is_drift;
+use crate::model::extended_model::LoopFreedom;
 use crate::model::series::{Channel, Layout, Noise};
 use crate::watch::{Unwatched, Watch, Watched};
 use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Need, Role, Setting};
@@ -44,8 +45,7 @@ pub(crate) struct Case<'a> {
     pub(crate) training: &'a [Recording],
     pub(crate) setting: Setting,
     pub(crate) layout: Layout,
-    /// True if the shape of a loop of another family is free.
-    has_shape: bool,
+    freedom: LoopFreedom,
     recorded: Vec<f64>,
     watch: &'a dyn Watch,
 }
@@ -93,7 +93,7 @@ impl<'a> Case<'a> {
                 ..setting
             },
             layout,
-            has_shape: false,
+            freedom: LoopFreedom::Formula,
             watch: &Unwatched,
         }
     }
@@ -122,13 +122,13 @@ impl<'a> Case<'a> {
     }
 
     /// Case of this rig with a loop of another family; `base` is the baseline model and `fit` its fit with that loop,
-    /// the shape of which may be free.
+    /// of which so much is free.
     pub(crate) fn of_family<'b>(
         &self,
         loop_family: LoopFamily,
         base: &'b WienerModel,
         fit: &'b Fit,
-        has_shape: bool,
+        freedom: LoopFreedom,
     ) -> Case<'b>
     where
         'a: 'b,
@@ -141,7 +141,7 @@ impl<'a> Case<'a> {
             base,
             fit,
             setting,
-            has_shape,
+            freedom,
             // Temperatures on one scale: models of all families are compared.
             layout: self.layout.clone(),
             recorded: self.recorded.clone(),
@@ -161,12 +161,8 @@ impl<'a> Case<'a> {
 
     /// The model with these effects.
     pub(crate) fn model(&self, effects: CandidateSet) -> ExtendedModel {
-        let model = ExtendedModel::new(self.base, self.fit, self.setting, effects);
-        if self.has_shape {
-            model
-        } else {
-            model.without_shape()
-        }
+        ExtendedModel::new(self.base, self.fit, self.setting, effects)
+            .with_loop_freedom(self.freedom)
     }
 
     /// The fitted baseline as a node.

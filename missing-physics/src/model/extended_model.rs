@@ -2,10 +2,12 @@
 
 use identify::{
     Bounds, Enters, Fit, ForwardModel, IdentifyError, Ordinary, ParameterInfo, ParameterState,
-    SHAPE_PARAMETERS, Scale, Scope, StateOfRun, WienerModel, in_states, parameters_of_family,
+    SECOND_POPULATION_PARAMETERS, SHAPE_PARAMETERS, Scale, Scope, StateOfRun, WienerModel,
+    in_states, parameters_of_family,
 };
 use recording::Recording;
 use wiener::Block;
+use wiener::hysteresis::SecondPopulation;
 
 use crate::{
     Belongs, Candidate, CandidateSet, EffectValues, Extended, FamilyShape, LoopFamily, Member,
@@ -103,10 +105,10 @@ impl ExtendedModel {
         }
     }
 
-    /// The model with the shape of a loop of another family fixed at that of its formulas.
-    pub(crate) fn without_shape(mut self) -> Self {
+    /// The model with what is free of a loop of another family; the rest stays as the family's formulas have it.
+    pub(crate) fn with_loop_freedom(mut self, freedom: LoopFreedom) -> Self {
         for info in &mut self.parameters {
-            if SHAPE_PARAMETERS.contains(&info.name) {
+            if LoopFreedom::of(info.name) > freedom {
                 info.state = ParameterState::Fixed(0.0);
             }
         }
@@ -172,18 +174,64 @@ impl ExtendedModel {
     }
 }
 
+/// What is free of a loop of another family than the paper's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum LoopFreedom {
+    /// The parameters of its formula.
+    Formula,
+    /// The shape of its branches as well.
+    Shape,
+    /// A second population of relays as well.
+    TwoPopulations,
+}
+
+impl LoopFreedom {
+    /// The least with which a parameter is free.
+    fn of(parameter: &str) -> Self {
+        if SECOND_POPULATION_PARAMETERS.contains(&parameter) {
+            Self::TwoPopulations
+        } else if SHAPE_PARAMETERS.contains(&parameter) {
+            Self::Shape
+        } else {
+            Self::Formula
+        }
+    }
+}
+
 /// No effects, and what the loop's family has of the last of the parameters before theirs.
 pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValues {
     let family = match (family, plain) {
-        (LoopFamily::Relays, &[.., asymmetry, skew, bend, third, tails]) => FamilyShape {
+        (
+            LoopFamily::Relays,
+            &[
+                ..,
+                asymmetry,
+                skew,
+                bend,
+                third,
+                tails,
+                share,
+                shift,
+                log_width,
+                log_spread,
+                zeta,
+            ],
+        ) => FamilyShape {
             asymmetry,
             bends: [skew, bend, third],
             tails,
+            second: SecondPopulation {
+                share,
+                shift,
+                log_width,
+                log_spread,
+                zeta,
+            },
         },
         (LoopFamily::Kinetics, &[.., asymmetry, skew, bend, third]) => FamilyShape {
             asymmetry,
             bends: [skew, bend, third],
-            tails: 0.0,
+            ..FamilyShape::default()
         },
         _ => FamilyShape::default(),
     };

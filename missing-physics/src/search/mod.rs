@@ -7,6 +7,7 @@ pub(crate) mod families;
 pub(crate) mod known;
 pub(crate) mod occurs;
 pub(crate) mod odds;
+mod populations;
 pub(crate) mod promote;
 pub(crate) mod refit;
 pub(crate) mod roads;

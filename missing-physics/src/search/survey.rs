@@ -65,7 +65,7 @@ impl<'c> Survey<'c> {
             && is_anything(&self.completing.audited(&self.searches)?)
             && !self.case.leaves_out(Part::OtherLoops)
         {
-            fits = families::fits(self.case, self.config.seed)?;
+            fits = families::fits(self.case, self.config.effort, self.config.seed)?;
         }
         let mut goes_on =
             self.is_thorough(&fits) || stands_in || families::is_another(&fits, &self.searches[0]);

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use wiener::hysteresis::SecondPopulation;
 use wiener::widest_vectors;
 
 use crate::effect::{
@@ -78,6 +79,8 @@ pub struct FamilyShape {
     pub bends: [f64; 3],
     /// Tails of relays, 0 to 4. See [`Hysteresis::with_tails`](wiener::hysteresis::Hysteresis::with_tails).
     pub tails: f64,
+    /// A second population of relays.
+    pub second: SecondPopulation,
 }
 
 /// Makes the closed set of effects, their values, and the calls of their hooks.

@@ -5,7 +5,7 @@ use crate::common::{self, drawn};
 use common::{material, walk};
 use drawn::{any_path, any_rule, any_shape};
 use proptest::prelude::*;
-use sma_hysteresis::{Branch, Hysteresis, LoopFamily, Rule};
+use sma_hysteresis::{Branch, Hysteresis, LoopFamily, Rule, SecondPopulation};
 use std::f64::consts::PI;
 
 /// Rounding of a few operations, of a share of 1, on a branch that is a thousand times steeper than relays alone make it.
@@ -15,8 +15,21 @@ fn any_family() -> impl Strategy<Value = LoopFamily> {
     prop_oneof![Just(LoopFamily::Relays), Just(LoopFamily::Kinetics)]
 }
 
-/// A family, the tails of its relays, and its bends.
-type Kind = (LoopFamily, f64, [f64; 3]);
+/// A family, the tails of its relays, their second population, and its bends.
+type Kind = (LoopFamily, f64, SecondPopulation, [f64; 3]);
+
+fn any_second() -> impl Strategy<Value = SecondPopulation> {
+    let some = (0.0..1.0, -4.0..4.0, -1.5..1.5, -1.5..1.5, -1.0..1.0).prop_map(
+        |(share, shift, log_width, log_spread, zeta)| SecondPopulation {
+            share,
+            shift,
+            log_width,
+            log_spread,
+            zeta,
+        },
+    );
+    prop_oneof![Just(SecondPopulation::default()), some]
+}
 
 fn any_kind() -> impl Strategy<Value = Kind> {
     let bend = || -0.3333..0.3333;
@@ -24,13 +37,20 @@ fn any_kind() -> impl Strategy<Value = Kind> {
         Just([0.0; 3]),
         (bend(), -0.3333..0.6666, bend()).prop_map(|(skew, bend, third)| [skew, bend, third])
     ];
-    (any_family(), prop_oneof![Just(0.0), 0.0..2.0], bends)
+    (
+        any_family(),
+        prop_oneof![Just(0.0), 0.0..2.0],
+        any_second(),
+        bends,
+    )
 }
 
 fn of_kind(kind: Kind, shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
-    let (family, tails, bends) = kind;
+    let (family, tails, second, bends) = kind;
     of_family(family, shape, rule)
         .with_tails([tails])
+        .unwrap()
+        .with_second_population([second])
         .unwrap()
         .with_bends(bends.map(|bend| [bend]))
         .unwrap()
@@ -120,10 +140,10 @@ proptest! {
 
     #[test]
     fn loops_of_relays_close(
-        shape in any_shape(), tails in 0.0..2.0, path in any_path(), top in 50.0..60.0,
+        shape in any_shape(), tails in 0.0..2.0, second in any_second(), path in any_path(), top in 50.0..60.0,
         inner in prop::collection::vec(0.0..1.0, 1..40),
     ) {
-        let material = of_kind((LoopFamily::Relays, tails, [0.0; 3]), shape, Rule::Nested);
+        let material = of_kind((LoopFamily::Relays, tails, second, [0.0; 3]), shape, Rule::Nested);
         let mut memory = material.on_limiting_curve(Branch::Cooling, [-60.0]);
         walk(&material, &mut memory, &path);
         let left = walk(&material, &mut memory, &[top]);
@@ -157,7 +177,7 @@ proptest! {
 
     #[test]
     fn lanes_give_equal_bits(
-        family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(),
+        family in any_family(), shape in any_shape(), rule in any_rule(), path in any_path(), second in any_second(),
     ) {
         let (width, spread, zeta) = shape;
         let limits = sma_hysteresis::LimitingLoop::new(
@@ -170,15 +190,17 @@ proptest! {
         )
         .unwrap();
         let proximity = sma_hysteresis::SineProximity::new([zeta; 4]).unwrap();
-        let four = Hysteresis::new(limits, proximity, rule).of_family(family);
-        let one = of_family(family, shape, rule);
+        // Lanes with a second population beside such without.
+        let seconds = [second, SecondPopulation::default(), second, SecondPopulation { share: 0.0, ..second }];
+        let four = Hysteresis::new(limits, proximity, rule).of_family(family).with_second_population(seconds).unwrap();
+        let ones = seconds.map(|second| of_family(family, shape, rule).with_second_population([second]).unwrap());
         let mut together = four.on_limiting_curve(Branch::Cooling, [path[0]; 4]);
-        let mut alone: Vec<_> = (0..4).map(|_| one.on_limiting_curve(Branch::Cooling, [path[0]])).collect();
+        let mut alone: Vec<_> = ones.iter().map(|one| one.on_limiting_curve(Branch::Cooling, [path[0]])).collect();
         for &temperature in &path {
             let own = |l: usize| temperature * (1.0 - 0.1 * l as f64);
             let fractions = four.commit(&mut together, std::array::from_fn(own));
             for l in 0..4 {
-                let fraction = walk(&one, &mut alone[l], &[own(l)]);
+                let fraction = walk(&ones[l], &mut alone[l], &[own(l)]);
                 prop_assert_eq!(fraction.to_bits(), fractions[l].to_bits());
             }
         }
@@ -231,6 +253,64 @@ fn relays_with_tails() {
     // The paper's loop has none.
     let paper = material(width, spread, 0.5, Rule::Nested);
     assert_eq!(paper.with_tails([1.0]).unwrap(), paper);
+}
+
+/// A limiting curve of two populations is that of both, by their shares; and refusals.
+#[test]
+fn relays_of_two_populations() {
+    let (width, spread, zeta) = (20.0, 2.0, 0.5);
+    let first = of_family(LoopFamily::Relays, (width, spread, zeta), Rule::Nested);
+    let second = SecondPopulation {
+        share: 0.3,
+        shift: 2.0,
+        log_width: -0.4,
+        log_spread: 0.5,
+        zeta: 0.2,
+    };
+    let both = first.with_second_population([second]).unwrap();
+    let other = of_family(
+        LoopFamily::Relays,
+        (width * (-0.4_f64).exp(), spread * 0.5_f64.exp(), 0.7),
+        Rule::Nested,
+    );
+    let shift_k = 2.0 * spread;
+    let [mut at_both, mut at_first, mut at_other] =
+        [&both, &first, &other].map(|one| one.on_limiting_curve(Branch::Cooling, [-90.0]));
+    for degc in [
+        -60.0, 5.0, 15.0, 19.0, 21.0, 24.0, 60.0, 10.0, -15.0, -19.0, -22.0, -60.0,
+    ] {
+        let fraction = walk(&both, &mut at_both, &[degc]);
+        let apart = [
+            walk(&first, &mut at_first, &[degc]),
+            walk(&other, &mut at_other, &[degc - shift_k]),
+        ];
+        let expected = 0.7 * apart[0] + 0.3 * apart[1];
+        assert!(
+            (fraction - expected).abs() < 1e-9,
+            "{degc}: {fraction} {expected}"
+        );
+    }
+    let refused = first.with_second_population([SecondPopulation {
+        share: 1.1,
+        ..second
+    }]);
+    assert_eq!(
+        refused.unwrap_err().to_string(),
+        "share of the second population = 1.1: must be from 0 to 1"
+    );
+    let unknown = SecondPopulation {
+        log_width: f64::NAN,
+        ..second
+    };
+    assert!(first.with_second_population([unknown]).is_err());
+    // A share of none is no population, and the paper's loop has none.
+    let none = SecondPopulation {
+        share: 0.0,
+        ..second
+    };
+    assert_eq!(both.with_second_population([none]).unwrap(), first);
+    let paper = material(width, spread, zeta, Rule::Nested);
+    assert_eq!(paper.with_second_population([second]).unwrap(), paper);
 }
 
 /// Limiting curves of both directions by the formula of the bends, and refusals.

@@ -1,13 +1,22 @@
 //! Loops of other families: relays and kinetics, where the share of the material that has transformed is what is known.
 
-use core::f64::consts::FRAC_PI_2;
+mod bends;
+mod kinetics;
+mod populations;
+mod relays;
+
+pub use populations::SecondPopulation;
+
 use core::fmt;
 
-use crate::elementary::{expm1, sin_quarter, sqrt};
 use crate::limiting_loop::LimitingLoop;
 use crate::memory::FARTHEST_K;
 use crate::path::{Course, Courses, Path, Paths, Turn};
 use crate::vectors::widest_vectors;
+use bends::Bends;
+use kinetics::Kinetics;
+use populations::Populations;
+use relays::Relays;
 
 /// Which curves the branches of a loop are. All have the same center and half width, and spread over about the same
 /// temperatures for the same `h_0`.
@@ -28,7 +37,8 @@ pub enum LoopFamily {
     /// with the factor that leads the branch to its return point, which is 1 for relays that are all wider than 0. One
     /// part in a thousand takes no heed of the other temperature, so that from every start all relays can be reached.
     /// Bends change the distribution of either temperature, see
-    /// [`Hysteresis::with_bends`](crate::Hysteresis::with_bends).
+    /// [`Hysteresis::with_bends`](crate::Hysteresis::with_bends), and a second population of relays may stand beside the first, see
+    /// [`SecondPopulation`].
     Relays,
     /// Cosine kinetics of Liang and Rogers \[LiangRogers1990\], of what is left to transform, skewed:
     ///
@@ -70,16 +80,6 @@ impl fmt::Display for LoopFamily {
     }
 }
 
-/// Deviation of the relays' temperatures over h_0.
-const DEVIATION: f64 = 1.5;
-/// Half of the range of a transformation over h_0.
-const HALF_RANGE: f64 = 2.25;
-/// Logarithm of the odds ratio over ζ.
-const LOG_ODDS: f64 = 5.0;
-/// Logarithm of 1 + k over ζ - ½ of kinetics.
-const LOG_SKEW: f64 = 6.0;
-/// Share of the relays that switch by one temperature alone.
-const LOOSE: f64 = 1e-3;
 /// Share of the material that is as good as none.
 const NOTHING: f64 = 1e-13;
 /// Largest τ: beyond, a tenth of the relays lies outside of ten deviations.
@@ -92,6 +92,7 @@ const STRETCH: f64 = 1e8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Curves<const L: usize> {
     Relays(Relays<L>),
+    Populations(Populations<L>),
     Kinetics(Kinetics<L>),
 }
 
@@ -107,6 +108,8 @@ struct Along {
     fixed: f64,
     /// Of relays w at the start; of kinetics 1/K of the range.
     scale: f64,
+    /// What is fixed of a second population of relays.
+    further: f64,
 }
 
 impl Along {
@@ -115,6 +118,7 @@ impl Along {
         Self {
             fixed: path.proximity_k,
             scale: path.inverse_proximity_per_k,
+            further: path.further,
         }
     }
 }
@@ -139,7 +143,29 @@ impl<const L: usize> Curves<L> {
     /// Curves with tails τ. Only relays have tails; kinetics stay as they are.
     pub(crate) fn with_tails(self, tails: [f64; L]) -> Self {
         match self {
-            Self::Relays(relays) => Self::Relays(Relays { tails, ..relays }),
+            Self::Relays(relays) => Self::Relays(relays.with_tails(tails)),
+            Self::Populations(both) => {
+                Self::Populations(both.map(|relays| relays.with_tails(tails)))
+            }
+            Self::Kinetics(_) => self,
+        }
+    }
+
+    /// Curves with a second population. Only relays have one; kinetics stay as they are.
+    pub(crate) fn with_second_population(
+        self,
+        limits: &LimitingLoop<L>,
+        zeta: [f64; L],
+        second: [SecondPopulation; L],
+    ) -> Self {
+        match self {
+            Self::Relays(first) | Self::Populations(Populations { first, .. }) => {
+                if second.iter().all(SecondPopulation::is_none) {
+                    Self::Relays(first)
+                } else {
+                    Self::Populations(Populations::new(first, limits, zeta, second))
+                }
+            }
             Self::Kinetics(_) => self,
         }
     }
@@ -148,8 +174,11 @@ impl<const L: usize> Curves<L> {
     pub(crate) fn with_bends(self, bends: [[f64; L]; 3]) -> Self {
         let bends = Bends(bends);
         match self {
-            Self::Relays(relays) => Self::Relays(Relays { bends, ..relays }),
-            Self::Kinetics(kinetics) => Self::Kinetics(Kinetics { bends, ..kinetics }),
+            Self::Relays(relays) => Self::Relays(relays.with_bends(bends)),
+            Self::Populations(both) => {
+                Self::Populations(both.map(|relays| relays.with_bends(bends)))
+            }
+            Self::Kinetics(kinetics) => Self::Kinetics(kinetics.with_bends(bends)),
         }
     }
 
@@ -180,6 +209,11 @@ impl<const L: usize> Curves<L> {
                 #[inline(always)]
                 |l, course| relays.path(l, course),
             ),
+            Self::Populations(both) => Paths::of(
+                courses,
+                #[inline(always)]
+                |l, course| both.path(l, course),
+            ),
             Self::Kinetics(kinetics) => Paths::of(
                 courses,
                 #[inline(always)]
@@ -197,6 +231,7 @@ impl<const L: usize> Curves<L> {
     ) -> ([f64; L], [f64; L]) {
         match self {
             Self::Relays(relays) => relays.levels(paths, temperature_k),
+            Self::Populations(both) => both.levels(paths, temperature_k),
             Self::Kinetics(kinetics) => kinetics.levels(paths, temperature_k),
         }
     }
@@ -225,6 +260,7 @@ impl<const L: usize> Curves<L> {
             let course = Course::new(sign, far, None);
             match self {
                 Self::Relays(relays) => relays.limit_at(lane, &course, temperature_k),
+                Self::Populations(both) => both.limit_at(lane, &course, temperature_k),
                 Self::Kinetics(kinetics) => kinetics.limit_at(lane, &course, temperature_k),
             }
         })
@@ -254,6 +290,7 @@ trait Transforms<const L: usize> {
             rise: 1.0_f64.copysign(sign),
             proximity_k: along.fixed,
             inverse_proximity_per_k: along.scale,
+            further: along.further,
         };
         let (sign, end_k) = going(&natural, end.temperature_k);
         let (way, _) = self.way(lane, sign, &along, end_k);
@@ -310,211 +347,4 @@ fn of<const L: usize>(both: &[[f64; L]; 2], sign: f64, lane: usize) -> f64 {
     // Both are read: lanes of different directions stay side by side.
     let [heating, cooling] = [both[0][lane], both[1][lane]];
     if sign < 0.0 { cooling } else { heating }
-}
-
-/// Bends of the course of a transformation, of lanes side by side.
-///
-/// ```text
-/// p' = p + Σ_k c_k φ_k(p),   φ_k' = P_k(1 - 2p)
-/// φ_1 = p(1 - p),   φ_2 = p(1 - p)(1 - 2p),   φ_3 = p(1 - p)(5(1 - 2p)² - 1)/4
-/// ```
-///
-/// P_k are Legendre's polynomials, from -1 to 1, and P_2 from -½: with |c_1| + max(-c_2, c_2/2) + |c_3| ≤ 1 a course that rises goes
-/// on rising.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Bends<const L: usize>([[f64; L]; 3]);
-
-impl<const L: usize> Bends<L> {
-    const NONE: Self = Self([[0.0; L]; 3]);
-
-    /// p' of a course p that rises (`sign` = 1) or falls (-1) while a transformation goes on, and dp'/dp.
-    #[inline(always)]
-    fn bent(&self, lane: usize, sign: f64, p: f64) -> Way {
-        // A lane's own by its place: copied out as an array they would keep the lanes from being computed side by side.
-        let Self([skew, bend, third]) = self;
-        // Of a course that falls, 1 - p is what has been gone: odd terms change their sign.
-        let (skew, bend, third) = (sign * skew[lane], bend[lane], sign * third[lane]);
-        let x = 1.0 - 2.0 * p;
-        let square = x * x;
-        let added = p * (1.0 - p) * (skew + bend * x + third * (1.25 * square - 0.25));
-        let slope = skew * x + bend * (1.5 * square - 0.5) + third * (x * (2.5 * square - 1.5));
-        (p + added, 1.0 + slope)
-    }
-}
-
-/// Relays of lanes side by side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Relays<const L: usize> {
-    /// Odds ratio θ.
-    odds: [f64; L],
-    /// τ.
-    tails: [f64; L],
-    bends: Bends<L>,
-    /// Where half of them have switched, K, and 1/deviation, 1/K, on heating and on cooling.
-    middle_k: [[f64; L]; 2],
-    per_k: [[f64; L]; 2],
-}
-
-impl<const L: usize> Relays<L> {
-    fn new(limits: &LimitingLoop<L>, zeta: [f64; L]) -> Self {
-        let lanes = |sign: f64, what: &dyn Fn(usize, f64) -> f64| {
-            core::array::from_fn(|lane| what(lane, sign))
-        };
-        let middle_k = |lane: usize, sign: f64| sign * limits.half_width_k(lane);
-        let per_k = |lane: usize, sign: f64| {
-            1.0 / (DEVIATION * limits.spread_k(lane) * limits.widening(lane, sign))
-        };
-        Self {
-            odds: zeta.map(|zeta| libm::exp(LOG_ODDS * zeta)),
-            tails: [0.0; L],
-            bends: Bends::NONE,
-            middle_k: [lanes(1.0, &middle_k), lanes(-1.0, &middle_k)],
-            per_k: [lanes(1.0, &per_k), lanes(-1.0, &per_k)],
-        }
-    }
-
-    /// Share of the relays that have switched at T̂ on the branch of a direction, and its slope, 1/K.
-    ///
-    /// The normal distribution, to 2·10⁻⁴, as a logistic one of a cubic, of what the tails leave of the distance.
-    #[inline(always)]
-    fn switched(&self, lane: usize, sign: f64, at_k: f64) -> Way {
-        const LINEAR: f64 = 1.5976;
-        const CUBIC: f64 = 0.070_56;
-        /// Beyond, all are on one side.
-        const FAR: f64 = 8.0;
-        /// Where the heaviest tails leave twice that of the distance.
-        const FAR_WITH_TAILS: f64 = 1e3;
-        let per_k = of(&self.per_k, sign, lane);
-        let x = (at_k - of(&self.middle_k, sign, lane)) * per_k;
-        let x = if x > FAR_WITH_TAILS {
-            FAR_WITH_TAILS
-        } else {
-            x
-        };
-        let x = if x < -FAR_WITH_TAILS {
-            -FAR_WITH_TAILS
-        } else {
-            x
-        };
-        let tails = self.tails[lane];
-        let square = tails * tails * x * x;
-        let nearer = 1.0 / sqrt(sqrt(1.0 + square));
-        let nearer_slope = nearer * (1.0 - 0.5 * square / (1.0 + square));
-        let x = x * nearer;
-        let x = if x > FAR { FAR } else { x };
-        let x = if x < -FAR { -FAR } else { x };
-        let share = 1.0 / (2.0 + expm1(-x * (LINEAR + CUBIC * x * x)));
-        let steepness = (LINEAR + 3.0 * CUBIC * x * x) * nearer_slope;
-        let density = share * (1.0 - share) * steepness * per_k;
-        let (share, slope) = self.bends.bent(lane, sign, share);
-        (share, density * slope)
-    }
-}
-
-impl<const L: usize> Transforms<L> for Relays<L> {
-    #[inline(always)]
-    fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
-        let (fixed, _) = self.switched(lane, -sign, start_k);
-        let begins = Along { fixed, scale: 0.0 };
-        Along {
-            scale: self.way(lane, sign, &begins, start_k).0 * sign,
-            ..begins
-        }
-    }
-
-    /// Heating from T_r: w = P(A ≤ T) - P(A ≤ T, B ≤ T_r); cooling: w = P(A ≤ T_r, B ≤ T), which falls.
-    #[inline(always)]
-    fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way {
-        let (share, density) = self.switched(lane, sign, temperature_k);
-        let (joint, slope) = plackett(self.odds[lane], share, along.fixed);
-        let (alone, both) = if sign < 0.0 {
-            (LOOSE, 1.0 - LOOSE)
-        } else {
-            (1.0, LOOSE - 1.0)
-        };
-        (
-            sign * ((alone * share + both * joint) - along.scale),
-            density * (alone + both * slope),
-        )
-    }
-}
-
-/// Plackett's copula C(u, v) of odds ratio θ, in a form that is exact for θ = 1, and ∂C/∂u.
-///
-/// ```text
-/// C = 2θuv/(S + R),   S = 1 + (θ - 1)(u + v),   R² = S² - 4θ(θ - 1)uv
-/// ```
-#[inline(always)]
-fn plackett(odds: f64, u: f64, v: f64) -> Way {
-    let over = odds - 1.0;
-    let sum = 1.0 + over * (u + v);
-    let square = sum * sum - 4.0 * odds * over * u * v;
-    let root = sqrt(if square < 0.0 { 0.0 } else { square });
-    let joint = 2.0 * odds * u * v / (sum + root);
-    (joint, 0.5 + (2.0 * odds * v - sum) / (2.0 * root))
-}
-
-/// Cosine kinetics of lanes side by side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Kinetics<const L: usize> {
-    /// δ T̂ of start and finish of the transformation on heating and on cooling, K.
-    start_k: [[f64; L]; 2],
-    finish_k: [[f64; L]; 2],
-    /// k.
-    skew: [f64; L],
-    bends: Bends<L>,
-}
-
-impl<const L: usize> Kinetics<L> {
-    fn new(limits: &LimitingLoop<L>, zeta: [f64; L]) -> Self {
-        let lanes = |sign: f64, side: f64| {
-            core::array::from_fn(|lane| {
-                let half_k = HALF_RANGE * limits.spread_k(lane) * limits.widening(lane, sign);
-                limits.half_width_k(lane) + side * half_k
-            })
-        };
-        Self {
-            start_k: [lanes(1.0, -1.0), lanes(-1.0, -1.0)],
-            finish_k: [lanes(1.0, 1.0), lanes(-1.0, 1.0)],
-            skew: zeta.map(|zeta| libm::expm1(LOG_SKEW * (zeta - 0.5))),
-            bends: Bends::NONE,
-        }
-    }
-}
-
-impl<const L: usize> Transforms<L> for Kinetics<L> {
-    #[inline(always)]
-    fn along(&self, lane: usize, sign: f64, start_k: f64) -> Along {
-        /// Inverse of no range at all, 1/K: all happens at once.
-        const AT_ONCE: f64 = 1e300;
-        let onset_k = of(&self.start_k, sign, lane).max(sign * start_k);
-        let range_k = of(&self.finish_k, sign, lane) - onset_k;
-        Along {
-            fixed: onset_k,
-            scale: if range_k > 0.0 {
-                1.0 / range_k
-            } else {
-                AT_ONCE
-            },
-        }
-    }
-
-    #[inline(always)]
-    fn way(&self, lane: usize, sign: f64, along: &Along, temperature_k: f64) -> Way {
-        let progress = (sign * temperature_k - along.fixed) * along.scale;
-        // Written so that NaN passes.
-        let progress = if progress < 0.0 { 0.0 } else { progress };
-        let progress = if progress > 1.0 { 1.0 } else { progress };
-        let skew = self.skew[lane];
-        let per = 1.0 / (1.0 + skew * progress);
-        let skewed = (1.0 + skew) * progress * per;
-        let angle = FRAC_PI_2 * skewed;
-        let (sine, cosine) = (sin_quarter(angle), sin_quarter(FRAC_PI_2 - angle));
-        // Beyond the finish the cosine is 0 to rounding, times any scale.
-        let is_over = progress >= 1.0;
-        let stretched = (1.0 + skew) * per * per;
-        let slope_per_k = 2.0 * FRAC_PI_2 * along.scale * stretched * sine * cosine;
-        let (share, slope) = self.bends.bent(lane, 1.0, sine * sine);
-        (share, if is_over { 0.0 } else { slope_per_k * slope })
-    }
 }
