@@ -80,7 +80,7 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
     #[inline(always)]
     fn levels(&self, paths: &Paths<L>, temperature_k: &[f64; L]) -> [f64; L] {
         if let Some(curves) = self.curves {
-            return curves.levels(paths, temperature_k).0;
+            return curves.levels_by_call(paths, temperature_k).0;
         }
         let mut level_k = [0.0; L];
         for l in 0..L {

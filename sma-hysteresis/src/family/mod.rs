@@ -108,7 +108,7 @@ struct Along {
     fixed: f64,
     /// Of relays w at the start; of kinetics 1/K of the range.
     scale: f64,
-    /// What is fixed of a second population of relays.
+    /// Of a second population of relays what `fixed` is of the first.
     further: f64,
 }
 
@@ -200,8 +200,19 @@ impl<const L: usize> Curves<L> {
     }
 
     /// The branches of courses. Their `rise` has the sign of their direction.
-    #[inline(always)]
+    ///
+    /// By a call, as in [`Curves::levels_by_call`]: branches change rarely.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn paths(&self, courses: &Courses<L>) -> Paths<L> {
+        widest_vectors(
+            #[inline(always)]
+            || self.paths_inline(courses),
+        )
+    }
+
+    #[inline(always)]
+    fn paths_inline(&self, courses: &Courses<L>) -> Paths<L> {
         // A choice inside the loop would keep the lanes from being computed side by side.
         match self {
             Self::Relays(relays) => Paths::of(
@@ -224,11 +235,7 @@ impl<const L: usize> Curves<L> {
 
     /// Transformed shares on branches at T̂, and their slopes, 1/K.
     #[inline(always)]
-    pub(crate) fn levels(
-        &self,
-        paths: &Paths<L>,
-        temperature_k: &[f64; L],
-    ) -> ([f64; L], [f64; L]) {
+    fn levels(&self, paths: &Paths<L>, temperature_k: &[f64; L]) -> ([f64; L], [f64; L]) {
         match self {
             Self::Relays(relays) => relays.levels(paths, temperature_k),
             Self::Populations(both) => both.levels(paths, temperature_k),

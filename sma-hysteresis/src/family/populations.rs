@@ -23,7 +23,7 @@ pub struct SecondPopulation {
     pub log_width: f64,
     /// Logarithm b of its spread over that of the first; -3 to 3.
     pub log_spread: f64,
-    /// What c its ζ is larger by; -1 to 1.
+    /// Difference c of its ζ from that of the first; -1 to 1.
     pub zeta: f64,
 }
 
