@@ -174,7 +174,7 @@ impl ExtendedModel {
     }
 }
 
-/// What is free of a loop of another family than the paper's.
+/// Parameters that are free of a loop of another family than the paper's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum LoopFreedom {
     /// The parameters of its formula.
