@@ -28,8 +28,8 @@ pub(crate) struct Batch {
 
 impl Batch {
     /// Some points and what differences by the acting coordinates take around one of them. At a bound they are
-    /// one-sided, between equal bounds there is none; central ones are so for as many coordinates, from the first, as there are
-    /// lanes for. `points` leave a lane at least.
+    /// one-sided, between equal bounds there is none. Central ones are so for as many coordinates of a batch, from its first, as it has
+    /// lanes for. Coordinates beyond the lanes go to `further`, around the same point.
     pub(crate) fn new(
         acting: &[usize],
         bounds: &[Bound],
@@ -84,7 +84,7 @@ impl Batch {
         }
     }
 
-    /// Points of this batch and of those behind it.
+    /// Points of this batch and of its further ones.
     pub(crate) fn n_points(&self) -> usize {
         let further = self.further.as_deref().map_or(0, Self::n_points);
         self.points.len() + further

@@ -29,12 +29,13 @@ const RELAY_TAILS: &str = "relay_tails";
 pub const SECOND_POPULATION_PARAMETERS: [&str; 5] = [
     "second_share",
     "second_shift",
-    "second_log_width",
+    "second_log_half_width",
     "second_log_spread",
-    "second_zeta",
+    "second_zeta_difference",
 ];
 
-/// Ends of these parameters: the second is the smaller one, and lies where the first has relays, too, or next to them.
+/// Ends of these parameters: the second population is the smaller one, and lies where the first has relays, too, or next to them. The
+/// operator itself takes more.
 const SECOND_POPULATION_ENDS: [[f64; 2]; 5] = [
     [0.0, 0.5],
     [-4.0, 4.0],

@@ -64,12 +64,13 @@ pub(crate) struct Row<'a> {
     pub(crate) residual: f64,
 }
 
-/// Differences by a coordinate that had no lane beside the others, sample by sample.
+/// Difference quotients by a coordinate of a further batch, sample by sample.
 #[derive(Debug)]
 struct Quotients {
     coordinate: usize,
-    /// Of the output at a gain of 1, and of the temperature, K.
+    /// Of the output at a gain of 1.
     output: Vec<f64>,
+    /// Of the temperature, K; empty where none counts.
     temperature: Vec<f64>,
 }
 
@@ -490,9 +491,7 @@ impl<'a> Problem<'a> {
             .map(|point| self.vector.values(point, r))
             .collect();
         let (gains, linear) = (self.n_gains(), self.n_linear());
-        let temperatures = recording
-            .temperature_degc()
-            .filter(|_| self.temperature_weight > 0.0);
+        let temperatures = self.temperatures_degc(r);
         let mut derivatives = vec![0.0; linear + self.vector.len()];
         let further = self.quotients(r, batch.further.as_deref())?;
         self.simulate(r, &values, &mut |block| {
@@ -539,15 +538,17 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Differences of a recording by the coordinates of a batch and of those behind it; none without one.
+    /// Difference quotients of a recording by the coordinates of a batch and of its further ones; none without one.
     fn quotients(&self, r: usize, batch: Option<&Batch>) -> Result<Vec<Quotients>, IdentifyError> {
         let Some(batch) = batch else {
             return Ok(Vec::new());
         };
         let mut all = self.quotients(r, batch.further.as_deref())?;
+        let has_temperatures = self.temperatures_degc(r).is_some();
+        let n_samples = self.recordings[r].recording.len();
         let of_difference = |difference: &Difference| Quotients {
             coordinate: difference.coordinate,
-            output: Vec::new(),
+            output: Vec::with_capacity(n_samples),
             temperature: Vec::new(),
         };
         let mut own: Vec<Quotients> = batch.differences.iter().map(of_difference).collect();
@@ -559,12 +560,20 @@ impl<'a> Problem<'a> {
             for (shapes, shown) in shapes.zip(shown) {
                 for (difference, known) in batch.differences.iter().zip(&mut own) {
                     known.output.push(difference.quotient(shapes));
-                    known.temperature.push(difference.quotient(shown));
+                    if has_temperatures {
+                        known.temperature.push(difference.quotient(shown));
+                    }
                 }
             }
         })?;
         all.append(&mut own);
         Ok(all)
+    }
+
+    /// Temperatures of a recording that count, °C.
+    fn temperatures_degc(&self, r: usize) -> Option<&[f64]> {
+        let recorded = self.recordings[r].recording.temperature_degc();
+        recorded.filter(|_| self.temperature_weight > 0.0)
     }
 
     /// Some points, and others around one of them.

@@ -124,6 +124,13 @@ impl<const L: usize> Plants<L> {
         let second = values.map(|lane| lane.family.second);
         let bends = [0, 1, 2].map(|k| values.map(|lane| lane.family.bends[k]));
         let proximity = SineProximity::new(params.map(|lane| lane.zeta))?;
+        let with_rule = |rule| {
+            Hysteresis::new(limits, proximity, rule)
+                .of_family(setting.loop_family)
+                .with_tails(tails)?
+                .with_second_population(second)?
+                .with_bends(bends)
+        };
         // Relays remember all reversals: that they do is what they are.
         let rule = match setting.loop_family {
             LoopFamily::Relays => Rule::Nested,
@@ -132,18 +139,10 @@ impl<const L: usize> Plants<L> {
         let base = Base {
             setting,
             params,
-            other_memory: Hysteresis::new(
-                limits,
-                proximity,
-                match rule {
-                    Rule::LastReversal => Rule::Nested,
-                    Rule::Nested => Rule::LastReversal,
-                },
-            )
-            .of_family(setting.loop_family)
-            .with_tails(tails)?
-            .with_second_population(second)?
-            .with_bends(bends)?,
+            other_memory: with_rule(match rule {
+                Rule::LastReversal => Rule::Nested,
+                Rule::Nested => Rule::LastReversal,
+            })?,
         };
         let own = Own::new(setting.hypotheses, values);
         let effects = Effects::new(values, &base);
@@ -151,11 +150,7 @@ impl<const L: usize> Plants<L> {
         Ok(Self {
             drive: setting.drive,
             heat: ZoneHeat::new(heat)?,
-            hysteresis: Hysteresis::new(limits, proximity, rule)
-                .of_family(setting.loop_family)
-                .with_tails(tails)?
-                .with_second_population(second)?
-                .with_bends(bends)?,
+            hysteresis: with_rule(rule)?,
             scale: LoopScale::new(params),
             gain: params.map(|lane| lane.gain),
             offset: params.map(|lane| lane.offset),

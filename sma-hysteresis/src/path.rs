@@ -68,7 +68,7 @@ pub(crate) struct Path {
     /// 1/T_pr, 1/K. On the limiting curve, where nothing is left to fade, any value of the right sign:
     /// 0 would make ∞ to `NaN`.
     pub(crate) inverse_proximity_per_k: f64,
-    /// A constant more, of curves that need one; the paper's do not.
+    /// Of relays of two populations what the start of the branch fixes of the second; 0 of all others.
     pub(crate) further: f64,
 }
 

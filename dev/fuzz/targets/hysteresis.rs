@@ -70,13 +70,13 @@ fuzz_target!(|drawn: Drawn| {
     let Ok(material) = material.with_tails([between(tails, 0.0, 4.0)]) else {
         return;
     };
-    let [share, shift, log_width, log_spread, zeta] = drawn.second;
+    let [share, shift, log_half_width, log_spread, zeta_difference] = drawn.second;
     let second = SecondPopulation {
         share: between(share, 0.0, 1.0),
         shift: between(shift, -10.0, 10.0),
-        log_width: between(log_width, -3.0, 3.0),
+        log_half_width: between(log_half_width, -3.0, 3.0),
         log_spread: between(log_spread, -3.0, 3.0),
-        zeta: between(zeta, -1.0, 1.0),
+        zeta_difference: between(zeta_difference, -1.0, 1.0),
     };
     let Ok(material) = material.with_second_population([second]) else {
         return;

@@ -7,12 +7,18 @@ use crate::common;
 
 use common::{recording, triangles};
 use identify::{
-    Bounds, Enters, FitConfig, ForwardModel, IdentifyError, ParameterInfo, Scale, Scope, fit,
+    Bounds, Enters, FitConfig, ForwardModel, IdentifyError, ParameterInfo, ParameterState,
+    ParameterVector, Scale, Scope, fit,
 };
 use recording::Recording;
 use wiener::Block;
 
 const N: usize = 75;
+
+/// Every third belongs to a recording.
+fn is_shared(k: usize) -> bool {
+    !k.is_multiple_of(3)
+}
 
 /// A sum of cosines of the time, whose amplitudes are the parameters.
 #[derive(Debug)]
@@ -24,10 +30,18 @@ impl Cosines {
             lower: -10.0,
             upper: 10.0,
         };
-        let of = |_| ParameterInfo::searched("amplitude", "mm", Scale::Linear, bounds);
+        let of = |k: usize| ParameterInfo {
+            scope: if is_shared(k) {
+                Scope::Shared
+            } else {
+                Scope::PerRecording
+            },
+            ..ParameterInfo::searched("amplitude", "mm", Scale::Linear, bounds)
+        };
         let gain = ParameterInfo {
             enters: Enters::Gain,
-            state: identify::ParameterState::Fixed(1.0),
+            scope: Scope::Shared,
+            state: ParameterState::Fixed(2.0),
             ..of(0)
         };
         let offset = ParameterInfo {
@@ -76,20 +90,31 @@ impl ForwardModel for Cosines {
 
 #[test]
 fn as_many_parameters_are_fitted_as_a_model_has() {
-    let drive = recording("a.csv", triangles(600, 5.8), 0.5);
-    let truth: Vec<f64> = (0..N).map(|k| 3.0 * (k as f64).sin()).collect();
-    let output = (0..drive.len()).map(|k| Cosines::output(&truth, k, drive.len()));
-    let drive = drive.with_output(output.collect()).unwrap();
+    let truth = |k: usize, r: usize| {
+        let own = if is_shared(k) { 0.0 } else { r as f64 };
+        3.0 * (k as f64 + own).sin()
+    };
+    let training = [0, 1].map(|r| {
+        let drive = recording(["a.csv", "b.csv"][r], triangles(600 + 100 * r, 5.8), 0.5);
+        let amplitudes: Vec<f64> = (0..N).map(|k| truth(k, r)).collect();
+        let output = |k| 2.0 * Cosines::output(&amplitudes, k, drive.len()) + r as f64;
+        drive
+            .with_output((0..drive.len()).map(output).collect())
+            .unwrap()
+    });
     let model = Cosines::new();
+    let vector = ParameterVector::new(model.parameters(), training.len());
     let config = FitConfig {
-        from: vec![vec![0.5; N]],
+        from: vec![vec![0.5; vector.len()]],
         starts: 0,
         ..FitConfig::default()
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let found = fit(&model, &[drive], &config, go_on).unwrap();
-    assert_eq!(found.parameters.len(), N + 2);
-    for (parameter, expected) in found.parameters.iter().zip(&truth) {
-        assert!((parameter.values[0] - expected).abs() < 1e-5);
+    let found = fit(&model, &training, &config, go_on).unwrap();
+    for (k, parameter) in found.parameters[..N].iter().enumerate() {
+        assert_eq!(parameter.values.len(), if is_shared(k) { 1 } else { 2 });
+        for (r, value) in parameter.values.iter().enumerate() {
+            assert!((value - truth(k, r)).abs() < 1e-5, "{k} {r}");
+        }
     }
 }

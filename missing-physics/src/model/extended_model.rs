@@ -33,7 +33,8 @@ pub struct ExtendedModel {
 }
 
 impl ExtendedModel {
-    /// The model around a fitted baseline with some candidates; `setting` says what is common to all its plants,
+    /// The model around a fitted baseline with some candidates; of a loop of another family the shape is free, and a second population
+    /// of relays is not. `setting` says what is common to all its plants,
     /// but for these, drive, rule and run length, which the baseline and each recording have.
     #[must_use]
     pub fn new(
@@ -90,7 +91,7 @@ impl ExtendedModel {
                 slots.push((effect, k));
             }
         }
-        Self {
+        let model = Self {
             setting: Setting {
                 drive: base.drive(),
                 rule: base.rule(),
@@ -102,14 +103,18 @@ impl ExtendedModel {
             base: base.clone(),
             slots,
             parameters,
-        }
+        };
+        model.with_loop_freedom(LoopFreedom::Shape)
     }
 
-    /// The model with what is free of a loop of another family; the rest stays as the family's formulas have it.
+    /// The model with so much free of a loop of another family; the rest stays as the family's formulas have it.
     pub(crate) fn with_loop_freedom(mut self, freedom: LoopFreedom) -> Self {
         for info in &mut self.parameters {
-            if LoopFreedom::of(info.name) > freedom {
+            let least = LoopFreedom::of(info.name);
+            if least > freedom {
                 info.state = ParameterState::Fixed(0.0);
+            } else if least > LoopFreedom::Formula {
+                info.state = ParameterState::Free;
             }
         }
         self
@@ -212,9 +217,9 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
                 tails,
                 share,
                 shift,
-                log_width,
+                log_half_width,
                 log_spread,
-                zeta,
+                zeta_difference,
             ],
         ) => FamilyShape {
             asymmetry,
@@ -223,9 +228,9 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
             second: SecondPopulation {
                 share,
                 shift,
-                log_width,
+                log_half_width,
                 log_spread,
-                zeta,
+                zeta_difference,
             },
         },
         (LoopFamily::Kinetics, &[.., asymmetry, skew, bend, third]) => FamilyShape {

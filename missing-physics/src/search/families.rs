@@ -129,12 +129,16 @@ pub(crate) fn fits(
     let warm = case.base.with_open_starts(case.training);
     for other in &mut fits {
         *other = other.shaped(case, warm.clone(), seed)?;
-        if effort == Effort::Thorough {
-            *other = other.populated(case, seed)?;
-        }
     }
     rising(&mut fits, |other| other.fit.train_rmse);
     retain_near(&mut fits, case);
+    // Not before: relays of two populations take in more of what is missing than loops of another family can.
+    if effort == Effort::Thorough {
+        for other in &mut fits {
+            *other = other.populated(case, seed)?;
+        }
+        rising(&mut fits, |other| other.fit.train_rmse);
+    }
     Ok(fits)
 }
 

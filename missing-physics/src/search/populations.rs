@@ -13,14 +13,15 @@ use crate::{CandidateSet, LoopFamily};
 
 /// Second populations from which a fit starts: a quarter of the relays, hotter with a narrower loop, colder with a wider one, and about
 /// the same middle with a larger spread. What else is possible lies downhill from one of these.
-const STARTS: [[f64; 5]; 3] = [
+const SECOND_STARTS: [[f64; 5]; 3] = [
     [0.25, 1.0, -0.3, 0.0, 0.0],
     [0.25, -1.0, 0.3, -0.3, 0.0],
     [0.25, 0.0, 0.0, 0.5, 0.0],
 ];
 
-/// A second population that is like the first, as if there were none; and all of its numbers act.
-const ALIKE: [f64; 5] = [0.25, 0.0, 0.0, 0.0, 0.0];
+/// A second population that hardly differs from the first, almost as if there were none. Of one that does not differ the share would
+/// not act.
+const NEARLY_ALIKE: [f64; 5] = [0.25, 0.0, 0.0, 0.1, 0.0];
 
 impl OtherBaseline {
     /// The baseline model with a second population of relays, if the recordings tell of one by Schwarz's criterion; itself if not.
@@ -32,7 +33,7 @@ impl OtherBaseline {
         let of_two = case.of_family(self.family, &self.base, &self.fit, freedom);
         let model = of_two.model(CandidateSet::EMPTY);
         let vector = ParameterVector::new(model.parameters(), case.training.len());
-        let starts = STARTS.map(|second| self.starting(second).coordinates(&vector));
+        let starts = SECOND_STARTS.map(|second| self.starting(second).coordinates(&vector));
         let near = of_two.refined(&of_two.baseline()?, CandidateSet::EMPTY, &starts)?;
         let config = FitConfig {
             from: vec![near.coordinates],
@@ -44,7 +45,7 @@ impl OtherBaseline {
         let simulations = self.fit.simulations + near.simulations + with.simulations;
         let (freedom, found) = if is_told(&self.fit, &with) {
             // A second population bends to what else is missing as any loop does: effects are tried from where there was none, too.
-            let other_minima = vec![self.starting(ALIKE).points()];
+            let other_minima = vec![self.starting(NEARLY_ALIKE).points()];
             (
                 freedom,
                 Fit {
@@ -82,7 +83,7 @@ impl OtherBaseline {
 }
 
 /// True if what is left falls by more than the parameters of a second population cost by Schwarz's criterion, counted in
-/// independent residuals.
+/// the independent residuals of the fit with it.
 fn is_told(without: &Fit, with: &Fit) -> bool {
     let n = with.noise.n_effective;
     let gain = n * (without.noise.variance / with.noise.variance).ln();
@@ -93,9 +94,17 @@ fn is_told(without: &Fit, with: &Fit) -> bool {
 mod tests {
     use super::*;
     use crate::model::synthetic::{NOISE_MM, Synthetic};
-    use crate::search::families::plain_fits;
-    use crate::{EffectSet, EffectValues};
+    use crate::search::families::{fits, plain_fits};
+    use crate::{EffectSet, EffectValues, Effort};
     use wiener::hysteresis::SecondPopulation;
+
+    const SECOND: SecondPopulation = SecondPopulation {
+        share: 0.3,
+        shift: 1.5,
+        log_half_width: -0.5,
+        log_spread: -0.3,
+        zeta_difference: 0.2,
+    };
 
     /// The baseline model of relays with its shape free, and what a second population makes of it.
     fn fitted(second: SecondPopulation) -> [OtherBaseline; 2] {
@@ -115,19 +124,27 @@ mod tests {
 
     #[test]
     fn a_second_population_is_found_where_there_is_one() {
-        let second = SecondPopulation {
-            share: 0.3,
-            shift: 1.5,
-            log_width: -0.5,
-            log_spread: -0.3,
-            zeta: 0.2,
-        };
-        let [shaped, populated] = fitted(second);
+        let [shaped, populated] = fitted(SECOND);
         assert!(shaped.fit.train_rmse > 1.5 * NOISE_MM);
         assert!(populated.fit.train_rmse < 1.1 * NOISE_MM);
         assert_eq!(populated.freedom, LoopFreedom::TwoPopulations);
         // From where there is none every effect is tried as well.
         assert_eq!(populated.fit.other_minima.len(), 1);
+    }
+
+    #[test]
+    fn a_thorough_search_alone_frees_it() {
+        let mut values = EffectValues::default();
+        values.family.second = SECOND;
+        let synthetic = Synthetic::with_loop(LoopFamily::Relays, EffectSet::EMPTY, values, 1);
+        let case = synthetic.case();
+        let freedom_of = |effort| {
+            let fits = fits(&case, effort, 1).unwrap();
+            let relays = fits.iter().find(|one| one.family == LoopFamily::Relays);
+            relays.unwrap().freedom
+        };
+        assert_eq!(freedom_of(Effort::Normal), LoopFreedom::Shape);
+        assert_eq!(freedom_of(Effort::Thorough), LoopFreedom::TwoPopulations);
     }
 
     #[test]

@@ -20,11 +20,11 @@ pub struct SecondPopulation {
     /// Distance d of its middle from that of the first, in spreads h_0; -10 to 10.
     pub shift: f64,
     /// Logarithm a of its half width over that of the first; -3 to 3.
-    pub log_width: f64,
+    pub log_half_width: f64,
     /// Logarithm b of its spread over that of the first; -3 to 3.
     pub log_spread: f64,
     /// Difference c of its ζ from that of the first; -1 to 1.
-    pub zeta: f64,
+    pub zeta_difference: f64,
 }
 
 impl SecondPopulation {
@@ -37,9 +37,9 @@ impl SecondPopulation {
         let ranges = [
             ("share", self.share, 0.0, 1.0),
             ("shift", self.shift, -10.0, 10.0),
-            ("log_width", self.log_width, -3.0, 3.0),
+            ("log_half_width", self.log_half_width, -3.0, 3.0),
             ("log_spread", self.log_spread, -3.0, 3.0),
-            ("zeta", self.zeta, -1.0, 1.0),
+            ("zeta_difference", self.zeta_difference, -1.0, 1.0),
         ];
         let outside = ranges
             .into_iter()

@@ -59,9 +59,12 @@ impl<const L: usize> Relays<L> {
     ) -> Self {
         let middle_k = |lane: usize, sign: f64| {
             let SecondPopulation {
-                shift, log_width, ..
+                shift,
+                log_half_width,
+                ..
             } = second[lane];
-            shift * limits.spread_k(lane) + sign * limits.half_width_k(lane) * libm::exp(log_width)
+            shift * limits.spread_k(lane)
+                + sign * limits.half_width_k(lane) * libm::exp(log_half_width)
         };
         let [heating, cooling] =
             [1.0, -1.0].map(|sign| core::array::from_fn(|lane| middle_k(lane, sign)));
@@ -69,7 +72,7 @@ impl<const L: usize> Relays<L> {
             core::array::from_fn(|lane| lanes[lane] * libm::exp(-second[lane].log_spread))
         });
         Self {
-            odds: core::array::from_fn(|lane| odds_of(zeta[lane] + second[lane].zeta)),
+            odds: core::array::from_fn(|lane| odds_of(zeta[lane] + second[lane].zeta_difference)),
             middle_k: [heating, cooling],
             per_k,
             ..self

@@ -20,12 +20,12 @@ type Kind = (LoopFamily, f64, SecondPopulation, [f64; 3]);
 
 fn any_second() -> impl Strategy<Value = SecondPopulation> {
     let some = (0.0..1.0, -4.0..4.0, -1.5..1.5, -1.5..1.5, -1.0..1.0).prop_map(
-        |(share, shift, log_width, log_spread, zeta)| SecondPopulation {
+        |(share, shift, log_half_width, log_spread, zeta_difference)| SecondPopulation {
             share,
             shift,
-            log_width,
+            log_half_width,
             log_spread,
-            zeta,
+            zeta_difference,
         },
     );
     prop_oneof![Just(SecondPopulation::default()), some]
@@ -263,9 +263,9 @@ fn relays_of_two_populations() {
     let second = SecondPopulation {
         share: 0.3,
         shift: 2.0,
-        log_width: -0.4,
+        log_half_width: -0.4,
         log_spread: 0.5,
-        zeta: 0.2,
+        zeta_difference: 0.2,
     };
     let both = first.with_second_population([second]).unwrap();
     let other = of_family(
@@ -299,7 +299,7 @@ fn relays_of_two_populations() {
         "share of the second population = 1.1: must be from 0 to 1"
     );
     let unknown = SecondPopulation {
-        log_width: f64::NAN,
+        log_half_width: f64::NAN,
         ..second
     };
     assert!(first.with_second_population([unknown]).is_err());
