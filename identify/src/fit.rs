@@ -120,9 +120,8 @@ pub struct FitProgress {
 ///
 /// # Errors
 ///
-/// [`IdentifyError::NothingFree`],
-/// [`IdentifyError::NoRecordings`], [`IdentifyError::StartLength`], [`IdentifyError::Swarm`] for settings that the swarm refuses, and
-/// what the model refuses.
+/// [`IdentifyError::NothingFree`], [`IdentifyError::NoRecordings`], [`IdentifyError::StartLength`], [`IdentifyError::Swarm`] for
+/// settings that the swarm refuses, and what the model refuses.
 pub fn fit(
     model: &dyn ForwardModel,
     training: &[Recording],

@@ -302,8 +302,7 @@ impl<'a> Problem<'a> {
                 let recorded = recording.temperature_degc().unwrap_or(&[]);
                 let mut temperatures_k = Vec::with_capacity(recorded.len());
                 let mut peak_temperature_degc = f64::NEG_INFINITY;
-                let points = [self.vector.values(point, r)];
-                self.simulate(r, &points, &mut |block| {
+                self.simulate(r, &[point.to_vec()], &mut |block| {
                     let shapes = block.displacement.iter().step_by(block.stride);
                     for (f, y) in shapes.zip(&recording.output()[block.first_sample..]) {
                         values.push(y - solved.gain * f - solved.offsets[r]);
@@ -333,11 +332,7 @@ impl<'a> Problem<'a> {
         let mut reached = vec![[f64::INFINITY, f64::NEG_INFINITY]; points.len()];
         for (batch, reached) in points.chunks(BATCH).zip(reached.chunks_mut(BATCH)) {
             for r in 0..self.recordings.len() {
-                let values: Vec<Vec<f64>> = batch
-                    .iter()
-                    .map(|point| self.vector.values(point, r))
-                    .collect();
-                self.simulate(r, &values, &mut |block| {
+                self.simulate(r, batch, &mut |block| {
                     for row in block.temperature_degc.chunks_exact(block.stride) {
                         for ([lowest, highest], degc) in reached.iter_mut().zip(row) {
                             (*lowest, *highest) = (lowest.min(*degc), highest.max(*degc));
@@ -354,7 +349,7 @@ impl<'a> Problem<'a> {
         self.model.branches_degc(&self.vector.values(point, 0))
     }
 
-    /// Simulates a recording at points of the model and holds the model to its promise: every block
+    /// Simulates a recording at points, by their coordinates, and holds the model to its promise: every block
     /// shows all points, and the blocks together all samples in their order.
     fn simulate(
         &self,
@@ -363,9 +358,11 @@ impl<'a> Problem<'a> {
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
         let recording = self.recordings[r].recording;
+        let values = |point: &Vec<f64>| self.vector.values(point, r);
+        let points: Vec<Vec<f64>> = points.iter().map(values).collect();
         let mut shown = 0;
         let mut complete = true;
-        self.model.simulate(points, recording, &mut |block| {
+        self.model.simulate(&points, recording, &mut |block| {
             let rows = block.displacement.len() / block.stride.max(1);
             let fits = block.first_member == 0
                 && (points.len()..=BATCH).contains(&block.stride)
@@ -443,12 +440,8 @@ impl<'a> Problem<'a> {
 
     fn moments(&self, r: usize, batch: &[Vec<f64>]) -> Result<[Moments; BATCH], IdentifyError> {
         let weighed = &self.recordings[r];
-        let values: Vec<Vec<f64>> = batch
-            .iter()
-            .map(|point| self.vector.values(point, r))
-            .collect();
         let mut moments = [Moments::default(); BATCH];
-        self.simulate(r, &values, &mut |block| weighed.add(&mut moments, &block))?;
+        self.simulate(r, batch, &mut |block| weighed.add(&mut moments, &block))?;
         Ok(moments)
     }
 
@@ -485,16 +478,11 @@ impl<'a> Problem<'a> {
     ) -> Result<(), IdentifyError> {
         let recording = self.recordings[r].recording;
         let around = batch.around;
-        let values: Vec<Vec<f64>> = batch
-            .points
-            .iter()
-            .map(|point| self.vector.values(point, r))
-            .collect();
         let (gains, linear) = (self.n_gains(), self.n_linear());
         let temperatures = self.temperatures_degc(r);
         let mut derivatives = vec![0.0; linear + self.vector.len()];
         let further = self.quotients(r, batch.further.as_deref())?;
-        self.simulate(r, &values, &mut |block| {
+        self.simulate(r, &batch.points, &mut |block| {
             visit(&block);
             let shapes = block.displacement.chunks_exact(block.stride);
             let shown = block.temperature_degc.chunks_exact(block.stride);
@@ -552,9 +540,7 @@ impl<'a> Problem<'a> {
             temperature: Vec::new(),
         };
         let mut own: Vec<Quotients> = batch.differences.iter().map(of_difference).collect();
-        let point = |point: &Vec<f64>| self.vector.values(point, r);
-        let values: Vec<Vec<f64>> = batch.points.iter().map(point).collect();
-        self.simulate(r, &values, &mut |block| {
+        self.simulate(r, &batch.points, &mut |block| {
             let shapes = block.displacement.chunks_exact(block.stride);
             let shown = block.temperature_degc.chunks_exact(block.stride);
             for (shapes, shown) in shapes.zip(shown) {
