@@ -51,17 +51,22 @@ impl OtherBaseline {
             0,
             seed,
         )?;
-        Ok(Self {
+        Ok(self.followed_by(base, LoopFreedom::Shape, with))
+    }
+
+    /// The baseline model of a fit that began where this one ended: the starts are those of this one, and the simulations those of both.
+    pub(super) fn followed_by(&self, base: WienerModel, freedom: LoopFreedom, with: Fit) -> Self {
+        Self {
             family: self.family,
             base,
-            freedom: LoopFreedom::Shape,
+            freedom,
             fit: Fit {
                 agreeing_starts: self.fit.agreeing_starts,
                 starts: self.fit.starts,
                 simulations: self.fit.simulations + with.simulations,
                 ..with
             },
-        })
+        }
     }
 }
 

@@ -42,7 +42,7 @@ impl OtherBaseline {
         };
         let go_on = &mut |_: &_| ControlFlow::Continue(());
         let with = fit(&case.watched(&model), case.training, &config, go_on)?;
-        let simulations = self.fit.simulations + near.simulations + with.simulations;
+        let simulations = near.simulations + with.simulations;
         let (freedom, found) = if is_told(&self.fit, &with) {
             // A second population bends to what else is missing as any loop does: effects are tried from where there was none, too.
             let other_minima = vec![self.starting(NEARLY_ALIKE).points()];
@@ -56,16 +56,11 @@ impl OtherBaseline {
         } else {
             (self.freedom, self.fit.clone())
         };
-        Ok(Self {
-            freedom,
-            fit: Fit {
-                agreeing_starts: self.fit.agreeing_starts,
-                starts: self.fit.starts,
-                simulations,
-                ..found
-            },
-            ..self.clone()
-        })
+        let found = Fit {
+            simulations,
+            ..found
+        };
+        Ok(self.followed_by(self.base.clone(), freedom, found))
     }
 
     /// The fit with such a second population beside the first.
