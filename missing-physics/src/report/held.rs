@@ -130,7 +130,7 @@ pub(crate) fn held_to(
     let mut fallen = CandidateSet::EMPTY;
     for named in &decided.named {
         let less = if effects.contains(named.effect) {
-            search.exchanged(effects, named.effect, None)?
+            search.without(effects, named.effect)?
         } else {
             None
         };
@@ -217,7 +217,7 @@ fn names_alone<'s>(
 ) -> Result<Option<&'s Node>, IdentifyError> {
     let mut set = effects;
     for effect in effects.iter().filter(|&effect| !names.contains(effect)) {
-        let Some(less) = search.exchanged(set, effect, None)? else {
+        let Some(less) = search.without(set, effect)? else {
             return Ok(None);
         };
         set = less;

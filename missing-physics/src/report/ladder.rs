@@ -53,7 +53,7 @@ pub(crate) fn ladder(
             // What is left out first is missed least; where nothing can be, the rest came together.
             let mut lesser = Vec::new();
             for effect in set.iter() {
-                let less = search.exchanged(set, effect, None)?;
+                let less = search.without(set, effect)?;
                 let left = less.and_then(|less| Some((less, search.get(less)?.mean_square())));
                 lesser.extend(left);
             }

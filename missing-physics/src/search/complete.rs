@@ -138,16 +138,16 @@ fn complete(
         Vec::new()
     };
     wanted.truncate(NEIGHBORS);
+    let mut exchanges = Vec::new();
     for effect in effects.iter() {
-        for (rival, cosine) in rivals(search, effects, effect)? {
-            if cosine > ALIKE {
-                wanted.extend(search.exchanged(effects, effect, Some(&rival))?);
-            }
-        }
+        let rivals = rivals(search, effects, effect)?.into_iter();
+        let alike = rivals.filter(|(_, cosine)| *cosine > ALIKE);
+        exchanges.extend(alike.map(|(rival, _)| (effect, rival)));
     }
+    wanted.extend(search.exchanged(effects, &exchanges)?);
     for part in parts(effects) {
         for effect in part.iter() {
-            wanted.extend(search.exchanged(part, effect, None)?);
+            wanted.extend(search.without(part, effect)?);
         }
     }
     search.finish(&wanted)?;

@@ -16,7 +16,7 @@ pub(crate) fn rivals(
     effects: CandidateSet,
     effect: Candidate,
 ) -> Result<Vec<(Score, f64)>, IdentifyError> {
-    let Some(less) = search.exchanged(effects, effect, None)? else {
+    let Some(less) = search.without(effects, effect)? else {
         return Ok(Vec::new());
     };
     let sifted = search.sifted(less)?;

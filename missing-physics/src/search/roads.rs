@@ -1,5 +1,6 @@
 //! The road from the baseline to models with effects: screen, refit, and again.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use identify::{Fit, IdentifyError, in_parallel, try_in_parallel};
@@ -234,9 +235,10 @@ impl<'a> Search<'a> {
     /// Takes searches that were cut short to their ends.
     pub(crate) fn finish(&mut self, sets: &[CandidateSet]) -> Result<(), IdentifyError> {
         let known = sets.iter().filter_map(|&set| self.index(set));
-        let open: Vec<usize> = known
+        let open: BTreeSet<usize> = known
             .filter(|&index| !self.visited[index].is_finished)
             .collect();
+        let open: Vec<usize> = open.into_iter().collect();
         let finished = in_parallel(&open, |&index| {
             self.case.finished(&self.visited[index].node)
         });
@@ -417,27 +419,42 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The model of a node without one of its effects, or with another in its place.
-    pub(crate) fn exchanged(
+    /// The model of a node without one of its effects.
+    pub(crate) fn without(
         &mut self,
         effects: CandidateSet,
         without: Candidate,
-        with: Option<&Score>,
     ) -> Result<Option<CandidateSet>, IdentifyError> {
         let less = effects.without(without);
-        let set = with.map_or(less, |score| less.with(score.effect));
-        if self.dead.contains(&set) {
+        if self.dead.contains(&less) {
             return Ok(None);
         }
-        match (with, self.get(less)) {
-            (None, _) => self.lighten(effects, less)?,
-            (Some(score), Some(parent)) if self.index(set).is_none() => {
-                let node = refit(self.case, parent, score)?;
-                self.keep(set, node);
-            }
-            _ => {}
-        }
-        Ok(self.index(set).map(|_| set))
+        self.lighten(effects, less)?;
+        Ok(self.index(less).map(|_| less))
+    }
+
+    /// The models of a node with another effect, that of a score, in the place of one of its own, each; those that lead anywhere.
+    pub(crate) fn exchanged(
+        &mut self,
+        effects: CandidateSet,
+        exchanges: &[(Candidate, Score)],
+    ) -> Result<Vec<CandidateSet>, IdentifyError> {
+        let sets = exchanges.iter().map(|(without, score)| {
+            let less = effects.without(*without);
+            (less, less.with(score.effect), score)
+        });
+        let sets: Vec<(CandidateSet, CandidateSet, &Score)> = sets.collect();
+        let is_new = |set: CandidateSet| self.index(set).is_none() && !self.dead.contains(&set);
+        let new = sets.iter().filter(|(_, set, _)| is_new(*set));
+        let new: Vec<(CandidateSet, &Node, &Score)> = new
+            .filter_map(|&(less, set, score)| Some((set, self.get(less)?, score)))
+            .collect();
+        let refitted = try_in_parallel(&new, |&(set, parent, score)| {
+            Ok((set, refit(self.case, parent, score)?))
+        })?;
+        self.keep_all(refitted);
+        let known = sets.iter().map(|(_, set, _)| *set);
+        Ok(known.filter(|&set| self.index(set).is_some()).collect())
     }
 
     /// Searches a model from where one with an effect more stands, if it was not searched yet, and once more when that
