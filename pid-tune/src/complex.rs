@@ -32,6 +32,11 @@ impl Complex {
         libm::hypot(self.re, self.im)
     }
 
+    /// Square of the absolute value.
+    pub(crate) fn square(self) -> f64 {
+        self.re * self.re + self.im * self.im
+    }
+
     /// Angle, rad, from -π to π.
     #[must_use]
     pub fn angle_rad(self) -> f64 {
@@ -72,7 +77,7 @@ impl Mul<f64> for Complex {
 impl Div for Complex {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        let square = other.re * other.re + other.im * other.im;
+        let square = other.square();
         Self {
             re: (self.re * other.re + self.im * other.im) / square,
             im: (self.im * other.re - self.re * other.im) / square,

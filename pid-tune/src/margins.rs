@@ -1,7 +1,7 @@
 use core::f64::consts::PI;
 
 use crate::bracket::root;
-use crate::complex::{Complex, unwrapped};
+use crate::complex::Complex;
 
 /// Share of a frequency to which crossovers are found.
 const FREQUENCY_TOLERANCE: f64 = 1e-12;
@@ -89,10 +89,7 @@ impl Margins {
         // The Nyquist criterion for a loop without unstable poles of its own: 1 + L, from its integrator's indentation
         // on the positive real axis to half of the sampling frequency, turns around 0 by nothing in all. With the
         // points at which it is real: next to -1 it turns by half a circle between two frequencies.
-        let mut angle_rad = 0.0;
-        let mut turn = |response: Complex| {
-            angle_rad = unwrapped((response + Complex::ONE).angle_rad(), angle_rad);
-        };
+        let mut turns = Turns::from(Complex::ONE);
         for k in 1..sweep.len() {
             let [before, after] = [responses[k - 1], responses[k]];
             if before.re.min(after.re) < 0.0
@@ -100,10 +97,10 @@ impl Margins {
                 && let Some((_, response)) = crossing(k, |response| response.im)
             {
                 margins.bear_gain(response);
-                turn(response);
+                turns.go_to(response + Complex::ONE);
             }
-            turn(after);
-            if (before.magnitude() - 1.0) * (after.magnitude() - 1.0) <= 0.0
+            turns.go_to(after + Complex::ONE);
+            if (before.square() - 1.0) * (after.square() - 1.0) <= 0.0
                 && let Some((omega, response)) = crossing(k, |response| response.magnitude() - 1.0)
             {
                 margins.bear_delay(response, omega);
@@ -113,7 +110,7 @@ impl Margins {
         if let Some(&last) = responses.last() {
             margins.bear_gain(last);
         }
-        margins.stable = angle_rad.abs() < 0.5 * PI;
+        margins.stable = turns.whole == 0 && turns.at.re > 0.0;
         if !margins.stable {
             margins.phase_margin_rad = 0.0;
             margins.delay_margin_s = 0.0;
@@ -147,6 +144,30 @@ impl Margins {
         let lag_rad = PI + response.angle_rad();
         self.phase_margin_rad = self.phase_margin_rad.min(lag_rad);
         self.delay_margin_s = self.delay_margin_s.min(lag_rad / omega_rad_per_s);
+    }
+}
+
+/// How often a point went around 0 on straight ways: each crossing of the negative real axis begins or takes back a turn.
+#[derive(Debug, Clone, Copy)]
+struct Turns {
+    at: Complex,
+    whole: i32,
+}
+
+impl Turns {
+    fn from(at: Complex) -> Self {
+        Self { at, whole: 0 }
+    }
+
+    fn go_to(&mut self, to: Complex) {
+        // Positive where 0 lies to the left.
+        let side = self.at.re * to.im - self.at.im * to.re;
+        match (self.at.im >= 0.0, to.im >= 0.0) {
+            (true, false) if side > 0.0 => self.whole += 1,
+            (false, true) if side < 0.0 => self.whole -= 1,
+            _ => {}
+        }
+        self.at = to;
     }
 }
 
@@ -198,4 +219,33 @@ fn smallest(function: impl Fn(f64) -> f64, ends: [f64; 2]) -> f64 {
         }
     }
     0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::complex::unwrapped;
+
+    #[test]
+    fn turns_are_those_of_the_angle() {
+        let mut counts = [0; 3];
+        for path in 0..500 {
+            let mut turns = Turns::from(Complex::ONE);
+            let mut angle_rad = 0.0;
+            for step in 1..20 {
+                let phase = f64::from(path * 37 + step * (1 + path % 5));
+                let to =
+                    Complex::unit(phase) * (1.0 + 0.9 * (1.7 * phase).sin()) + Complex::real(0.3);
+                turns.go_to(to);
+                angle_rad = unwrapped(to.angle_rad(), angle_rad);
+                let expected = ((angle_rad - to.angle_rad()) / (2.0 * PI)).round();
+                assert!(
+                    (f64::from(turns.whole) - expected).abs() < 0.5,
+                    "{path} {step}"
+                );
+            }
+            counts[(turns.whole.signum() + 1) as usize] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 0), "{counts:?}");
+    }
 }

@@ -28,6 +28,7 @@ mod solve;
 mod spline;
 mod start;
 mod state;
+mod turned;
 mod values;
 
 pub use effects::{
@@ -45,3 +46,4 @@ pub use parameter::{EffectParameter, Literature, Role, Sign};
 pub use prior::SizePrior;
 pub use set::EffectSet;
 pub use setting::Setting;
+pub use turned::Turned;

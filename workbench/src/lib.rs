@@ -18,7 +18,6 @@ mod rig;
 pub mod sanity;
 mod track;
 mod tuning;
-mod turned;
 
 pub use columns::in_columns_of;
 pub use error::WorkbenchError;
@@ -35,4 +34,3 @@ pub use track::{Followed, Track, track};
 pub use tuning::{
     Approaches, Bench, CHATTER, End, FILTER_SAMPLES, Kept, PAPER, Promise, Rest, Side, controller,
 };
-pub use turned::Turned;

@@ -4,12 +4,11 @@ use identify::{RigModel, SavedEffects, SavedModel, Scope};
 use missing_physics::RestoredModel;
 use pid_tune::Variation;
 use recording::Quantity;
-use sma_effects::{EffectId, Member, PhysicsError};
+use sma_effects::{EffectId, Member, PhysicsError, Turned};
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Fleet, Input, Lanes, NARROW, Start, Wiener, WienerError, WienerParams};
 
 use crate::WorkbenchError;
-use crate::turned::Turned;
 
 /// Largest drive over that of the training from which a prediction is called a guess.
 pub const BEYOND: f64 = 1.02;

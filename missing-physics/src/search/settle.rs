@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use recording::order::rising;
 
 use crate::model::case::{Case, Node};
+use crate::model::elsewhere::is_drift;
 use crate::search::refit::led;
 use crate::{Role, Sign};
 
@@ -80,13 +81,14 @@ pub(crate) fn fitted(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Ide
 }
 
 /// Where a model stands, with each size that has two signs at its opposite, and at a typical one: around the wrong
-/// sign the others may have found a minimum.
+/// sign the others may have found a minimum. Of a drift no value is turned: those before and after it are of the same curve.
 fn mirrored(node: &Node, vector: &ParameterVector) -> Vec<End> {
     let bounds = vector.bounds();
     let signed = (0..node.coordinates.len()).filter_map(|j| {
         let (effect, k) = node.model.slot(vector.parameter(j))?;
         let parameter = &effect.info().parameters[k];
-        let is_signed = parameter.role == Role::Size && parameter.sign() == Sign::Either;
+        let has_signs = parameter.role == Role::Size && parameter.sign() == Sign::Either;
+        let is_signed = has_signs && !is_drift(effect);
         is_signed.then_some((j, parameter.typical))
     });
     let opposite = |(j, typical): (usize, f64)| {

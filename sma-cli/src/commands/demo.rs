@@ -22,13 +22,14 @@ use crate::outcome::Outcome;
 use crate::provenance::provenance;
 use crate::sink::Outputs;
 use crate::terminal::{Progress, write_stdout};
+use sma_effects::Turned;
 use workbench::figure::{Figure, Series, Style};
 use workbench::kept::{self, Kept};
 use workbench::page::{self, Page};
 use workbench::report::diagnosed::{Depth, Diagnosed};
 use workbench::report::number::spoken;
 use workbench::report::table::{right, table, unpadded};
-use workbench::{PAPER, Rig, Turned, controller, read_all};
+use workbench::{PAPER, Rig, controller, read_all};
 
 /// The paper's memory of reversals, which the wire has.
 const MEMORY: Memory = Memory::LastReversal;

@@ -12,7 +12,7 @@ use pid_tune::{
     TuneError, TunerConfig, front, robustness, second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
-use sma_effects::Member;
+use sma_effects::{Member, Turned};
 
 use crate::commands::on_threads;
 use crate::outcome::Outcome;
@@ -22,7 +22,7 @@ use crate::terminal::{bar, say};
 use workbench::page;
 use workbench::report::tuned::{Candidate, Checked, LoopPicture, TunedReport};
 use workbench::{
-    Bench, Followed, PAPER, Promise, Rig, RigError, Track, Turned, WorkbenchError, controller,
+    Bench, Followed, PAPER, Promise, Rig, RigError, Track, WorkbenchError, controller,
     read_perhaps_without_output, track,
 };
 

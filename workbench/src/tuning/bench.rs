@@ -9,11 +9,11 @@ use pid_tune::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use sma_effects::Turned;
 
 use super::CHATTER;
 use crate::WorkbenchError;
 use crate::rig::Rig;
-use crate::turned::Turned;
 
 /// A controller that does nothing.
 const NO_GAINS: PidGains = PidGains {

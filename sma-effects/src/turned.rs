@@ -1,7 +1,8 @@
 //! Plants whose output rises with heat: those whose output falls are turned over.
 
-use sma_effects::{Extended, Member, PhysicsError};
 use wiener::{Fleet, Lanes, NARROW, Output, Shown, Stretch, WIDE};
+
+use crate::{Extended, Member, PhysicsError};
 
 /// Plants whose displacement is multiplied by a sign.
 #[derive(Debug, Clone, Copy)]
