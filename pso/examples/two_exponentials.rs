@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use std::io::Write;
 use std::ops::ControlFlow;
 
-const N_SEEDS: u64 = 100;
+const N_SEEDS: u64 = 40;
 
 /// a, b, c, τ₁, τ₂.
 const TRUTH: [f64; 5] = [2.0, 1.0, 0.3, 3.0, 25.0];

@@ -8,7 +8,7 @@
 use identify::{Rod, WienerModel};
 use missing_physics::{DiagnoseConfig, Verdict, diagnose, setting_of_rod};
 use recording::read_csv;
-use sma_effects::{EffectId, EffectSet};
+use sma_effects::EffectId;
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 
@@ -38,8 +38,20 @@ fn the_lag_of_the_thermocouple_is_closest() {
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: setting_of_rod(&rod, "deg"),
-        // A coil's wire is long, and heat along it takes ten times as long.
-        catalogue: EffectSet::all().without(EffectId::EndConduction),
+        // What is slow, and what comes late.
+        catalogue: [
+            EffectId::DeadTime,
+            EffectId::LatentHeat,
+            EffectId::NaturalConvection,
+            EffectId::AmbientDrift,
+            EffectId::StressCoupling,
+            EffectId::OutputLag,
+            EffectId::SupplyLag,
+            EffectId::ThermocoupleLag,
+            EffectId::LoopShape,
+        ]
+        .into_iter()
+        .collect(),
         ..DiagnoseConfig::default()
     };
     let found = diagnose(&base, &training, &[], &config, &mut |_| {
