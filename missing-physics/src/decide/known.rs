@@ -28,7 +28,7 @@ pub(crate) struct Known {
     pub(crate) left: Oddness,
     /// Oddness of the baseline model's residual.
     pub(crate) left_by_plain: Oddness,
-    /// A drift of the zero, where the leading model has one, and its error over that of a slipping mount.
+    /// A drift of the zero, where the leading model has one, and its error over that of a mount that slips.
     pub(crate) slip: Option<(Candidate, f64)>,
     pub(crate) seed: u64,
 }

@@ -6,7 +6,7 @@ use crate::decide::known::Known;
 use crate::decide::rules::RuleId;
 use crate::decide::trace::Traces;
 use crate::evidence::UNLISTED;
-use crate::evidence::{Model, Population, by_chance, centered, masses};
+use crate::evidence::{Model, Population, by_chance, centered, masses, not_above_zero};
 use crate::model::elsewhere::is_drift;
 use crate::noise::wander::by_wander;
 use crate::{Candidate, CandidateSet};
@@ -82,6 +82,8 @@ pub(crate) fn names(
     traces: &mut Traces,
 ) -> [Vec<Named>; 2] {
     let mut sorted = [Vec::new(), Vec::new()];
+    let off = traces.threshold(RuleId::Form);
+    let as_good = as_good_as_a_curve(population, leading, off, known.seed);
     for effect in leading.names.iter() {
         let id = effect.id();
         let less = population.without(leading, effect);
@@ -91,7 +93,8 @@ pub(crate) fn names(
         if may_be_the_loop(leading, known, effect, lost) {
             named.shares_with(Candidate::other_loop());
         }
-        let is_covered = traces.ask(RuleId::Set, id, covered);
+        named.is_only_as_likely_as(as_good);
+        let is_covered = traces.ask(RuleId::Set, id, covered * as_good);
         named.contribution = population.share(leading.evidence.squares(), less.evidence.squares());
         let added = known.segments.iter().map(|range| {
             let without = centered(&less.evidence.residual[range.clone()]);
@@ -119,7 +122,33 @@ pub(crate) fn names(
     sorted
 }
 
+/// Probability that names leave less of blocks which were left out than an anonymous curve does in the place of all of them. That a name
+/// helps beside a curve does not make it what is missing.
+///
+/// A formula may be off by this share of what is explained, as the rule `form` has it.
+fn as_good_as_a_curve(population: &Population, leading: &Model, off: f64, seed: u64) -> f64 {
+    let plain = population.plain();
+    let Some(curve) = &plain.anonymous else {
+        return 1.0;
+    };
+    let [named, plain, curve] = [&leading.evidence, &plain.evidence, &curve.evidence].map(|one| {
+        let of_both = one.squares.iter().map(|channels| channels.iter().sum());
+        of_both.collect::<Vec<f64>>()
+    });
+    let behind = (0..named.len()).map(|block| {
+        let explained = plain[block] - curve[block];
+        named[block] - curve[block] - off * explained
+    });
+    not_above_zero(&behind.collect::<Vec<f64>>(), seed)
+}
+
 impl Named {
+    /// Lowers its probability, and that of its alternatives, to that of something else.
+    fn is_only_as_likely_as(&mut self, other: f64) {
+        self.probability *= other;
+        self.others.iter_mut().for_each(|(_, mass)| *mass *= other);
+    }
+
     /// Takes in what could be in the place of all of them just as likely.
     fn shares_with(&mut self, other: Candidate) {
         let whole = self.probability + self.others.iter().map(|(_, mass)| mass).sum::<f64>();

@@ -156,7 +156,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Set,
         name: "set",
-        statistic: "probability that one of a set of names is there",
+        statistic: "probability that one of a set of names is there, times that all names leave less than an anonymous curve alone",
         comparison: Comparison::AtLeast,
         threshold: 0.95,
         basis: Basis::Odds,
@@ -219,11 +219,11 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Slip,
         name: "slip",
-        statistic: "error of a drift of the zero over that of a mount that slips while the rod is out",
+        statistic: "error of a drift of the zero over that of a mount that slips, while the rod is out or once in each recording",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Derivation,
-        reason: "a drift of the sensor knows nothing of the rod",
+        reason: "a drift of the sensor knows nothing of the rod, and is slow",
     },
     Rule {
         id: RuleId::Told,

@@ -15,10 +15,8 @@ const DRAWS: usize = 1000;
 /// that is wrong by least.
 pub(crate) fn masses(models: &[(f64, &[f64])], seed: u64) -> Vec<f64> {
     let n_blocks = models.first().map_or(0, |(_, nats)| nats.len());
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut masses = vec![0.0; models.len()];
-    for _ in 0..DRAWS {
-        let drawn: Vec<f64> = (0..n_blocks).map(|_| Exp1.sample(&mut rng)).collect();
+    for drawn in weights(n_blocks, seed) {
         let per = n_blocks as f64 / drawn.iter().sum::<f64>();
         let worth: Vec<f64> = models
             .iter()
@@ -37,6 +35,26 @@ pub(crate) fn masses(models: &[(f64, &[f64])], seed: u64) -> Vec<f64> {
     masses
 }
 
+/// Probability that the sum of some numbers, one for each block, is not above 0: by the same draws.
+pub(crate) fn not_above_zero(numbers: &[f64], seed: u64) -> f64 {
+    let sum = |drawn: &Vec<f64>| -> f64 {
+        let pairs = drawn.iter().zip(numbers);
+        pairs.map(|(weight, number)| weight * number).sum()
+    };
+    let draws = weights(numbers.len(), seed);
+    draws.filter(|drawn| sum(drawn) <= 0.0).count() as f64 / DRAWS as f64
+}
+
+/// Weights of blocks, draw by draw.
+fn weights(n_blocks: usize, seed: u64) -> impl Iterator<Item = Vec<f64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let draws = std::iter::repeat_with(move || {
+        let own = (0..n_blocks).map(|_| Exp1.sample(&mut rng));
+        own.collect()
+    });
+    draws.take(DRAWS)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -48,6 +66,17 @@ mod tests {
         let shared = masses(&[(0.0, &even), (-3.0, &even)], 1);
         assert!((shared[1] / shared[0] - (-3.0_f64).exp()).abs() < 1e-9);
         assert!(masses(&[(0.0, &even), (-3.0, &better)], 1)[1] > 0.999);
+    }
+
+    #[test]
+    fn a_sum_is_as_sure_as_its_blocks_agree() {
+        let alike = [-1.0; 16];
+        let mut torn = [1.0; 16];
+        torn[5] = -16.0;
+        assert!((not_above_zero(&alike, 1) - 1.0).abs() < 1e-12);
+        let probability = not_above_zero(&torn, 1);
+        assert!((0.2..0.8).contains(&probability), "{probability}");
+        assert!(not_above_zero(&alike.map(|one| -one), 1) < 1e-12);
     }
 
     #[test]

@@ -18,7 +18,7 @@ mod worth;
 pub(crate) use audit::Anonymous;
 pub use audit::Audit;
 pub(crate) use blocks::{Block, blocks};
-pub(crate) use masses::masses;
+pub(crate) use masses::{masses, not_above_zero};
 pub(crate) use population::{Model, Population, UNLISTED};
 pub(crate) use predictive::Memory;
 pub(crate) use shifts::{by_chance, centered};

@@ -13,15 +13,19 @@ use crate::{Belongs, Candidate, EffectBlock};
 /// Powers of the stroke that a slip may go with: a mount holds until the force is large.
 const POWERS: [i32; 3] = [1, 2, 4];
 
-/// A drift of the zero, and the squares that it leaves over those of one that moves only while the rod is out; `None` of a model
-/// without such a drift.
+/// Share of the square of a jump that is outside a span, from which it is another direction.
+const LEAST_OUTSIDE: f64 = 1e-6;
+
+/// A drift of the zero, and the squares that it leaves over those of a mount that slips: only while the rod is out, or once in each
+/// recording and at once; `None` of a model without such a drift.
 ///
 /// ```text
 /// Σ_k c_k ∫ s^k dt,   k = 1, 2, 4,   s the share of the output's range
+/// c from the moment t₁ on
 /// ```
 ///
-/// A drift of the sensor knows nothing of the rod; it has four values, and this three. The other parameters may follow either, to first
-/// order: they were fitted beside the drift. What stands on a bound, or has a prior, stays.
+/// A drift of the sensor knows nothing of the rod, and is slow; it has four values, a slip three, and a jump two. The other parameters
+/// may follow any of them, to first order: they were fitted beside the drift. What stands on a bound, or has a prior, stays.
 pub(crate) fn slip(
     case: &Case<'_>,
     node: &Node,
@@ -85,8 +89,62 @@ pub(crate) fn slip(
             .map(|one| of_outputs(&one.column)),
     );
     let drifting = without(&of_outputs(&node.residual), &[&levels, &drift]);
-    let slipping = without(&of_outputs(&left), &[&levels, &slipped]);
-    Ok(Some((of_zero, drifting / slipping.max(f64::MIN_POSITIVE))))
+    let left = of_outputs(&left);
+    let slipping = without(&left, &[&levels, &slipped]);
+    let jumping = with_jumps(&left, Span::of(&levels), &joined(&outputs));
+    let least = slipping.min(jumping).max(f64::MIN_POSITIVE);
+    Ok(Some((of_zero, drifting / least)))
+}
+
+/// Ranges of recordings that follow upon one another.
+fn joined(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let next = |range: &Range<usize>| {
+        let start = end;
+        end += range.len();
+        start..end
+    };
+    ranges.iter().map(next).collect()
+}
+
+/// Sum of squares that is left of a series outside a span and one jump in each recording, where it helps most.
+fn with_jumps(series: &[f64], mut span: Span, recordings: &[Range<usize>]) -> f64 {
+    for range in recordings {
+        let left = span.outside(series);
+        let basis = span.basis().iter();
+        let basis: Vec<Vec<f64>> = basis.map(|one| from_each_on(&one[range.clone()])).collect();
+        let gains = from_each_on(&left[range.clone()]).into_iter().enumerate();
+        let gains = gains.map(|(k, along)| {
+            let own = (range.len() - k) as f64;
+            let outside = own - basis.iter().map(|one| one[k].powi(2)).sum::<f64>();
+            // A jump that the span holds helps nothing.
+            if outside > LEAST_OUTSIDE * own {
+                along.powi(2) / outside
+            } else {
+                0.0
+            }
+        });
+        let Some((at, _)) = gains.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            continue;
+        };
+        let mut jump = vec![0.0; series.len()];
+        jump[range.start + at..range.end].fill(1.0);
+        span.widen(&jump);
+    }
+    let left = span.outside(series);
+    dot(&left, &left)
+}
+
+/// Sums of a series from each of its samples to its end.
+fn from_each_on(series: &[f64]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let sums = series.iter().rev().map(|value| {
+        sum += value;
+        sum
+    });
+    let mut sums: Vec<f64> = sums.collect();
+    sums.reverse();
+    sums
 }
 
 /// How far mounts would have slipped, each in its own unit.
@@ -115,7 +173,7 @@ fn without(series: &[f64], columns: &[&Vec<Vec<f64>>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{slips, without};
+    use super::{Span, joined, slips, with_jumps, without};
 
     #[test]
     fn a_slip_goes_with_the_stroke_and_a_drift_does_not() {
@@ -136,5 +194,29 @@ mod tests {
             |series: &[f64]| without(series, &[&level, &columns]) / without(series, &[&level]);
         assert!(share(&slip) < 1e-9, "{}", share(&slip));
         assert!(share(&ramp) > 1e-3, "{}", share(&ramp));
+    }
+
+    #[test]
+    fn a_jump_is_found_in_each_recording_and_a_ramp_is_none() {
+        let recordings = joined(&[10..210, 300..500]);
+        assert_eq!(recordings, [0..200, 200..400]);
+        let level = |range: &std::ops::Range<usize>| -> Vec<f64> {
+            (0..400)
+                .map(|k| f64::from(u8::from(range.contains(&k))))
+                .collect()
+        };
+        let levels = [level(&recordings[0]), level(&recordings[1])];
+        let sine: Vec<f64> = (0..400).map(|k| (f64::from(k) * 0.05).sin()).collect();
+        let left = |series: &[f64]| {
+            let span = Span::of(levels.iter().chain([&sine]));
+            let whole = without(series, &[&levels.to_vec()]);
+            with_jumps(series, span, &recordings) / whole
+        };
+        let jumps: Vec<f64> = (0..400)
+            .map(|k| if (60..200).contains(&k) { 0.3 } else if k >= 333 { -0.1 } else { 0.0 } + 0.2 * sine[k])
+            .collect();
+        assert!(left(&jumps) < 1e-9, "{}", left(&jumps));
+        let ramp: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k % 200)).collect();
+        assert!(left(&ramp) > 0.1, "{}", left(&ramp));
     }
 }

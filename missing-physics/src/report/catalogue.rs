@@ -9,7 +9,7 @@ use crate::report::sentence;
 use crate::screen::scores::Score;
 use crate::screen::screening::{POWER, at_their_sizes};
 use crate::search::roads::Search;
-use crate::{Candidate, CandidateSet, LoopFamily, Role, Setting};
+use crate::{Candidate, CandidateSet, EffectParameter, LoopFamily, Role, Setting};
 
 /// Standard errors of half a 95 % interval.
 pub(crate) const HALF_95: f64 = 1.96;
@@ -38,6 +38,7 @@ pub(crate) fn finding(
         let held = |one: &FittedParameter| one.info.state != ParameterState::Free;
         fitted(name).is_some_and(held)
     };
+    let r = largest_in(info.parameters, extended);
     let parameters: Vec<Estimate> = info
         .parameters
         .iter()
@@ -51,9 +52,9 @@ pub(crate) fn finding(
             Estimate {
                 name: parameter.name,
                 unit,
-                value: fitted.map_or(parameter.neutral(), |fitted| fitted.values[0]),
+                value: fitted.map_or(parameter.neutral(), |fitted| fitted.values[r]),
                 ci95: fitted
-                    .and_then(|fitted| fitted.intervals[0])
+                    .and_then(|fitted| fitted.intervals[r])
                     .map(|interval| [interval.lower, interval.upper]),
                 literature: literature.map(|literature| literature.range),
             }
@@ -68,6 +69,19 @@ pub(crate) fn finding(
         sentence: sentence::finding(info, &parameters),
         parameters,
     }
+}
+
+/// The recording in which an effect is largest: a drift has values of its own in each, any other the same.
+fn largest_in(parameters: &[EffectParameter], extended: Option<&ExtendedStage>) -> usize {
+    let mut largest = (0, 0.0);
+    let sizes = parameters.iter().filter(|one| one.role == Role::Size);
+    let fitted = sizes.filter_map(|one| extended?.stage.fit.parameter(one.name));
+    for (r, value) in fitted.flat_map(|one| one.values.iter().enumerate()) {
+        if value.abs() > largest.1 {
+            largest = (r, value.abs());
+        }
+    }
+    largest.0
 }
 
 /// True if the interval of an estimate meets the literature's, or the literature has none; magnitudes count.
