@@ -89,7 +89,7 @@ impl Margins {
         // The Nyquist criterion for a loop without unstable poles of its own: 1 + L, from its integrator's indentation
         // on the positive real axis to half of the sampling frequency, turns around 0 by nothing in all. With the
         // points at which it is real: next to -1 it turns by half a circle between two frequencies.
-        let mut turns = Turns::from(Complex::ONE);
+        let mut winding = Winding::from(Complex::ONE);
         for k in 1..sweep.len() {
             let [before, after] = [responses[k - 1], responses[k]];
             if before.re.min(after.re) < 0.0
@@ -97,9 +97,9 @@ impl Margins {
                 && let Some((_, response)) = crossing(k, |response| response.im)
             {
                 margins.bear_gain(response);
-                turns.go_to(response + Complex::ONE);
+                winding.go_to(response + Complex::ONE);
             }
-            turns.go_to(after + Complex::ONE);
+            winding.go_to(after + Complex::ONE);
             if (before.square() - 1.0) * (after.square() - 1.0) <= 0.0
                 && let Some((omega, response)) = crossing(k, |response| response.magnitude() - 1.0)
             {
@@ -110,7 +110,7 @@ impl Margins {
         if let Some(&last) = responses.last() {
             margins.bear_gain(last);
         }
-        margins.stable = turns.whole == 0 && turns.at.re > 0.0;
+        margins.stable = winding.is_none();
         if !margins.stable {
             margins.phase_margin_rad = 0.0;
             margins.delay_margin_s = 0.0;
@@ -147,27 +147,38 @@ impl Margins {
     }
 }
 
-/// How often a point went around 0 on straight ways: each crossing of the negative real axis begins or takes back a turn.
+/// Winding number of a polyline around 0: crossings of the negative real axis, each with its sign.
 #[derive(Debug, Clone, Copy)]
-struct Turns {
+struct Winding {
     at: Complex,
-    whole: i32,
+    turns: i32,
+    is_finite: bool,
 }
 
-impl Turns {
+impl Winding {
     fn from(at: Complex) -> Self {
-        Self { at, whole: 0 }
+        Self {
+            at,
+            turns: 0,
+            is_finite: true,
+        }
     }
 
     fn go_to(&mut self, to: Complex) {
         // Positive where 0 lies to the left.
         let side = self.at.re * to.im - self.at.im * to.re;
+        self.is_finite &= side.is_finite();
         match (self.at.im >= 0.0, to.im >= 0.0) {
-            (true, false) if side > 0.0 => self.whole += 1,
-            (false, true) if side < 0.0 => self.whole -= 1,
+            (true, false) if side > 0.0 => self.turns += 1,
+            (false, true) if side < 0.0 => self.turns -= 1,
             _ => {}
         }
         self.at = to;
+    }
+
+    /// True if it is 0 and the last point has a positive real part; false with a point that is no number.
+    fn is_none(&self) -> bool {
+        self.is_finite && self.turns == 0 && self.at.re > 0.0
     }
 }
 
@@ -227,25 +238,30 @@ mod tests {
     use crate::complex::unwrapped;
 
     #[test]
-    fn turns_are_those_of_the_angle() {
+    fn the_winding_number_is_that_of_the_angle() {
         let mut counts = [0; 3];
         for path in 0..500 {
-            let mut turns = Turns::from(Complex::ONE);
+            let mut winding = Winding::from(Complex::ONE);
             let mut angle_rad = 0.0;
             for step in 1..20 {
                 let phase = f64::from(path * 37 + step * (1 + path % 5));
                 let to =
                     Complex::unit(phase) * (1.0 + 0.9 * (1.7 * phase).sin()) + Complex::real(0.3);
-                turns.go_to(to);
+                winding.go_to(to);
                 angle_rad = unwrapped(to.angle_rad(), angle_rad);
                 let expected = ((angle_rad - to.angle_rad()) / (2.0 * PI)).round();
                 assert!(
-                    (f64::from(turns.whole) - expected).abs() < 0.5,
+                    (f64::from(winding.turns) - expected).abs() < 0.5,
                     "{path} {step}"
                 );
             }
-            counts[(turns.whole.signum() + 1) as usize] += 1;
+            counts[(winding.turns.signum() + 1) as usize] += 1;
         }
         assert!(counts.iter().all(|&count| count > 0), "{counts:?}");
+        let mut winding = Winding::from(Complex::ONE);
+        assert!(winding.is_none());
+        winding.go_to(Complex::real(f64::NAN));
+        winding.go_to(Complex::ONE);
+        assert!(!winding.is_none());
     }
 }

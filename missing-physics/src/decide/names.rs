@@ -82,8 +82,7 @@ pub(crate) fn names(
     traces: &mut Traces,
 ) -> [Vec<Named>; 2] {
     let mut sorted = [Vec::new(), Vec::new()];
-    let off = traces.threshold(RuleId::Form);
-    let as_good = as_good_as_a_curve(population, leading, off, known.seed);
+    let beats_curve = beats_curve(population, leading, known.seed);
     for effect in leading.names.iter() {
         let id = effect.id();
         let less = population.without(leading, effect);
@@ -93,8 +92,8 @@ pub(crate) fn names(
         if may_be_the_loop(leading, known, effect, lost) {
             named.shares_with(Candidate::other_loop());
         }
-        named.is_only_as_likely_as(as_good);
-        let is_covered = traces.ask(RuleId::Set, id, covered * as_good);
+        named.scale_probability(beats_curve);
+        let is_covered = traces.ask(RuleId::Set, id, covered * beats_curve);
         named.contribution = population.share(leading.evidence.squares(), less.evidence.squares());
         let added = known.segments.iter().map(|range| {
             let without = centered(&less.evidence.residual[range.clone()]);
@@ -122,11 +121,9 @@ pub(crate) fn names(
     sorted
 }
 
-/// Probability that names leave less of blocks which were left out than an anonymous curve does in the place of all of them. That a name
-/// helps beside a curve does not make it what is missing.
-///
-/// A formula may be off by this share of what is explained, as the rule `form` has it.
-fn as_good_as_a_curve(population: &Population, leading: &Model, off: f64, seed: u64) -> f64 {
+/// Probability that the leading model leaves no more of the blocks left out than the baseline model with an anonymous curve: that a name
+/// helps beside a curve does not make it what is missing. Formulas may be off by a share of what the curve explains (rule `form`).
+fn beats_curve(population: &Population, leading: &Model, seed: u64) -> f64 {
     let plain = population.plain();
     let Some(curve) = &plain.anonymous else {
         return 1.0;
@@ -135,18 +132,19 @@ fn as_good_as_a_curve(population: &Population, leading: &Model, off: f64, seed: 
         let of_both = one.squares.iter().map(|channels| channels.iter().sum());
         of_both.collect::<Vec<f64>>()
     });
-    let behind = (0..named.len()).map(|block| {
-        let explained = plain[block] - curve[block];
-        named[block] - curve[block] - off * explained
-    });
+    let explained = plain.iter().sum::<f64>() - curve.iter().sum::<f64>();
+    // Block by block as much as it leaves there.
+    let tolerance = RuleId::Form.rule().threshold * explained / curve.iter().sum::<f64>();
+    let behind = named.iter().zip(&curve);
+    let behind = behind.map(|(named, curve)| named - (1.0 + tolerance.max(0.0)) * curve);
     not_above_zero(&behind.collect::<Vec<f64>>(), seed)
 }
 
 impl Named {
-    /// Lowers its probability, and that of its alternatives, to that of something else.
-    fn is_only_as_likely_as(&mut self, other: f64) {
-        self.probability *= other;
-        self.others.iter_mut().for_each(|(_, mass)| *mass *= other);
+    /// Multiplies its probability, and those of its alternatives.
+    fn scale_probability(&mut self, factor: f64) {
+        self.probability *= factor;
+        self.others.iter_mut().for_each(|(_, mass)| *mass *= factor);
     }
 
     /// Takes in what could be in the place of all of them just as likely.

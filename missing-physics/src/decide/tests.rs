@@ -359,6 +359,16 @@ fn what_was_ambiguous_by_a_name_that_falls_is_explained() {
 }
 
 #[test]
+fn a_name_that_leaves_more_than_a_curve_alone_is_none() {
+    // The curve alone leaves 1 + 9/4 of 1 + 9; the lag leaves 1 + what stands beside it.
+    for (beside, verdict) in [(1.0, Verdict::ExplainedInPart), (2.0, Verdict::Unexplained)] {
+        let found = decide(&with_lag(3.0, beside), &known());
+        assert_eq!(found.verdict, verdict, "{beside}");
+        assert_eq!(found.named.is_empty(), verdict == Verdict::Unexplained);
+    }
+}
+
+#[test]
 fn a_drift_that_slips_is_no_drift() {
     let found = around(&with_lag(3.0, 0.0), RuleId::Slip, |known, slip| {
         known.slip = Some((EffectId::OutputLag.into(), slip));

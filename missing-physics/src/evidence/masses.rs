@@ -35,7 +35,7 @@ pub(crate) fn masses(models: &[(f64, &[f64])], seed: u64) -> Vec<f64> {
     masses
 }
 
-/// Probability that the sum of some numbers, one for each block, is not above 0: by the same draws.
+/// Probability that the sum of one number a block is not above 0, by the same draws.
 pub(crate) fn not_above_zero(numbers: &[f64], seed: u64) -> f64 {
     let sum = |drawn: &Vec<f64>| -> f64 {
         let pairs = drawn.iter().zip(numbers);

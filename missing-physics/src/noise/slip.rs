@@ -13,19 +13,19 @@ use crate::{Belongs, Candidate, EffectBlock};
 /// Powers of the stroke that a slip may go with: a mount holds until the force is large.
 const POWERS: [i32; 3] = [1, 2, 4];
 
-/// Share of the square of a jump that is outside a span, from which it is another direction.
+/// Share of the square of a step outside a span, from which it is another direction.
 const LEAST_OUTSIDE: f64 = 1e-6;
 
-/// A drift of the zero, and the squares that it leaves over those of a mount that slips: only while the rod is out, or once in each
-/// recording and at once; `None` of a model without such a drift.
+/// The drift of the zero of a model, and its squared error over that of a mount that slips, gradually or at once, whichever is nearer;
+/// `None` of a model without such a drift.
 ///
 /// ```text
-/// Σ_k c_k ∫ s^k dt,   k = 1, 2, 4,   s the share of the output's range
-/// c from the moment t₁ on
+/// gradually   Σ_k c_k ∫ s^k dt,   k = 1, 2, 4,   s the share of the output's range
+/// at once     c from the moment t₁ on, in each recording its own
 /// ```
 ///
-/// A drift of the sensor knows nothing of the rod, and is slow; it has four values, a slip three, and a jump two. The other parameters
-/// may follow any of them, to first order: they were fitted beside the drift. What stands on a bound, or has a prior, stays.
+/// A drift of the sensor knows nothing of the rod, and is slow; it has four values, the gradual slip three, and a step two. The other
+/// parameters may follow any of them, to first order: they were fitted beside the drift. What stands on a bound, or has a prior, stays.
 pub(crate) fn slip(
     case: &Case<'_>,
     node: &Node,
@@ -91,48 +91,43 @@ pub(crate) fn slip(
     let drifting = without(&of_outputs(&node.residual), &[&levels, &drift]);
     let left = of_outputs(&left);
     let slipping = without(&left, &[&levels, &slipped]);
-    let jumping = with_jumps(&left, Span::of(&levels), &joined(&outputs));
-    let least = slipping.min(jumping).max(f64::MIN_POSITIVE);
+    let stepping = with_steps(&left, Span::of(&levels), &outputs);
+    let least = slipping.min(stepping).max(f64::MIN_POSITIVE);
     Ok(Some((of_zero, drifting / least)))
 }
 
-/// Ranges of recordings that follow upon one another.
-fn joined(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let next = |range: &Range<usize>| {
-        let start = end;
-        end += range.len();
-        start..end
-    };
-    ranges.iter().map(next).collect()
-}
-
-/// Sum of squares that is left of a series outside a span and one jump in each recording, where it helps most.
-fn with_jumps(series: &[f64], mut span: Span, recordings: &[Range<usize>]) -> f64 {
+/// Sum of squares outside a span and one step in each recording, each where it reduces the sum most. The place of a step is chosen
+/// among all samples: by Schwarz's criterion it costs the logarithm of their number.
+fn with_steps(series: &[f64], mut span: Span, recordings: &[Range<usize>]) -> f64 {
+    let mut places = 0.0;
     for range in recordings {
         let left = span.outside(series);
         let basis = span.basis().iter();
         let basis: Vec<Vec<f64>> = basis.map(|one| from_each_on(&one[range.clone()])).collect();
-        let gains = from_each_on(&left[range.clone()]).into_iter().enumerate();
-        let gains = gains.map(|(k, along)| {
+        let mut best = (0, 0.0);
+        for (k, along) in from_each_on(&left[range.clone()]).into_iter().enumerate() {
             let own = (range.len() - k) as f64;
             let outside = own - basis.iter().map(|one| one[k].powi(2)).sum::<f64>();
-            // A jump that the span holds helps nothing.
-            if outside > LEAST_OUTSIDE * own {
+            // A step that the span holds gains nothing.
+            let is_apart = outside > LEAST_OUTSIDE * own;
+            let gain = if is_apart {
                 along.powi(2) / outside
             } else {
                 0.0
+            };
+            if gain > best.1 {
+                best = (k, gain);
             }
-        });
-        let Some((at, _)) = gains.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
-            continue;
-        };
-        let mut jump = vec![0.0; series.len()];
-        jump[range.start + at..range.end].fill(1.0);
-        span.widen(&jump);
+        }
+        if best.1 > 0.0 {
+            let mut step = vec![0.0; series.len()];
+            step[range.start + best.0..range.end].fill(1.0);
+            span.widen(&step);
+            places += (range.len() as f64).ln();
+        }
     }
     let left = span.outside(series);
-    dot(&left, &left)
+    dot(&left, &left) * (1.0 + places / series.len() as f64)
 }
 
 /// Sums of a series from each of its samples to its end.
@@ -173,7 +168,11 @@ fn without(series: &[f64], columns: &[&Vec<Vec<f64>>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Span, joined, slips, with_jumps, without};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::{Span, slips, with_steps, without};
 
     #[test]
     fn a_slip_goes_with_the_stroke_and_a_drift_does_not() {
@@ -197,26 +196,45 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_found_in_each_recording_and_a_ramp_is_none() {
-        let recordings = joined(&[10..210, 300..500]);
-        assert_eq!(recordings, [0..200, 200..400]);
-        let level = |range: &std::ops::Range<usize>| -> Vec<f64> {
-            (0..400)
-                .map(|k| f64::from(u8::from(range.contains(&k))))
-                .collect()
-        };
-        let levels = [level(&recordings[0]), level(&recordings[1])];
+    fn a_step_is_found_in_each_recording_and_a_ramp_is_none() {
+        let recordings = [0..200, 200..400];
+        let levels = recordings.clone().map(|range| {
+            let level = (0..400).map(|k| f64::from(u8::from(range.contains(&k))));
+            level.collect::<Vec<f64>>()
+        });
         let sine: Vec<f64> = (0..400).map(|k| (f64::from(k) * 0.05).sin()).collect();
-        let left = |series: &[f64]| {
-            let span = Span::of(levels.iter().chain([&sine]));
-            let whole = without(series, &[&levels.to_vec()]);
-            with_jumps(series, span, &recordings) / whole
+        let span = || Span::of(levels.iter().chain([&sine]));
+        let steps = (0..400).map(|k| {
+            let stepped = match k {
+                60..200 => 0.3,
+                333.. => -0.1,
+                _ => 0.0,
+            };
+            stepped + 0.2 * sine[k]
+        });
+        let steps: Vec<f64> = steps.collect();
+        let left = with_steps(&steps, span(), &recordings);
+        assert!(left < 1e-9, "{left}");
+        // In noise, four hat functions in each recording, as a drift has them, leave less of a ramp than a step does.
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut noisy = |k: usize| {
+            let normal: f64 = StandardNormal.sample(&mut rng);
+            0.003 * (k % 200) as f64 + 0.1 * normal
         };
-        let jumps: Vec<f64> = (0..400)
-            .map(|k| if (60..200).contains(&k) { 0.3 } else if k >= 333 { -0.1 } else { 0.0 } + 0.2 * sine[k])
-            .collect();
-        assert!(left(&jumps) < 1e-9, "{}", left(&jumps));
-        let ramp: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k % 200)).collect();
-        assert!(left(&ramp) > 0.1, "{}", left(&ramp));
+        let ramps: Vec<f64> = (0..400).map(&mut noisy).collect();
+        let hats = (0..8).map(|knot| {
+            let hat = |k: usize| {
+                let way = (k % 200) as f64 / 200.0 * 4.0 - (knot % 4 + 1) as f64;
+                if k / 200 == knot / 4 {
+                    (1.0 - way.abs()).max(0.0)
+                } else {
+                    0.0
+                }
+            };
+            (0..400).map(hat).collect::<Vec<f64>>()
+        });
+        let drifting = without(&ramps, &[&levels.to_vec(), &hats.collect()]);
+        let stepping = with_steps(&ramps, span(), &recordings);
+        assert!(drifting < stepping, "{drifting} {stepping}");
     }
 }

@@ -71,14 +71,16 @@ pub(crate) fn finding(
     }
 }
 
-/// The recording in which an effect is largest: a drift has values of its own in each, any other the same.
+/// Index of the recording in which a drift is largest; 0 of an effect that all recordings share.
 fn largest_in(parameters: &[EffectParameter], extended: Option<&ExtendedStage>) -> usize {
     let mut largest = (0, 0.0);
-    let sizes = parameters.iter().filter(|one| one.role == Role::Size);
-    let fitted = sizes.filter_map(|one| extended?.stage.fit.parameter(one.name));
-    for (r, value) in fitted.flat_map(|one| one.values.iter().enumerate()) {
-        if value.abs() > largest.1 {
-            largest = (r, value.abs());
+    for size in parameters.iter().filter(|one| one.role == Role::Size) {
+        let fitted = extended.and_then(|one| one.stage.fit.parameter(size.name));
+        for (r, value) in fitted.iter().flat_map(|one| one.values.iter().enumerate()) {
+            let share = value.abs() / size.typical;
+            if share > largest.1 {
+                largest = (r, share);
+            }
         }
     }
     largest.0

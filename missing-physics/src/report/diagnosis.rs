@@ -239,7 +239,7 @@ pub struct Estimate {
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Its value.
+    /// Its value; of a drift, that in the recording where it is largest.
     pub value: f64,
     /// 95 % interval; `None` where it stands on a bound or the data do not fix it.
     pub ci95: Option<[f64; 2]>,

@@ -419,7 +419,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The model of a node without one of its effects.
+    /// A model without one of its effects, refitted if it was not visited; `None` if another effect vanishes then.
     pub(crate) fn without(
         &mut self,
         effects: CandidateSet,
@@ -433,7 +433,7 @@ impl<'a> Search<'a> {
         Ok(self.index(less).map(|_| less))
     }
 
-    /// The models of a node with another effect, that of a score, in the place of one of its own, each; those that lead anywhere.
+    /// Refits models in which one effect is replaced by that of a score, in parallel; those of which an effect vanishes are left out.
     pub(crate) fn exchanged(
         &mut self,
         effects: CandidateSet,

@@ -81,7 +81,7 @@ pub(crate) fn fitted(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Ide
 }
 
 /// Where a model stands, with each size that has two signs at its opposite, and at a typical one: around the wrong
-/// sign the others may have found a minimum. Of a drift no value is turned: those before and after it are of the same curve.
+/// sign the others may have found a minimum. Values of a drift keep their signs: neighbors form one curve.
 fn mirrored(node: &Node, vector: &ParameterVector) -> Vec<End> {
     let bounds = vector.bounds();
     let signed = (0..node.coordinates.len()).filter_map(|j| {

@@ -1,4 +1,4 @@
-//! A measured limb whose thermocouple lags far behind the wire: that is closest, and not taken for slow physics.
+//! A measured limb whose thermocouple lags far behind the wire: that is closest of nine effects, and not taken for slow physics.
 
 #![allow(
     clippy::unwrap_used,
@@ -38,7 +38,7 @@ fn the_lag_of_the_thermocouple_is_closest() {
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: setting_of_rod(&rod, "deg"),
-        // What is slow, and what comes late.
+        // Effects that are slow or delayed: the whole catalogue takes too long here.
         catalogue: [
             EffectId::DeadTime,
             EffectId::LatentHeat,
