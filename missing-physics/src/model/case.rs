@@ -499,12 +499,17 @@ impl Node {
         self.effects.iter().any(|effect| self.is_pressed(effect))
     }
 
-    /// True if all sizes of an effect are nearly zero: the effect is there by name only.
+    /// True if all sizes of an effect are nearly zero in every recording: the effect is there by name only.
     pub(crate) fn has_vanished(&self, effect: Candidate) -> bool {
-        let values = self.values(effect).unwrap_or(&[]);
-        let sizes = effect.info().parameters.iter().zip(values);
-        sizes
-            .filter(|(parameter, _)| parameter.role == Role::Size)
-            .all(|(parameter, value)| value.abs() < 1e-4 * parameter.typical)
+        let Some(first) = self.model.first_parameter(effect) else {
+            return true;
+        };
+        let parameters = effect.info().parameters.iter().enumerate();
+        let mut sizes = parameters.filter(|(_, parameter)| parameter.role == Role::Size);
+        sizes.all(|(k, parameter)| {
+            let least = 1e-4 * parameter.typical;
+            let mut values = self.points.iter().map(|point| point[first + k]);
+            values.all(|value| value.abs() < least)
+        })
     }
 }

@@ -3,12 +3,12 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
-use identify::{Bounds, IdentifyError, ParameterState, Validated};
+use identify::{Bounds, Fit, FittedParameter, IdentifyError, ParameterState, Validated};
 use recording::Recording;
 
 use crate::decide::{Decided, RuleId, Traces, Verdict};
 use crate::model::case::Node;
-use crate::model::elsewhere::{predicted, spread};
+use crate::model::elsewhere::{is_drift, predicted, spread};
 use crate::model::unseen::{Unseen, validated};
 use crate::report::catalogue::HALF_95;
 use crate::report::diagnosis::{ExtendedStage, Stage};
@@ -55,7 +55,10 @@ pub(crate) fn extended(
     Ok(Some((extended, error)))
 }
 
-/// Decision without names whose sizes may be zero; such names become suspects.
+/// Turns within a recording from which a curve of time is no slow one.
+const RESTLESS: usize = 3;
+
+/// Decision without names whose sizes may be zero, and without drifts that turn back again and again; such names become suspects.
 pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     let fit = &extended.stage.fit;
     let is_told = |effect: Candidate, traces: &mut Traces| {
@@ -77,7 +80,10 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
         let over: Vec<f64> = over.collect();
         // A loop of another family has no size.
         let largest = over.iter().copied().reduce(f64::max);
-        let largest = largest.map(|largest| largest / widened(over.len()));
+        let largest = largest.map(|largest| match most_turns(effect, fit) >= RESTLESS {
+            true => 0.0,
+            false => largest / widened(over.len()),
+        });
         largest.is_none_or(|largest| traces.ask(RuleId::Told, effect.id(), largest))
     };
     let fallen = decided
@@ -87,6 +93,39 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     let fallen: CandidateSet = fallen.map(|one| one.effect).collect();
     decided.fall(fallen);
     decided
+}
+
+/// How often a drift turns back within a recording, by more than the uncertainty of its values, at most; 0 of any other effect.
+fn most_turns(effect: Candidate, fit: &Fit) -> usize {
+    if !is_drift(effect) {
+        return 0;
+    }
+    let knots = effect.info().parameters.iter();
+    let knots: Vec<&FittedParameter> = knots.filter_map(|one| fit.parameter(one.name)).collect();
+    let n_recordings = knots.first().map_or(0, |knot| knot.values.len());
+    let of_recording = |r: usize| {
+        let values = knots.iter().map(|knot| {
+            let half = knot.intervals[r].map_or(0.0, |own| 0.5 * own.width());
+            [knot.values[r], half]
+        });
+        turns(values)
+    };
+    (0..n_recordings).map(of_recording).max().unwrap_or(0)
+}
+
+/// How often a curve from 0 through values with half intervals turns back by more than these.
+fn turns(values: impl Iterator<Item = [f64; 2]>) -> usize {
+    let (mut turns, mut direction, mut extreme) = (0, 0.0, [0.0; 2]);
+    for [value, half] in values {
+        let change = value - extreme[0];
+        if change * direction > 0.0 {
+            extreme = [value, half];
+        } else if change.abs() > half.hypot(extreme[1]) {
+            turns += usize::from(direction != 0.0);
+            (direction, extreme) = (change.signum(), [value, half]);
+        }
+    }
+    turns
 }
 
 /// True if a size is 0 within its bounds, to rounding.
@@ -173,8 +212,9 @@ pub(crate) fn held_to(
                     && is_as_near([alone, with], extended, errors.recordings)?
         }
     };
-    // What suspects explain beside the names does not speak against these.
-    let is_borne_out = share([before, with], ceiling).is_none_or(|whole| whole > HALF);
+    // What suspects explain beside the names does not speak against these; that they make it worse by themselves does.
+    let is_borne_out = share([before, with], ceiling).is_none_or(|whole| whole > HALF)
+        && by_names.is_none_or(|alone| alone > 0.0);
     if !is_explained && is_borne_out {
         decided.verdict = Verdict::ExplainedInPart;
     } else if !is_explained {
@@ -244,7 +284,16 @@ fn is_as_near(
 
 #[cfg(test)]
 mod tests {
-    use super::widened;
+    use super::{turns, widened};
+
+    #[test]
+    fn a_curve_turns_where_it_comes_back_by_more_than_its_intervals() {
+        let of = |values: &[f64], half: f64| turns(values.iter().map(|&value| [value, half]));
+        assert_eq!(of(&[1.0, 2.0, 3.0, 2.5, 1.0, 0.5], 0.1), 1);
+        assert_eq!(of(&[1.0, -1.0, 1.0, -1.0, 1.0], 0.1), 4);
+        assert_eq!(of(&[1.0, -1.0, 1.0, -1.0, 1.0], 2.0), 0);
+        assert_eq!(of(&[0.3, 1.0, 0.9, 1.1, 1.0, 1.2], 0.2), 0);
+    }
 
     #[test]
     fn intervals_of_several_sizes_are_wider() {
