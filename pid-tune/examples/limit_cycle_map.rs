@@ -18,7 +18,7 @@ use wiener::thermal::{HeatBalanceParams, ThermalConstants};
 use wiener::{Drive, WienerParams};
 
 const SETPOINTS_MM: [f64; 5] = [0.5, 1.0, 2.0, 3.0, 4.0];
-const TAUS_S: [f64; 5] = [3.0, 6.0, 12.0, 24.0, 48.0];
+const TAUS_S: [f64; 3] = [3.0, 12.0, 48.0];
 const CURRENTS_A: [f64; 3] = [2.2, 2.7, 3.4];
 
 /// One cell of a map.

@@ -6,6 +6,7 @@ mod another_each_run;
 mod antagonist;
 mod bad_input;
 mod batch;
+mod browser;
 mod demo;
 mod diagnose;
 mod docs;
