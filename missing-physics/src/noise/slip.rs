@@ -88,10 +88,11 @@ pub(crate) fn slip(
             .filter(is_free)
             .map(|one| of_outputs(&one.column)),
     );
-    let drifting = without(&of_outputs(&node.residual), &[&levels, &drift]);
+    let levels = Span::of(&levels);
+    let drifting = beside(&of_outputs(&node.residual), levels.clone(), &drift);
     let left = of_outputs(&left);
-    let slipping = without(&left, &[&levels, &slipped]);
-    let stepping = with_steps(&left, Span::of(&levels), &outputs);
+    let slipping = beside(&left, levels.clone(), &slipped);
+    let stepping = with_steps(&left, levels, &outputs);
     let least = slipping.min(stepping).max(f64::MIN_POSITIVE);
     Ok(Some((of_zero, drifting / least)))
 }
@@ -126,8 +127,7 @@ fn with_steps(series: &[f64], mut span: Span, recordings: &[Range<usize>]) -> f6
             places += (range.len() as f64).ln();
         }
     }
-    let left = span.outside(series);
-    dot(&left, &left) * (1.0 + places / series.len() as f64)
+    beside(series, span, &[]) * (1.0 + places / series.len() as f64)
 }
 
 /// Sums of a series from each of its samples to its end.
@@ -160,9 +160,12 @@ fn slips(output: &[f64]) -> Vec<Vec<f64>> {
     POWERS.map(slipped).to_vec()
 }
 
-/// Sum of squares of a series that is left beside some columns.
-fn without(series: &[f64], columns: &[&Vec<Vec<f64>>]) -> f64 {
-    let left = Span::of(columns.iter().copied().flatten()).outside(series);
+/// Sum of squares of a series that is left outside a span and some columns.
+fn beside(series: &[f64], mut span: Span, columns: &[Vec<f64>]) -> f64 {
+    for column in columns {
+        span.widen(column);
+    }
+    let left = span.outside(series);
     dot(&left, &left)
 }
 
@@ -172,7 +175,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    use super::{Span, slips, with_steps, without};
+    use super::{Span, beside, slips, with_steps};
 
     #[test]
     fn a_slip_goes_with_the_stroke_and_a_drift_does_not() {
@@ -189,8 +192,9 @@ mod tests {
             .collect();
         let ramp: Vec<f64> = (0..400).map(|k| 0.005 * f64::from(k)).collect();
         let (level, columns) = (vec![vec![1.0; 400]], slips(&output));
-        let share =
-            |series: &[f64]| without(series, &[&level, &columns]) / without(series, &[&level]);
+        let share = |series: &[f64]| {
+            beside(series, Span::of(&level), &columns) / beside(series, Span::of(&level), &[])
+        };
         assert!(share(&slip) < 1e-9, "{}", share(&slip));
         assert!(share(&ramp) > 1e-3, "{}", share(&ramp));
     }
@@ -233,7 +237,7 @@ mod tests {
             };
             (0..400).map(hat).collect::<Vec<f64>>()
         });
-        let drifting = without(&ramps, &[&levels.to_vec(), &hats.collect()]);
+        let drifting = beside(&ramps, Span::of(&levels), &hats.collect::<Vec<_>>());
         let stepping = with_steps(&ramps, span(), &recordings);
         assert!(drifting < stepping, "{drifting} {stepping}");
     }
