@@ -197,6 +197,11 @@ pub fn symmetric_solved(matrix: &Matrix, right: &Matrix) -> Matrix {
     }
 }
 
+/// Solution of a positive definite system for each column on the right, by Cholesky's factor; `None` if it is not.
+pub(crate) fn definite_solved(matrix: Matrix, right: &Matrix) -> Option<Matrix> {
+    Some(matrix.cholesky()?.solve(right))
+}
+
 /// Inverse of a positive definite matrix, and the logarithm of its determinant, by Cholesky's factor; `None` if it is not.
 #[must_use]
 pub fn definite_inverse(matrix: &Matrix) -> Option<(Matrix, f64)> {

@@ -195,10 +195,7 @@ pub fn fit(
     let spread = problem.spread();
     rising(&mut search.ends, |end| end.sum_of_squares);
     let held = held_within(&problem, &search.ends, &config.least_squares)?;
-    let wall = held
-        .as_ref()
-        .filter(|held| held.is_pressed)
-        .map(|_| search.lowest());
+    let is_pressed = held.as_ref().is_some_and(|held| held.is_pressed);
     let mut minima = distinct(&search.ends, problem.bounds());
     let mut minimum = minima.remove(0);
     if let Some(held) = held {
@@ -217,7 +214,7 @@ pub fn fit(
                 .collect()
         })
         .collect();
-    let minimum = reweighed(&mut problem, minimum, wall, config)?;
+    let minimum = reweighed(&mut problem, minimum, is_pressed, config)?;
     let beyond = beyond_reach(&problem, &minimum.point)?;
     let solved = problem.solve_one(&minimum.point)?;
     let residuals = problem.residuals(&minimum.point, &solved)?;
@@ -391,12 +388,12 @@ fn leave_unfixed(parameters: &mut [FittedParameter]) {
     }
 }
 
-/// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays; with a wall for the lowest sum
-/// of squares of [`WithinReach`] if there is one.
+/// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays. The loop of one that is pressed
+/// is held within reach, at a cost that goes with the sum of squares so weighed.
 fn reweighed(
     problem: &mut Problem<'_>,
     mut minimum: Minimum,
-    wall: Option<f64>,
+    is_pressed: bool,
     config: &FitConfig,
 ) -> Result<Minimum, IdentifyError> {
     /// Weights converge linearly; with many outliers it takes tens of rounds, each from close by.
@@ -415,9 +412,11 @@ fn reweighed(
         if config.loss == Loss::Huber {
             problem.weigh_samples(huber_weights(&problem.residuals(&before, &solved)?));
         }
-        let held = match wall {
-            Some(lowest) => WithinReach::held(problem, lowest),
-            None => WithinReach::free(problem),
+        let held = if is_pressed {
+            let lowest = problem.sums(std::slice::from_ref(&before))?[0];
+            WithinReach::held(problem, lowest)
+        } else {
+            WithinReach::free(problem)
         };
         minimum = minimize(&held, problem.bounds(), &before, &config.least_squares)?;
         let mut moves = before.iter().zip(&minimum.point).zip(problem.bounds());

@@ -1,10 +1,11 @@
-//! Bounded Levenberg-Marquardt on the triangular factor of the Jacobian.
+//! Bounded Levenberg-Marquardt on the triangular factor of the Jacobian, with and without the curvature of the residuals.
 
 use pso::Bound;
 use serde::{Deserialize, Serialize};
 use wiener::NARROW;
 
 use crate::IdentifyError;
+use crate::curvature::{Curvature, augmented_step};
 use crate::dense::{Matrix, least_squares};
 use crate::factor::Triangle;
 
@@ -94,6 +95,13 @@ pub(crate) struct Linearized {
 }
 
 impl Linearized {
+    /// Gradient of half of the sum of squares, a column: Jᵀr.
+    pub(crate) fn gradient(&self) -> Matrix {
+        let n = self.residual.len();
+        self.jacobian
+            .tr_mul(&Matrix::from_column_slice(n, 1, &self.residual))
+    }
+
     /// Appends rows, each given by its derivatives and its value; `sum_of_squares` is that of the whole.
     pub(crate) fn with_rows(
         &self,
@@ -146,40 +154,81 @@ pub(crate) struct Minimum {
     pub(crate) termination: Termination,
 }
 
-/// Damping factors tried at once around the last good one: they share one run of the lanes.
-const DAMPING_TRIALS: [f64; 8] = [1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 30.0, 1e3];
+/// Model of the sum of squares around a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Model {
+    /// Residuals that are linear.
+    GaussNewton,
+    /// With their curvature, as far as it has been learned.
+    Augmented,
+}
+use Model::{Augmented, GaussNewton};
 
-/// The trials that are missed least, in the order in which they are left out where that saves half of the lanes.
-const DISPENSABLE: [usize; 3] = [0, 2, 5];
+/// A step to be tried: damped so many times as the last good one was, to the minimum of a model.
+type Try = (f64, Model);
 
-/// The trial around which the problem is made linear before it is known how low it lies: that damped as the last was. In
-/// six of ten iterations it will do, and they take one run of the lanes instead of two.
+/// Steps that are tried at once, since they share one run of the lanes; those that are missed most come first.
+const TRIES: [Try; 11] = [
+    (1.0, GaussNewton),
+    (0.3, GaussNewton),
+    (30.0, GaussNewton),
+    (1e-2, GaussNewton),
+    (1e3, GaussNewton),
+    (0.1, GaussNewton),
+    (3.0, GaussNewton),
+    (1e-4, GaussNewton),
+    (10.0, GaussNewton),
+    (3e-2, GaussNewton),
+    (200.0, GaussNewton),
+];
+
+/// Those where the curvature of the residuals is known a little.
+const AUGMENTED_TRIES: [Try; 13] = [
+    (1.0, GaussNewton),
+    (1.0, Augmented),
+    (0.1, GaussNewton),
+    (1e-2, Augmented),
+    (30.0, GaussNewton),
+    (1e-2, GaussNewton),
+    (0.1, Augmented),
+    (1e3, GaussNewton),
+    (3.0, GaussNewton),
+    (0.3, GaussNewton),
+    (10.0, Augmented),
+    (1e-4, Augmented),
+    (200.0, GaussNewton),
+];
+
+/// Steps that are tried if nothing else decides, and those of them that are left out where that saves lanes.
+const USUAL_TRIES: usize = 8;
+const DISPENSABLE_TRIES: usize = 3;
+
+/// The step around whose end the problem is made linear before it is known how low it lies: damped as the last was. In
+/// seven of ten iterations it will do, and they take one run of the lanes instead of two.
 const LIKELIEST: f64 = 1.0;
 
-/// Share of the lowest trial's gain with which the likeliest will do.
+/// Share of the lowest trial's gain with which another will do.
 const NEARLY: f64 = 0.7;
 
-/// Damping factors to be tried with so many derivatives in the same run.
-fn damping_trials(n_derivatives: usize) -> Vec<f64> {
-    let lanes = DAMPING_TRIALS.len() + n_derivatives;
-    let left_out = match lanes.saturating_sub(NARROW) {
-        too_many if too_many <= DISPENSABLE.len() => &DISPENSABLE[..too_many],
-        _ => &[],
-    };
-    let trials = DAMPING_TRIALS.iter().enumerate();
-    trials
-        .filter(|(k, _)| !left_out.contains(k))
-        .map(|(_, factor)| *factor)
-        .collect()
+/// Steps to be tried with so many derivatives in the same run: as many as fill the lanes that it takes.
+fn n_tries(n_derivatives: usize) -> usize {
+    let lanes = USUAL_TRIES + n_derivatives;
+    match lanes % NARROW {
+        0 => USUAL_TRIES,
+        over if lanes > NARROW && over <= DISPENSABLE_TRIES => USUAL_TRIES - over,
+        over => USUAL_TRIES + NARROW - over,
+    }
 }
 
 /// Minimizes from `start` within `bounds`.
 ///
 /// ```text
 /// min ‖J p + r‖² + μ ‖D p‖²,   x ← clamp(x + p)     [Marquardt1963], D the column norms [More1978]
+/// min 2 gᵀp + pᵀ(JᵀJ + S) p + μ ‖D p‖²              [Dennis1981], see [`Curvature`]
 /// ```
 ///
-/// Coordinates on a bound that the gradient pushes outward are held for the step (Kanzow2004 in REFERENCES.md).
+/// Steps to the minima of both models are tried at once, and the better one counts. Coordinates on a bound that the gradient pushes
+/// outward are held for the step (Kanzow2004 in REFERENCES.md).
 pub(crate) fn minimize(
     problem: &impl SumOfSquares,
     bounds: &[Bound],
@@ -187,9 +236,10 @@ pub(crate) fn minimize(
     config: &LeastSquaresConfig,
 ) -> Result<Minimum, IdentifyError> {
     let mut point = start.to_vec();
-    let mut damping = 1e-2;
+    let (mut damping, mut last_model) = (1e-2, GaussNewton);
     let mut weights = vec![0.0_f64; point.len()];
     let mut local = problem.linearize(&point)?;
+    let mut curvature: Option<Curvature> = None;
     let (mut iterations, mut hardly) = (0, 0);
     let termination = loop {
         if !local.sum_of_squares.is_finite() {
@@ -213,41 +263,76 @@ pub(crate) fn minimize(
             break Termination::HardlyFalls { relative_offset };
         }
         iterations += 1;
-        let factors = damping_trials(problem.n_derivatives());
-        let likeliest = factors
+        let augmented = curvature.as_ref().map(|known| known.augmented(&local));
+        let step = |&(factor, model): &Try| {
+            let damping = damping * factor;
+            let step = match model {
+                GaussNewton => damped_step(&local, &free, &weights, damping),
+                Augmented => augmented_step(augmented.as_ref()?, &local, &free, &weights, damping)?,
+            };
+            Some(((factor, model), moved(&point, &free, &step, bounds)))
+        };
+        let tries: &[Try] = match augmented {
+            None => &TRIES,
+            Some(_) => &AUGMENTED_TRIES,
+        };
+        let (tries, ends): (Vec<Try>, Vec<Vec<f64>>) = tries
             .iter()
-            .position(|factor| factor.total_cmp(&LIKELIEST).is_eq())
-            .unwrap_or(0);
-        let trials: Vec<Vec<f64>> = factors
-            .iter()
-            .map(|factor| {
-                let step = damped_step(&local, &free, &weights, damping * factor);
-                moved(&point, &free, &step, bounds)
-            })
-            .collect();
-        let (sums, ahead) = problem.linearized(&trials, likeliest)?;
+            .filter_map(step)
+            .take(n_tries(problem.n_derivatives()))
+            .unzip();
+        let as_last =
+            |&(factor, model): &Try| factor.total_cmp(&LIKELIEST).is_eq() && model == last_model;
+        // The first is damped as the last was, too.
+        let likeliest = tries.iter().position(as_last).unwrap_or(0);
+        let (sums, ahead) = problem.linearized(&ends, likeliest)?;
         let gain = |k: usize| local.sum_of_squares - sums[k];
         let best = (0..sums.len())
             .filter(|&k| gain(k) > 1e-13 * local.sum_of_squares)
             .min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
-        match best {
-            Some(best) => {
-                let will_do = gain(likeliest) >= NEARLY * gain(best);
-                let k = if will_do { likeliest } else { best };
-                let falls = gain(k) >= config.least_gain * local.sum_of_squares;
-                hardly = if falls { 0 } else { hardly + 1 };
-                point.clone_from(&trials[k]);
-                damping = (damping * factors[k]).clamp(1e-12, 1e12);
-                local = if will_do {
-                    ahead
-                } else {
-                    problem.linearize(&point)?
-                };
+        let Some(best) = best else {
+            if damping < 1e9 {
+                // All fail: shorter steps once more.
+                damping *= 1e6;
+                continue;
             }
-            // All fail: shorter steps once more, unless they are as short as they can be.
-            None if damping < 1e9 => damping *= 1e6,
-            None => break Termination::NoFurtherStep { relative_offset },
-        }
+            // They are as short as they can be.
+            break Termination::NoFurtherStep { relative_offset };
+        };
+        let will_do = |&k: &usize| gain(k) >= NEARLY * gain(best);
+        let length = |k: usize| {
+            let moved = ends[k].iter().zip(&point).zip(&weights);
+            let squares = moved.map(|((end, start), weight)| ((end - start) * weight).powi(2));
+            squares.sum::<f64>()
+        };
+        let chosen = if will_do(&likeliest) {
+            likeliest
+        } else {
+            // Of steps that gain about as much the longest leads furthest along a valley.
+            let near = (0..sums.len()).filter(will_do);
+            let longest = near.max_by(|&a, &b| length(a).total_cmp(&length(b)));
+            longest.unwrap_or(best)
+        };
+        let falls = gain(chosen) >= config.least_gain * local.sum_of_squares;
+        hardly = if falls { 0 } else { hardly + 1 };
+        let (factor, model) = tries[best];
+        damping = (damping * factor).clamp(1e-12, 1e12);
+        last_model = model;
+        let next = if chosen == likeliest {
+            ahead
+        } else {
+            problem.linearize(&ends[chosen])?
+        };
+        let step: Vec<f64> = ends[chosen]
+            .iter()
+            .zip(&point)
+            .map(|(end, start)| end - start)
+            .collect();
+        curvature
+            .get_or_insert_with(|| Curvature::unknown(step.len()))
+            .learn(&step, &local, &next);
+        point.clone_from(&ends[chosen]);
+        local = next;
     };
     let sum = local.sum_of_squares;
     Ok(Minimum {
@@ -260,14 +345,12 @@ pub(crate) fn minimize(
 
 /// Coordinates that may move: not those on a bound that the gradient pushes outward.
 fn free_coordinates(local: &Linearized, bounds: &[Bound], point: &[f64]) -> Vec<usize> {
+    let gradient = local.gradient();
     (0..point.len())
         .filter(|&j| {
-            let gradient: f64 = (0..=j)
-                .map(|row| local.jacobian[(row, j)] * local.residual[row])
-                .sum();
             let moves = local.jacobian.column(j).norm() > 0.0;
-            let at_lower = point[j] <= bounds[j].lower && gradient >= 0.0;
-            let at_upper = point[j] >= bounds[j].upper && gradient <= 0.0;
+            let at_lower = point[j] <= bounds[j].lower && gradient[j] >= 0.0;
+            let at_upper = point[j] >= bounds[j].upper && gradient[j] <= 0.0;
             moves && !at_lower && !at_upper
         })
         .collect()

@@ -4,6 +4,7 @@ mod antagonist_model;
 mod cascade;
 mod clocks;
 mod cross_check;
+mod curvature;
 pub mod dense;
 mod difference;
 mod draws;

@@ -303,7 +303,8 @@ fn a_recorded_temperature_fixes_the_scale() {
 
 #[test]
 fn outliers_hardly_move_hubers_loss() {
-    let clean = recording("a.csv", triangles(900, 4.8), 0.5);
+    // Hot enough for the whole loop: nothing holds it.
+    let clean = recording("a.csv", triangles(900, 5.4), 0.5);
     // One sample in fifty jumps by 2 mm to either side; the others carry a small ripple.
     let output = clean.output().iter().enumerate().map(|(k, y)| {
         if k % 50 == 7 {
@@ -326,7 +327,7 @@ fn outliers_hardly_move_hubers_loss() {
         (value(&fit, "gain") + 3.0).abs() + (value(&fit, "loop_center_degc") - 70.0).abs()
     };
     let (squares, huber) = (with(Loss::Squares), with(Loss::Huber));
-    assert!(huber < 0.2 * squares, "{huber} {squares}");
+    assert!(huber < 0.02 * squares, "{huber} {squares}");
 }
 
 #[test]

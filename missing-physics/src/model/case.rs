@@ -26,13 +26,15 @@ const OTHER_BASELINES: usize = 2;
 const RACE: usize = 4;
 
 /// Relative offset at which a model that is only to be compared with others has come far enough: a ten-thousandth of its square
-/// is left to gain. And at which a refinement has its end.
+/// is left to gain.
 const NEAR_THE_END: f64 = 2e-2;
-const AT_THE_END: f64 = 1e-3;
 
-/// Logarithm of a likelihood, if each sample were told by itself, that an iteration must gain: what all iterations together would gain
-/// with less moves no belief.
-const LEAST_NATS: f64 = 0.1 / TO_THE_END as f64;
+/// Logarithm of a likelihood, if each sample were told by itself, that is left to gain where a refinement has its end: it moves no belief.
+const LEFT_NATS: f64 = 0.05;
+
+/// Logarithm of a likelihood, if each sample were told by itself, that an iteration must gain; two in a row that gain less end a search.
+/// As many as ten times so much moves no belief.
+const LEAST_NATS: f64 = 0.005;
 
 /// Iterations until a refinement has its end.
 const TO_THE_END: usize = 60;
@@ -301,7 +303,7 @@ impl<'a> Case<'a> {
                 relative_offset: if iterations < TO_THE_END {
                     NEAR_THE_END
                 } else {
-                    AT_THE_END
+                    (2.0 * LEFT_NATS / self.layout.len() as f64).sqrt()
                 },
                 least_gain: self.least_gain(output),
             },
