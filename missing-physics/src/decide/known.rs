@@ -38,7 +38,8 @@ pub(crate) struct Known {
 pub(crate) struct Oddness {
     /// Its tone, standard deviations.
     pub(crate) tone: f64,
-    /// Its slow part over the noise between neighboring samples.
+    /// Its slow part over the noise between neighboring samples: of the output, and of a temperature that is missed by more than a thermometer's
+    /// error, whichever is larger.
     pub(crate) slowness: f64,
 }
 

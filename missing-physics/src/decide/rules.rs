@@ -210,7 +210,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Slow,
         name: "slow",
-        statistic: "what the error has in common with itself two samples later, over the noise between neighbors",
+        statistic: "what the error has in common with itself two samples later, over the noise between neighbors: of the output, or of a temperature that is missed by more than a thermometer's error",
         comparison: Comparison::AtLeast,
         threshold: 5.0,
         basis: Basis::Derivation,

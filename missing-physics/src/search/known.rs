@@ -6,7 +6,8 @@ use crate::CandidateSet;
 use crate::config::DiagnoseConfig;
 use crate::decide::{Known, Oddness};
 use crate::evidence::{Block, Population, disturbed};
-use crate::model::case::Node;
+use crate::model::case::{Case, Node};
+use crate::model::projection::dot;
 use crate::model::series::Channel;
 use crate::noise::floor::Measured;
 use crate::noise::slip::slip;
@@ -40,11 +41,17 @@ pub(crate) fn known(
         if noise.is_coarse(node.mean_square()) {
             return Oddness::default();
         }
-        let own = || case.layout.of_channel(Channel::Output);
-        let residuals = || own().map(|one| &node.residual[one.range.clone()]);
+        let own = |channel| {
+            let segments = case.layout.of_channel(channel);
+            segments.map(|one| &node.residual[one.range.clone()])
+        };
+        let of_thermometer = match is_off(case, node) {
+            true => slowness(own(Channel::Temperature)),
+            false => 0.0,
+        };
         Oddness {
-            tone: residuals().map(tone).fold(0.0, f64::max),
-            slowness: slowness(residuals()),
+            tone: own(Channel::Output).map(tone).fold(0.0, f64::max),
+            slowness: slowness(own(Channel::Output)).max(of_thermometer),
         }
     };
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
@@ -68,4 +75,23 @@ pub(crate) fn known(
         slip: slip(case, node)?,
         seed: config.seed,
     })
+}
+
+/// Error of a thermometer over the standard deviation of what it reads, up to which it may be its own: a thermocouple of class 1 is exact to
+/// 1.5 K, and wires are cycled over some 100 K.
+const OF_THERMOMETER: f64 = 0.015;
+
+/// True if a model misses the recorded temperatures by more than the error of a thermometer.
+fn is_off(case: &Case<'_>, node: &Node) -> bool {
+    let (mut left, mut spread) = (0.0, 0.0);
+    for one in case.layout.of_channel(Channel::Temperature) {
+        let own = &case.recorded()[one.range.clone()];
+        let mean = own.iter().sum::<f64>() / own.len() as f64;
+        spread += own.iter().map(|degc| (degc - mean).powi(2)).sum::<f64>();
+        left += dot(
+            &node.residual[one.range.clone()],
+            &node.residual[one.range.clone()],
+        );
+    }
+    left > OF_THERMOMETER.powi(2) * spread
 }

@@ -18,4 +18,5 @@ mod smaller_effect;
 mod spoiled_unseen;
 mod stopped;
 mod supply_limit;
+mod thermometer;
 mod unrelated;

@@ -159,7 +159,7 @@ fn beside_noise(diagnosis: &Diagnosis, error: f64) -> String {
 fn error(diagnosis: &Diagnosis) -> String {
     let (stage, unit) = (&diagnosis.baseline, unit(diagnosis));
     let trained = stage.fit.train_rmse;
-    match Validated::rmse_of_all(&stage.validated) {
+    let of_output = match Validated::rmse_of_all(&stage.validated) {
         Some(unseen) => format!(
             "The error of the baseline model is {}{unit} RMS in training and {}{unit} on the unseen {}, {}.",
             spoken(trained),
@@ -172,7 +172,23 @@ fn error(diagnosis: &Diagnosis) -> String {
             spoken(trained),
             beside_noise(diagnosis, trained)
         ),
-    }
+    };
+    of_output + &of_temperature(&[stage])
+}
+
+/// Errors of models on the recorded temperatures, the last one's beside the first's: a sentence to follow another, where temperatures were
+/// recorded.
+fn of_temperature(stages: &[&Stage]) -> String {
+    let errors = stages
+        .iter()
+        .filter_map(|stage| stage.fit.temperature_rmse_k);
+    let errors: Vec<String> = errors.map(spoken).collect();
+    let Some(after) = errors.last() else {
+        return String::new();
+    };
+    let before = errors.first().filter(|before| *before != after);
+    let before = before.map_or(String::new(), |before| format!(", before to {before} K"));
+    format!(" The recorded temperature is met to {after} K RMS{before}.")
 }
 
 /// Errors of a model: in training, and calibrated on unseen recordings, where there are any.
@@ -185,7 +201,8 @@ fn change(diagnosis: &Diagnosis) -> String {
         (stage.fit.train_rmse, unseen)
     };
     let before = of(&diagnosis.baseline);
-    let last = of(last(diagnosis));
+    let last_stage = last(diagnosis);
+    let last = of(last_stage);
     let alone = with_findings_alone(diagnosis).map(|rung| (rung.train_rmse, rung.unseen_rmse));
     let n_unseen = diagnosis.baseline.validated.len();
     let with = match (diagnosis.findings.len(), alone) {
@@ -231,7 +248,8 @@ fn change(diagnosis: &Diagnosis) -> String {
         Some(_) => "",
         None => "; not yet tested on unseen recordings (--validate)",
     };
-    format!("{with} the error on the {place} {falls}{suspects}{untested}.")
+    let of_temperature = of_temperature(&[&diagnosis.baseline, last_stage]);
+    format!("{with} the error on the {place} {falls}{suspects}{untested}.{of_temperature}")
 }
 
 /// The model with all findings and no suspect, if it stands on the ladder beside one with suspects.
