@@ -15,6 +15,8 @@ use std::process::Command as Program;
 use assert_cmd::Command;
 use serde_json::Value;
 
+use crate::demo::demonstrated;
+
 /// Widths of a phone and of a desk, px.
 const WIDTHS: [u32; 2] = [400, 1400];
 
@@ -190,7 +192,6 @@ fn reports(folder: &Path) -> Vec<(&'static str, String)> {
         .display()
         .to_string();
     let calls = [
-        ("demo", "demo --quiet"),
         (
             "identify",
             "identify {}/rod.toml --train {}/train.csv --validate {}/validate.csv --save-model model.toml \
@@ -209,22 +210,18 @@ fn reports(folder: &Path) -> Vec<(&'static str, String)> {
             "trial --family clean-white --cases 1 --report trial.html",
         ),
     ];
-    calls
-        .into_iter()
-        .map(|(name, call)| {
-            let call = call.replace("{}", &bundled);
-            let mut sma = Command::cargo_bin("sma").unwrap();
-            sma.args(call.split_whitespace())
-                .current_dir(folder)
-                .assert()
-                .success();
-            let page = match name {
-                "demo" => folder.join("sma-demo/report.html"),
-                _ => folder.join(name).with_extension("html"),
-            };
-            (name, fs::read_to_string(page).unwrap())
-        })
-        .collect()
+    let demo = ("demo", demonstrated().report.clone());
+    let others = calls.into_iter().map(|(name, call)| {
+        let call = call.replace("{}", &bundled);
+        let mut sma = Command::cargo_bin("sma").unwrap();
+        sma.args(call.split_whitespace())
+            .current_dir(folder)
+            .assert()
+            .success();
+        let page = folder.join(name).with_extension("html");
+        (name, fs::read_to_string(page).unwrap())
+    });
+    std::iter::once(demo).chain(others).collect()
 }
 
 #[test]

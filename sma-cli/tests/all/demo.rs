@@ -22,7 +22,7 @@ fn demo(threads: &str, folder: &Path) -> (String, String) {
 pub(crate) struct Demonstrated {
     pub(crate) folder: tempfile::TempDir,
     pub(crate) said: String,
-    report: String,
+    pub(crate) report: String,
 }
 
 pub(crate) fn demonstrated() -> &'static Demonstrated {
