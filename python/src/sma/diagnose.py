@@ -48,6 +48,8 @@ class Stage:
     validate_rmse: float | None
     #: That on unseen recordings, of which the samples at rest alone are read.
     predicted_rmse: float | None
+    #: That of the recorded temperatures of the training, K; ``None`` without any.
+    temperature_rmse_k: float | None
 
 
 @dataclass(frozen=True)
@@ -243,6 +245,7 @@ def _stage(one: Mapping[str, Any]) -> Stage:
         train_rmse=one["train_rmse"],
         validate_rmse=one["validate_rmse"],
         predicted_rmse=one["predicted_rmse"],
+        temperature_rmse_k=one["temperature_rmse_k"],
     )
 
 

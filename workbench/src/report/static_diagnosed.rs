@@ -155,7 +155,7 @@ impl StaticDiagnosed<'_> {
         // The effects of the loop itself; the cycles are tested where the stress is not.
         let of_loop = self.effects.stress_coupling.as_ref().ok();
         let of_loop = of_loop.or(self.effects.functional_fatigue.as_ref().ok());
-        let stage = |score: &StaticScore| json!({"train_rmse": score.rmse, "predicted_rmse": null, "validate_rmse": null, "parameters": []});
+        let stage = |score: &StaticScore| json!({"train_rmse": score.rmse, "predicted_rmse": null, "validate_rmse": null, "temperature_rmse_k": null, "parameters": []});
         let found: Vec<&StaticEffect> = self.tested().filter(|one| one.is_found()).collect();
         let extended = of_loop.filter(|one| one.is_found()).map(|one| {
             let mut stage = stage(&one.with);
@@ -163,7 +163,7 @@ impl StaticDiagnosed<'_> {
             stage["parameters"] = parameters(one);
             stage
         });
-        let nothing = json!({"train_rmse": null, "predicted_rmse": null, "validate_rmse": null, "parameters": []});
+        let nothing = json!({"train_rmse": null, "predicted_rmse": null, "validate_rmse": null, "temperature_rmse_k": null, "parameters": []});
         json!({
             "schema_version": 1,
             "command": "diagnose",

@@ -121,6 +121,7 @@ fn stage(stage: &Stage) -> Value {
         "train_rmse": stage.fit.train_rmse,
         "predicted_rmse": stage.predicted_rmse,
         "validate_rmse": Validated::rmse_of_all(&stage.validated),
+        "temperature_rmse_k": stage.fit.temperature_rmse_k,
         "parameters": parameters_json(&stage.fit),
     })
 }
