@@ -55,32 +55,38 @@ impl Curvature {
         self.second_order += &mixed + mixed.transpose() - &rise * rise.transpose() * twice;
     }
 
-    /// The augmented model JᵀJ + S around a point.
-    pub(crate) fn augmented(&self, local: &Linearized) -> Matrix {
-        local.jacobian.tr_mul(&local.jacobian) + &self.second_order
+    /// The augmented model around a point.
+    pub(crate) fn augmented(&self, local: &Linearized) -> Augmented {
+        Augmented {
+            hessian: local.jacobian.tr_mul(&local.jacobian) + &self.second_order,
+            gradient: local.gradient(),
+        }
     }
 }
 
-/// Step of the free coordinates to the minimum of an augmented model, damped as Marquardt's with weights; `None` where the model
-/// has none.
-pub(crate) fn augmented_step(
-    augmented: &Matrix,
-    local: &Linearized,
-    free: &[usize],
-    weights: &[f64],
-    damping: f64,
-) -> Option<Vec<f64>> {
-    let n = free.len();
-    let gradient = local.gradient();
-    // In units of the weights, where all diagonals of JᵀJ are about 1.
-    let scaled = Matrix::from_fn(n, n, |a, b| {
-        let own = augmented[(free[a], free[b])] / (weights[free[a]] * weights[free[b]]);
-        if a == b { own + damping } else { own }
-    });
-    let downhill = Matrix::from_fn(n, 1, |a, _| -gradient[free[a]] / weights[free[a]]);
-    let step = definite_solved(scaled, &downhill)?;
-    let unscaled = step.iter().zip(free).map(|(step, &j)| step / weights[j]);
-    Some(unscaled.collect())
+/// A sum of squares to second order around a point.
+#[derive(Debug, Clone)]
+pub(crate) struct Augmented {
+    /// JᵀJ + S.
+    hessian: Matrix,
+    /// Jᵀr, a column.
+    gradient: Matrix,
+}
+
+impl Augmented {
+    /// Step of the free coordinates to its minimum, damped as Marquardt's with weights; `None` where it has none.
+    pub(crate) fn step(&self, free: &[usize], weights: &[f64], damping: f64) -> Option<Vec<f64>> {
+        let n = free.len();
+        // In units of the weights, where all diagonals of JᵀJ are about 1.
+        let scaled = Matrix::from_fn(n, n, |a, b| {
+            let own = self.hessian[(free[a], free[b])] / (weights[free[a]] * weights[free[b]]);
+            if a == b { own + damping } else { own }
+        });
+        let downhill = Matrix::from_fn(n, 1, |a, _| -self.gradient[free[a]] / weights[free[a]]);
+        let step = definite_solved(scaled, &downhill)?;
+        let unscaled = step.iter().zip(free).map(|(step, &j)| step / weights[j]);
+        Some(unscaled.collect())
+    }
 }
 
 #[cfg(test)]
@@ -104,7 +110,7 @@ mod tests {
         let step = [-0.2, 0.2];
         let mut curvature = Curvature::unknown(2);
         curvature.learn(&step, &before, &after);
-        let change = curvature.augmented(&after) * Matrix::from_column_slice(2, 1, &step);
+        let change = curvature.augmented(&after).hessian * Matrix::from_column_slice(2, 1, &step);
         let wanted = after.gradient() - before.gradient();
         assert!((change - wanted).amax() < 1e-12);
     }
@@ -119,14 +125,16 @@ mod tests {
 
     #[test]
     fn there_is_no_step_to_the_minimum_of_a_model_that_has_none() {
-        let local = around([0.1, 0.0]);
+        let gradient = around([0.1, 0.0]).gradient();
         let step = |diagonal: [f64; 2]| {
-            let augmented = Matrix::from_row_slice(2, 2, &[diagonal[0], 0.0, 0.0, diagonal[1]]);
-            augmented_step(&augmented, &local, &[0, 1], &[1.0, 1.0], 1e-9)
+            let augmented = Augmented {
+                hessian: Matrix::from_row_slice(2, 2, &[diagonal[0], 0.0, 0.0, diagonal[1]]),
+                gradient: gradient.clone(),
+            };
+            augmented.step(&[0, 1], &[1.0, 1.0], 1e-9)
         };
         assert!(step([1.0, -0.1]).is_none());
         assert!(step([f64::NAN, 1.0]).is_none());
-        let gradient = local.gradient();
         let step = step([2.0, 4.0]).unwrap();
         assert!((step[0] + gradient[0] / 2.0).abs() < 1e-8);
         assert!((step[1] + gradient[1] / 4.0).abs() < 1e-8);

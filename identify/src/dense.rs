@@ -191,10 +191,7 @@ pub fn solved(matrix: &Matrix, right: &Matrix) -> Matrix {
 /// definite, else by LU as [`solved`].
 #[must_use]
 pub fn symmetric_solved(matrix: &Matrix, right: &Matrix) -> Matrix {
-    match matrix.clone().cholesky() {
-        Some(factor) => factor.solve(right),
-        None => solved(matrix, right),
-    }
+    definite_solved(matrix.clone(), right).unwrap_or_else(|| solved(matrix, right))
 }
 
 /// Solution of a positive definite system for each column on the right, by Cholesky's factor; `None` if it is not.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use wiener::NARROW;
 
 use crate::IdentifyError;
-use crate::curvature::{Curvature, augmented_step};
+use crate::curvature::Curvature;
 use crate::dense::{Matrix, least_squares};
 use crate::factor::Triangle;
 
@@ -268,7 +268,7 @@ pub(crate) fn minimize(
             let damping = damping * factor;
             let step = match model {
                 GaussNewton => damped_step(&local, &free, &weights, damping),
-                Augmented => augmented_step(augmented.as_ref()?, &local, &free, &weights, damping)?,
+                Augmented => augmented.as_ref()?.step(&free, &weights, damping)?,
             };
             Some(((factor, model), moved(&point, &free, &step, bounds)))
         };

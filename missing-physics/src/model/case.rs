@@ -153,7 +153,12 @@ impl<'a> Case<'a> {
 
     /// Squares of the recorded outputs about the mean of each recording.
     pub(crate) fn output_squares(&self) -> f64 {
-        let squares = self.layout.of_channel(Channel::Output).map(|one| {
+        self.recorded_squares(Channel::Output)
+    }
+
+    /// Squares of what a channel recorded about the mean of each recording.
+    pub(crate) fn recorded_squares(&self, channel: Channel) -> f64 {
+        let squares = self.layout.of_channel(channel).map(|one| {
             let own = &self.recorded[one.range.clone()];
             let mean = own.iter().sum::<f64>() / own.len() as f64;
             own.iter().map(|y| (y - mean).powi(2)).sum::<f64>()

@@ -7,7 +7,6 @@ use crate::config::DiagnoseConfig;
 use crate::decide::{Known, Oddness};
 use crate::evidence::{Block, Population, disturbed};
 use crate::model::case::{Case, Node};
-use crate::model::projection::dot;
 use crate::model::series::Channel;
 use crate::noise::floor::Measured;
 use crate::noise::slip::slip;
@@ -83,15 +82,7 @@ const OF_THERMOMETER: f64 = 0.015;
 
 /// True if a model misses the recorded temperatures by more than the error of a thermometer.
 fn is_off(case: &Case<'_>, node: &Node) -> bool {
-    let (mut left, mut spread) = (0.0, 0.0);
-    for one in case.layout.of_channel(Channel::Temperature) {
-        let own = &case.recorded()[one.range.clone()];
-        let mean = own.iter().sum::<f64>() / own.len() as f64;
-        spread += own.iter().map(|degc| (degc - mean).powi(2)).sum::<f64>();
-        left += dot(
-            &node.residual[one.range.clone()],
-            &node.residual[one.range.clone()],
-        );
-    }
-    left > OF_THERMOMETER.powi(2) * spread
+    let noise = node.noise.of(Channel::Temperature);
+    let left = noise.variance * noise.n_samples as f64;
+    left > OF_THERMOMETER.powi(2) * case.recorded_squares(Channel::Temperature)
 }

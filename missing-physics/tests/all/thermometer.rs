@@ -1,21 +1,15 @@
 //! A recorded temperature that is missed is missed, however well the output is met.
 
-use std::ops::ControlFlow;
-
-use fixtures::wire::{AMBIENT_DEGC, ROD};
-use identify::{Rod, WienerModel};
-use missing_physics::{DiagnoseConfig, Diagnosis, Verdict, diagnose};
+use missing_physics::{DiagnoseConfig, Diagnosis, Verdict};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
-use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
-use wiener::hysteresis::Rule;
-use wiener::{Profile, Start};
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Setting};
 
 use crate::common;
 
-use common::{DT_S, current_a, found, noisy, params, setting};
+use common::{DT_S, current_a, diagnosed_as, found, noisy, params, parts, played_warm, setting};
 
 /// Diagnosis of the wire with a thermometer that lags by so much, s, by some effects; it is read to 0.1 K.
 fn diagnosed(thermocouple_lag_s: f64, catalogue: EffectSet) -> Diagnosis {
@@ -31,43 +25,24 @@ fn diagnosed(thermocouple_lag_s: f64, catalogue: EffectSet) -> Diagnosis {
             ..setting()
         },
     };
-    let member = Member {
-        params: params(),
-        effects,
-        start: Start::rest(AMBIENT_DEGC),
-    };
     let current_a = current_a();
-    let profile = Profile::uniform(&current_a, DT_S, AMBIENT_DEGC).unwrap();
-    let (mut output, mut temperature_degc) = (Vec::new(), Vec::new());
+    let [output, temperature_degc] = played_warm(&fleet, params(), effects, &current_a, DT_S);
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    fleet
-        .run(&[member], &profile, &mut |block| {
-            output.extend(block.displacement.iter().step_by(block.stride));
-            for degc in block.temperature_degc.iter().step_by(block.stride) {
-                let normal: f64 = StandardNormal.sample(&mut rng);
-                temperature_degc.push(degc + 0.1 * normal);
-            }
-        })
-        .unwrap();
+    let read = |degc: f64| {
+        let normal: f64 = StandardNormal.sample(&mut rng);
+        degc + 0.1 * normal
+    };
     let training = [Recording::new(RecordingParts {
-        name: "made-up.csv".to_owned(),
-        time_s: Some((0..output.len()).map(|k| DT_S * k as f64).collect()),
-        drive: current_a,
-        output: noisy(output),
-        output_unit: "mm".to_owned(),
-        temperature_degc: Some(temperature_degc),
-        ..RecordingParts::default()
+        temperature_degc: Some(temperature_degc.into_iter().map(read).collect()),
+        ..parts("made-up.csv", current_a, noisy(output), DT_S)
     })
     .unwrap()];
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
-    let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: setting(),
         catalogue,
         ..DiagnoseConfig::default()
     };
-    let go_on = &mut |_| ControlFlow::Continue(());
-    diagnose(&base, &training, &[], &config, go_on).unwrap()
+    diagnosed_as(&training, &[], &config)
 }
 
 #[test]

@@ -155,15 +155,14 @@ impl StaticDiagnosed<'_> {
         // The effects of the loop itself; the cycles are tested where the stress is not.
         let of_loop = self.effects.stress_coupling.as_ref().ok();
         let of_loop = of_loop.or(self.effects.functional_fatigue.as_ref().ok());
-        let stage = |score: &StaticScore| json!({"train_rmse": score.rmse, "predicted_rmse": null, "validate_rmse": null, "temperature_rmse_k": null, "parameters": []});
+        let stage = |rmse: Option<f64>| json!({"train_rmse": rmse, "predicted_rmse": null, "validate_rmse": null, "temperature_rmse_k": null, "parameters": []});
         let found: Vec<&StaticEffect> = self.tested().filter(|one| one.is_found()).collect();
         let extended = of_loop.filter(|one| one.is_found()).map(|one| {
-            let mut stage = stage(&one.with);
+            let mut stage = stage(Some(one.with.rmse));
             stage["effects"] = json!([one.effect]);
             stage["parameters"] = parameters(one);
             stage
         });
-        let nothing = json!({"train_rmse": null, "predicted_rmse": null, "validate_rmse": null, "temperature_rmse_k": null, "parameters": []});
         json!({
             "schema_version": 1,
             "command": "diagnose",
@@ -176,7 +175,7 @@ impl StaticDiagnosed<'_> {
             "noise_floor": {"lower": null, "upper": null, "class": null},
             "repeats": null,
             "runs": null,
-            "baseline": of_loop.map_or(nothing, |one| stage(&one.without)),
+            "baseline": stage(of_loop.map(|one| one.without.rmse)),
             "extended": extended,
             "explained_fraction": {"train": null, "validate": null, "validate_interval": null, "by_findings": null},
             "mismatch": {

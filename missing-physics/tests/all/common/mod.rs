@@ -83,32 +83,54 @@ pub(crate) fn played(
     current_a: &[f64],
     dt_s: f64,
 ) -> Vec<f64> {
+    let [output, _] = played_warm(fleet, params, effects, current_a, dt_s);
+    output
+}
+
+/// Output of a plant that starts at rest, mm, and the temperature that is recorded of it, °C, both without noise.
+pub(crate) fn played_warm(
+    fleet: &Extended,
+    params: WienerParams,
+    effects: EffectValues,
+    current_a: &[f64],
+    dt_s: f64,
+) -> [Vec<f64>; 2] {
     let member = Member {
         params,
         effects,
         start: Start::rest(AMBIENT_DEGC),
     };
     let profile = Profile::uniform(current_a, dt_s, AMBIENT_DEGC).unwrap();
-    let mut output = Vec::new();
+    let (mut output, mut temperature_degc) = (Vec::new(), Vec::new());
     fleet
         .run(&[member], &profile, &mut |block| {
             output.extend(block.displacement.iter().step_by(block.stride));
+            temperature_degc.extend(block.temperature_degc.iter().step_by(block.stride));
         })
         .unwrap();
-    output
+    [output, temperature_degc]
 }
 
 /// Recording of the drive that was played and of the output that came of it.
 pub(crate) fn recording(name: &str, current_a: Vec<f64>, output: Vec<f64>, dt_s: f64) -> Recording {
-    Recording::new(RecordingParts {
+    Recording::new(parts(name, current_a, output, dt_s)).unwrap()
+}
+
+/// Parts of a recording of the drive that was played and of the output that came of it.
+pub(crate) fn parts(
+    name: &str,
+    current_a: Vec<f64>,
+    output: Vec<f64>,
+    dt_s: f64,
+) -> RecordingParts {
+    RecordingParts {
         name: name.to_owned(),
         time_s: Some((0..output.len()).map(|k| dt_s * k as f64).collect()),
         drive: current_a,
         output,
         output_unit: "mm".to_owned(),
         ..RecordingParts::default()
-    })
-    .unwrap()
+    }
 }
 
 /// Output of the wire with effects under its drive, mm, without noise.
@@ -137,9 +159,7 @@ pub(crate) fn diagnosed_under(
     output: Vec<f64>,
     hypotheses: &'static [Hypothesis],
 ) -> Diagnosis {
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
     let training = [recording("made-up.csv", current_a, output, DT_S)];
-    let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: Setting {
             hypotheses,
@@ -147,22 +167,28 @@ pub(crate) fn diagnosed_under(
         },
         ..DiagnoseConfig::default()
     };
-    diagnose(&base, &training, &[], &config, &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap()
+    diagnosed_as(&training, &[], &config)
 }
 
 /// Diagnosis of recordings, held to others.
 pub(crate) fn diagnosed_against(training: &[Recording], unseen: &[Recording]) -> Diagnosis {
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
-    let base = WienerModel::new(&rod, Rule::LastReversal, training).unwrap();
     let config = DiagnoseConfig {
         setting: setting(),
         ..DiagnoseConfig::default()
     };
+    diagnosed_as(training, unseen, &config)
+}
+
+/// Diagnosis of recordings of the wire, held to others, as it is asked for.
+pub(crate) fn diagnosed_as(
+    training: &[Recording],
+    unseen: &[Recording],
+    config: &DiagnoseConfig,
+) -> Diagnosis {
+    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let base = WienerModel::new(&rod, Rule::LastReversal, training).unwrap();
     let go_on = &mut |_| ControlFlow::Continue(());
-    diagnose(&base, training, unseen, &config, go_on).unwrap()
+    diagnose(&base, training, unseen, config, go_on).unwrap()
 }
 
 /// Ids of what was found, in alphabetical order.

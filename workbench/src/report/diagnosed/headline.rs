@@ -173,20 +173,17 @@ fn error(diagnosis: &Diagnosis) -> String {
             beside_noise(diagnosis, trained)
         ),
     };
-    of_output + &of_temperature(&[stage])
+    of_output + &of_temperature([stage, stage])
 }
 
-/// Errors of models on the recorded temperatures, the last one's beside the first's: a sentence to follow another, where temperatures were
-/// recorded.
-fn of_temperature(stages: &[&Stage]) -> String {
-    let errors = stages
-        .iter()
-        .filter_map(|stage| stage.fit.temperature_rmse_k);
-    let errors: Vec<String> = errors.map(spoken).collect();
-    let Some(after) = errors.last() else {
+/// Error of a model on the recorded temperatures, beside that of another where it differs: a sentence to follow another, where temperatures
+/// were recorded.
+fn of_temperature([before, after]: [&Stage; 2]) -> String {
+    let [before, after] = [before, after].map(|stage| stage.fit.temperature_rmse_k.map(spoken));
+    let Some(after) = after else {
         return String::new();
     };
-    let before = errors.first().filter(|before| *before != after);
+    let before = before.filter(|before| *before != after);
     let before = before.map_or(String::new(), |before| format!(", before to {before} K"));
     format!(" The recorded temperature is met to {after} K RMS{before}.")
 }
@@ -248,7 +245,7 @@ fn change(diagnosis: &Diagnosis) -> String {
         Some(_) => "",
         None => "; not yet tested on unseen recordings (--validate)",
     };
-    let of_temperature = of_temperature(&[&diagnosis.baseline, last_stage]);
+    let of_temperature = of_temperature([&diagnosis.baseline, last_stage]);
     format!("{with} the error on the {place} {falls}{suspects}{untested}.{of_temperature}")
 }
 
