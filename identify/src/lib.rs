@@ -91,7 +91,7 @@ pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
 pub use supply::Supply;
-pub use tasks::{in_parallel, try_in_parallel};
+pub use tasks::{in_order_of, in_parallel, try_in_parallel};
 pub use thermal_model::ThermalModel;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::{RUN_PARAMETERS, WienerModel, may_begin_warm};

@@ -1,5 +1,7 @@
 //! Independent tasks on all threads.
 
+use std::cmp::Reverse;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -10,8 +12,21 @@ use crate::IdentifyError;
 ///
 /// A thread takes an item whenever it is free, so that long tasks leave none idle. A task may itself have tasks.
 pub fn in_parallel<T: Sync, R: Send>(items: &[T], task: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    in_order_of(items, |_| 0, task)
+}
+
+/// [`in_parallel`] where tasks of a higher rank are begun before others: none that is long is begun when the others are over.
+pub fn in_order_of<T: Sync, R: Send>(
+    items: &[T],
+    rank: impl Fn(&T) -> usize,
+    task: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
     let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    for_each_number(items.len(), &|k| {
+    let mut order: Vec<usize> = (0..items.len()).collect();
+    order.sort_by_key(|&k| Reverse(rank(&items[k])));
+    let next = AtomicUsize::new(0);
+    for_each_number(items.len(), &|_| {
+        let k = order[next.fetch_add(1, Ordering::Relaxed)];
         let result = task(&items[k]);
         *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
     });
@@ -55,5 +70,9 @@ mod tests {
         let expected: Vec<usize> = items.iter().map(|k| (0..*k).sum::<usize>() * k).collect();
         assert_eq!(in_parallel(&items, within), expected);
         assert!(in_parallel(&items[..0], |k| *k).is_empty());
+        assert_eq!(
+            in_order_of(&items, |k| k % 7, |k| k * k),
+            in_parallel(&items, |k| k * k)
+        );
     }
 }

@@ -11,7 +11,7 @@ use crate::config::DiagnoseConfig;
 use crate::decide::leading;
 use crate::evidence::blocks;
 use crate::model::case::Case;
-use crate::model::coarse::coarse;
+use crate::model::coarse::{coarse, enough};
 use crate::noise::floor::measured;
 use crate::report::{Baseline, Diagnosis, Reporting, Simulations};
 use crate::search::{Survey, at, families, promoted, testable};
@@ -67,14 +67,21 @@ pub(crate) fn diagnosed(
     config: &DiagnoseConfig,
     caller: &Caller<'_>,
 ) -> Result<Diagnosis, IdentifyError> {
-    let case = Case::new(&base, &plain, training, config.setting).watched_by(caller);
+    let tau_s = plain.tau_s();
+    let judged = enough(&base, &plain.points(), tau_s, training)?;
+    let own = vec![plain.point(0); unseen.len()];
+    let judged_unseen = enough(&base, &own, tau_s, unseen)?;
+    let whole = Case::new(&base, &plain, training, config.setting).watched_by(caller);
+    let case = whole.on(&judged);
     let all_blocks = blocks(&case);
     let reporting = Reporting {
         blocks: &all_blocks,
-        baseline: Baseline::of(&case, unseen)?,
-        noise: measured(training, plain.tau_s()),
+        baseline: Baseline::of(&case, [unseen, &judged_unseen])?,
+        noise: measured(&judged, tau_s),
+        recorded_noise: measured(training, tau_s),
         repeats,
-        unseen,
+        training,
+        unseen: [unseen, &judged_unseen],
         config,
         caller,
     };

@@ -1,8 +1,10 @@
-//! Job that the benches and the programs of this package share and time.
+//! The job and the rig that the benches and the programs of this package share and time.
 
 mod job;
+mod made;
 
 pub use job::{Job, JobError, N_COORDINATES, ROD_TOML};
+pub use made::{MadeUp, made_up};
 
 use std::fmt::Display;
 

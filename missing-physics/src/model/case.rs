@@ -100,6 +100,20 @@ impl<'a> Case<'a> {
         }
     }
 
+    /// This case with other samples of its recordings.
+    pub(crate) fn on<'b>(&self, training: &'b [Recording]) -> Case<'b>
+    where
+        'a: 'b,
+    {
+        let layout = Layout::of(training, self.layout.per_k);
+        Case {
+            recorded: layout.recorded(training),
+            training,
+            layout,
+            ..*self
+        }
+    }
+
     /// This case with its searches watched.
     pub(crate) fn watched_by(self, watch: &'a dyn Watch) -> Self {
         Self { watch, ..self }

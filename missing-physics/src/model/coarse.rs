@@ -1,12 +1,17 @@
 //! Recordings with fewer samples that tell about as much: what models are searched on before they are judged on all samples.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use identify::{Fit, ForwardModel, IdentifyError, predict};
 use recording::{Quantity, Recording, RecordingParts};
 
-/// Samples of all recordings together, about.
+/// Samples of all recordings together on which models are searched, about.
 const SAMPLES: usize = 1_500;
+
+/// Those on which they are judged, if there are more: time and memory of a diagnosis then end to grow with the recordings. Of a run of a
+/// quarter of an hour that is one each 50 ms.
+const ENOUGH: usize = 20_000;
 
 /// Longest distance between samples, as a share of the time constant.
 const LONGEST: f64 = 0.25;
@@ -46,7 +51,38 @@ pub(crate) fn coarse_at(
     tau_s: f64,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let every = every(tau_s, training);
+    thinned(model, points, tau_s, training, SAMPLES)
+}
+
+/// Recordings on which models are judged: as they are, or thinned as coarse ones, but less, where they have more samples than that takes.
+///
+/// # Errors
+///
+/// Any error of simulating the model.
+pub(crate) fn enough<'r>(
+    model: &dyn ForwardModel,
+    points: &[Vec<f64>],
+    tau_s: f64,
+    recordings: &'r [Recording],
+) -> Result<Cow<'r, [Recording]>, IdentifyError> {
+    let n: usize = recordings.iter().map(Recording::len).sum();
+    // Of every sample and a half there is nothing to be had.
+    if n < 2 * ENOUGH {
+        return Ok(Cow::Borrowed(recordings));
+    }
+    Ok(Cow::Owned(thinned(
+        model, points, tau_s, recordings, ENOUGH,
+    )?))
+}
+
+fn thinned(
+    model: &dyn ForwardModel,
+    points: &[Vec<f64>],
+    tau_s: f64,
+    training: &[Recording],
+    samples: usize,
+) -> Result<Vec<Recording>, IdentifyError> {
+    let every = every(tau_s, training, samples);
     let recordings = training.iter().enumerate();
     recordings
         .map(|(r, recording)| {
@@ -60,14 +96,14 @@ pub(crate) fn coarse_at(
 }
 
 /// Every how many samples one is kept.
-fn every(tau_s: f64, training: &[Recording]) -> usize {
+fn every(tau_s: f64, training: &[Recording], samples: usize) -> usize {
     let by_time = training.iter().map(|recording| {
         let time_s = recording.time_s();
         let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
         (LONGEST * tau_s / dt_s) as usize
     });
     let n: usize = training.iter().map(Recording::len).sum();
-    by_time.fold(n / SAMPLES, usize::min)
+    by_time.fold(n / samples, usize::min)
 }
 
 fn of_every(

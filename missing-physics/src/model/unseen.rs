@@ -58,9 +58,32 @@ pub(crate) fn validated(
     point: &[f64],
     recordings: &[Recording],
 ) -> Result<(Vec<Validated>, Unseen), IdentifyError> {
-    let of_each = try_in_parallel(recordings, |recording| {
-        let (own, whole) = of_recording(model, point, recording)?;
-        Ok((by_stretches(model, &own, whole, recording)?, own))
+    validated_by(model, point, [recordings, recordings])
+}
+
+/// [`validated`] by the samples of each recording on which models are judged: they give the values of all parameters that belong to it, and
+/// count as the error.
+pub(crate) fn validated_by(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    [recordings, judged]: [&[Recording]; 2],
+) -> Result<(Vec<Validated>, Unseen), IdentifyError> {
+    let pairs: Vec<(&Recording, &Recording)> = recordings.iter().zip(judged).collect();
+    let of_each = try_in_parallel(&pairs, |(recording, judged)| {
+        let (own, whole) = of_recording(model, point, judged)?;
+        let mut validated = by_stretches(model, &own, whole, judged)?;
+        if recording.len() > judged.len() {
+            // Between the samples on which it is judged there is noise, too.
+            let [all, some] =
+                [recording, judged].map(|one| validate_at(model, &validated.point, one));
+            let (all, some) = (all?, some?);
+            let between = all.rmse.powi(2) - some.rmse.powi(2);
+            validated.rmse = (validated.rmse.powi(2) + between).max(0.0).sqrt();
+            validated.fit_fraction = all
+                .fit_fraction
+                .map(|fraction| 1.0 - (1.0 - fraction) * validated.rmse / all.rmse);
+        }
+        Ok((validated, own))
     })?;
     let (validated, of_each): (Vec<Validated>, Vec<Unseen>) = of_each.into_iter().unzip();
     Ok((validated, Unseen::of_all(of_each)))

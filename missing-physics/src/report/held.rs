@@ -9,12 +9,13 @@ use recording::Recording;
 use crate::decide::{Decided, RuleId, Traces, Verdict};
 use crate::model::case::Node;
 use crate::model::elsewhere::{is_drift, predicted, spread};
-use crate::model::unseen::{Unseen, validated};
+use crate::model::unseen::{Unseen, validated_by};
 use crate::report::catalogue::HALF_95;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::explained::share;
 use crate::search::roads::Search;
+use crate::search::settle::fitted;
 use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Role};
 
 /// Standard deviations up to which an error may be the parameters' uncertainty.
@@ -29,22 +30,27 @@ const HALF: f64 = 0.5;
 /// Standard error of the share of a change that comes true, from which it says nothing.
 const TOLD: f64 = 0.5;
 
-/// The chosen model, fitted from many places and validated, and its error on the recordings that were not used.
+/// The chosen model, fitted from many places, to the end on all samples of the training, and validated; and its error on the recordings
+/// that were not used, of which the second are judged.
 pub(crate) fn extended(
     search: &mut Search<'_>,
     effects: CandidateSet,
-    unseen: &[Recording],
+    training: &[Recording],
+    unseen: [&[Recording]; 2],
 ) -> Result<Option<(ExtendedStage, Unseen)>, IdentifyError> {
     if effects.is_empty() && search.case.setting.loop_family == LoopFamily::Proximity {
         return Ok(None);
     }
-    let fit = Arc::unwrap_or_clone(search.settle(effects)?);
+    let mut fit = Arc::unwrap_or_clone(search.settle(effects)?);
+    if let Some(node) = search.get(effects).filter(|_| is_thinned(search, training)) {
+        fit = fitted(&search.case.on(training), node, fit.seed)?;
+    }
     let model = search.case.model(effects);
     let point = fit.point(0);
-    let (validated, error) = validated(&model, &point, unseen)?;
+    let (validated, error) = validated_by(&model, &point, unseen)?;
     let stage = Stage {
         validated,
-        predicted_rmse: predicted(&model, &point, unseen)?,
+        predicted_rmse: predicted(&model, &point, unseen[0])?,
         fit,
     };
     let extended = ExtendedStage {
@@ -53,6 +59,12 @@ pub(crate) fn extended(
         stage,
     };
     Ok(Some((extended, error)))
+}
+
+/// True if models are judged on fewer samples than were recorded.
+pub(crate) fn is_thinned(search: &Search<'_>, training: &[Recording]) -> bool {
+    let mut pairs = search.case.training.iter().zip(training);
+    pairs.any(|(judged, all)| judged.len() < all.len())
 }
 
 /// Turns within a recording from which a curve of time is no slow one.

@@ -11,7 +11,7 @@ use crate::locate::everywhere::locate;
 use crate::locate::mismatch::Mismatch;
 use crate::model::case::Case;
 use crate::model::elsewhere::predicted;
-use crate::model::unseen::{Unseen, validated};
+use crate::model::unseen::{Unseen, validated_by};
 use crate::next::rivals::next;
 use crate::next::run::NextExperiment;
 use crate::noise::floor::Measured;
@@ -21,9 +21,9 @@ use crate::report::diagnosis::{
 };
 use crate::report::errors::Errors;
 use crate::report::explained::explained;
-use crate::report::held::extended;
+use crate::report::held::{extended, is_thinned};
 use crate::report::judged::{Judged, Judging};
-use crate::report::ladder::ladder;
+use crate::report::ladder::{Between, ladder};
 use crate::report::remains::{blocks_of, located, remainder};
 use crate::search::known::known;
 use crate::search::roads::Search;
@@ -40,10 +40,14 @@ pub(crate) struct Baseline {
 }
 
 impl Baseline {
-    /// The baseline model of a case where it was fitted.
-    pub(crate) fn of(case: &Case<'_>, unseen: &[Recording]) -> Result<Self, IdentifyError> {
+    /// The baseline model of a case where it was fitted; `unseen` are the recordings that were not used, and those on which models
+    /// are judged.
+    pub(crate) fn of(
+        case: &Case<'_>,
+        [unseen, judged]: [&[Recording]; 2],
+    ) -> Result<Self, IdentifyError> {
         let point = case.fit.point(0);
-        let (validated, error) = validated(case.base, &point, unseen)?;
+        let (validated, error) = validated_by(case.base, &point, [unseen, judged])?;
         let predicted_rmse = predicted(case.base, &point, unseen)?;
         Ok(Self {
             model: case.model(CandidateSet::EMPTY),
@@ -62,10 +66,15 @@ impl Baseline {
 pub(crate) struct Reporting<'a, 'p> {
     /// Blocks on which models are weighed.
     pub(crate) blocks: &'a [Block],
+    /// Noise of the samples on which models are judged, and of those that were recorded.
     pub(crate) noise: Measured,
+    pub(crate) recorded_noise: Measured,
     pub(crate) repeats: Option<RepeatFloor>,
     pub(crate) baseline: Baseline,
-    pub(crate) unseen: &'a [Recording],
+    /// All samples of the training.
+    pub(crate) training: &'a [Recording],
+    /// The recordings that were not used, and those of them on which models are judged.
+    pub(crate) unseen: [&'a [Recording]; 2],
     pub(crate) config: &'a DiagnoseConfig,
     pub(crate) caller: &'a Caller<'p>,
 }
@@ -76,7 +85,7 @@ impl Reporting<'_, '_> {
         Diagnosis::not_converged(
             self.baseline.stage,
             self.repeats,
-            &self.noise,
+            &self.recorded_noise,
             self.config.seed,
         )
     }
@@ -99,11 +108,17 @@ impl Reporting<'_, '_> {
         let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
         let leader = (&searches[place], effects);
         let known = known(leader, population, &self.noise, self.blocks, self.config)?;
+        let between = if is_thinned(&searches[0], self.training) {
+            Between::of(baseline, searches[0].baseline(), before)
+        } else {
+            Between::default()
+        };
         let search = &mut searches[place];
         let ceiling = population.ceiling()[0] / search.case.layout.n_outputs() as f64;
-        let (extended, error_after) = extended(search, effects, self.unseen)?.unzip();
+        let (extended, error_after) =
+            extended(search, effects, self.training, self.unseen)?.unzip();
         let of_both = error_after.as_ref().map(|after| [before, after]);
-        let mut errors = Errors::on(self.unseen);
+        let mut errors = Errors::on(self.unseen[1]);
         let judging = Judging {
             population,
             known: &known,
@@ -139,9 +154,10 @@ impl Reporting<'_, '_> {
         )?;
         let next_experiment = self.next_experiment((search, effects), &decided)?;
         let best = search.get(effects).unwrap_or(search.baseline());
-        let noise_floor = self.noise.floor(search.case, best);
+        let noise_floor = self.recorded_noise.floor(search.case, best);
         // Last: it may visit models that are no rivals.
-        let ladder = ladder(search, baseline, extended.as_ref(), &mut errors)?;
+        let of_errors = (&mut errors, between);
+        let ladder = ladder(search, baseline, extended.as_ref(), of_errors)?;
         // As it may, too, where an answer would be another one.
         let otherwise = judging
             .otherwise(search, &mut errors, &decided)?

@@ -1,6 +1,6 @@
 //! From models on recordings with few samples to the same models on all.
 
-use identify::{IdentifyError, in_parallel};
+use identify::{IdentifyError, in_order_of};
 use recording::order::falling;
 
 use crate::config::Part;
@@ -8,7 +8,7 @@ use crate::decide::leading;
 use crate::evidence::{Block, Model, Population};
 use crate::model::case::{Case, Node};
 use crate::search::complete::parts;
-use crate::search::roads::{Search, is_costly};
+use crate::search::roads::{Search, cost, is_costly};
 use crate::search::survey::Survey;
 use crate::search::weighing::{Weighing, at};
 use crate::{CandidateSet, LoopFamily};
@@ -104,7 +104,11 @@ fn promote(
             new.extend(coarse[place].get(set).map(|node| (place, node)));
         }
     }
-    let found = in_parallel(&new, |&(place, node)| on_all(fine[place].case, node));
+    let found = in_order_of(
+        &new,
+        |(_, node)| cost(node.effects),
+        |&(place, node)| on_all(fine[place].case, node),
+    );
     for ((place, _), node) in new.into_iter().zip(found) {
         let node = node?;
         fine[place].keep(node.effects, Some(node));

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use identify::{Fit, IdentifyError, in_parallel, try_in_parallel};
+use identify::{Fit, IdentifyError, in_order_of};
 use recording::order::{falling, rising};
 
 use crate::config::Part;
@@ -239,7 +239,8 @@ impl<'a> Search<'a> {
             .filter(|&index| !self.visited[index].is_finished)
             .collect();
         let open: Vec<usize> = open.into_iter().collect();
-        let finished = in_parallel(&open, |&index| {
+        let cost = |&index: &usize| cost(self.visited[index].node.effects);
+        let finished = in_order_of(&open, cost, |&index| {
             self.case.finished(&self.visited[index].node)
         });
         for (index, node) in open.into_iter().zip(finished) {
@@ -387,10 +388,13 @@ impl<'a> Search<'a> {
         parent: &Node,
         list: &[&Score],
     ) -> Result<Vec<(CandidateSet, Option<Node>)>, IdentifyError> {
-        try_in_parallel(list, |score| {
-            let set = parent.effects.with(score.effect);
-            Ok((set, refit(self.case, parent, score)?))
-        })
+        let with = |score: &&Score| parent.effects.with(score.effect);
+        let refitted = in_order_of(
+            list,
+            |score| cost(with(score)),
+            |score| Ok((with(score), refit(self.case, parent, score)?)),
+        );
+        refitted.into_iter().collect()
     }
 
     fn keep_all(&mut self, refitted: Vec<(CandidateSet, Option<Node>)>) {
@@ -449,10 +453,12 @@ impl<'a> Search<'a> {
         let new: Vec<(CandidateSet, &Node, &Score)> = new
             .filter_map(|&(less, set, score)| Some((set, self.get(less)?, score)))
             .collect();
-        let refitted = try_in_parallel(&new, |&(set, parent, score)| {
-            Ok((set, refit(self.case, parent, score)?))
-        })?;
-        self.keep_all(refitted);
+        let refitted = in_order_of(
+            &new,
+            |&(set, ..)| cost(set),
+            |&(set, parent, score)| Ok((set, refit(self.case, parent, score)?)),
+        );
+        self.keep_all(refitted.into_iter().collect::<Result<_, IdentifyError>>()?);
         let known = sets.iter().map(|(_, set, _)| *set);
         Ok(known.filter(|&set| self.index(set).is_some()).collect())
     }
@@ -500,6 +506,12 @@ impl<'a> Search<'a> {
 /// True if the rod has several zones: a simulation takes as long as ten of one zone.
 pub(crate) fn is_costly(effects: CandidateSet) -> bool {
     effects.iter().any(|effect| effect.info().costly)
+}
+
+/// How long the search of a model takes, against others: by its zones, then by its effects.
+pub(crate) fn cost(effects: CandidateSet) -> usize {
+    let zones = if is_costly(effects) { MOST_EFFECTS } else { 0 };
+    zones + effects.len()
 }
 
 /// By how much a refit is better, as the score that a size of one degree would have.

@@ -10,6 +10,7 @@ mod common;
 mod detectable;
 mod families;
 mod house;
+mod many_samples;
 mod noise_classes;
 mod own_hypotheses;
 mod saved;

@@ -62,7 +62,7 @@ fn is_not_explained(what: &str, output: Vec<f64>) {
 
 #[test]
 fn sines_of_time() {
-    for period_s in [13.0, 41.0, 90.0, 260.0] {
+    for period_s in [13.0, 90.0, 260.0] {
         let sine = |k: usize| 2.5 + 2.5 * (TAU * k as f64 / period_s).sin();
         is_not_explained("sine", noisy((0..N).map(sine).collect()));
     }
@@ -70,7 +70,7 @@ fn sines_of_time() {
 
 #[test]
 fn random_walks() {
-    for seed in 1..=4 {
+    for seed in 1..=2 {
         let walk = normal(seed).scan(2.5, |at, step| {
             *at += 0.2 * step;
             Some(*at)
@@ -81,7 +81,7 @@ fn random_walks() {
 
 #[test]
 fn white_noise() {
-    for seed in 1..=3 {
+    for seed in 1..=2 {
         let noise = normal(seed).map(|normal| 2.5 + normal);
         is_not_explained("white noise", noise.take(N).collect());
     }
@@ -89,7 +89,7 @@ fn white_noise() {
 
 #[test]
 fn a_wire_backward_in_time() {
-    for heights_a in [[2.3, 1.9, 2.1], [2.0, 2.3, 1.8], [1.7, 2.2, 2.3]] {
+    for heights_a in [[2.3, 1.9, 2.1], [1.7, 2.2, 2.3]] {
         let backward = wire_mm(&current_a(heights_a)).into_iter().rev();
         is_not_explained("backward", noisy(backward.collect()));
     }
@@ -97,8 +97,8 @@ fn a_wire_backward_in_time() {
 
 #[test]
 fn the_output_of_another_run() {
-    // The same wire under a drive that begins 50, 65, 80 or 120 s later.
-    for late in [50, 65, 80, 120] {
+    // The same wire under a drive that begins 50 or 120 s later.
+    for late in [50, 120] {
         let own = wire_mm(&current_a([2.1, 2.3, 1.9]));
         let later = std::iter::repeat_n(own[0], late).chain(own);
         is_not_explained("another run", noisy(later.take(N).collect()));

@@ -1,3 +1,5 @@
+//! A made-up rig, recorded as often as is asked for.
+
 use fixtures::wire::{AMBIENT_DEGC, ROD};
 use identify::Rod;
 use missing_physics::setting_of_rod;
@@ -10,9 +12,6 @@ use wiener::hysteresis::LoopParams;
 use wiener::thermal::RodParams;
 use wiener::{Profile, Start, WienerParams};
 
-/// Time between samples, s.
-const DT_S: f64 = 0.1;
-
 /// Stroke, mm.
 const STROKE_MM: f64 = 5.0;
 
@@ -24,23 +23,19 @@ const SEED: u64 = 1;
 
 /// A made-up rig with its recordings.
 #[derive(Debug, Clone)]
-pub(crate) struct MadeUp {
+pub struct MadeUp {
     /// Known parameters of the rig.
-    pub(crate) rod: Rod,
-    /// To be fitted.
-    pub(crate) training: Vec<Recording>,
-    /// To be predicted.
-    pub(crate) unseen: Vec<Recording>,
+    pub rod: Rod,
+    /// To be fitted: one recording of 996 s.
+    pub training: Vec<Recording>,
+    /// To be predicted: one of 315 s.
+    pub unseen: Vec<Recording>,
 }
 
-/// A wire with one effect of its typical size and white noise: its loop and its convection are drawn. With `n_samples` for
-/// training: the drive starts again, or is cut.
-pub(crate) fn made_up(effect: EffectId, n_samples: usize) -> MadeUp {
-    let round = training_current_a();
-    driven(effect, round.into_iter().cycle().take(n_samples).collect())
-}
-
-fn driven(effect: EffectId, training_current_a: Vec<f64>) -> MadeUp {
+/// A wire with one effect of its typical size and white noise, which is recorded every `dt_s`, 1 ms to 1 s: its loop and its convection
+/// are drawn.
+#[must_use]
+pub fn made_up(effect: EffectId, dt_s: f64) -> MadeUp {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut drawn = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
     let rod = RodParams {
@@ -68,18 +63,25 @@ fn driven(effect: EffectId, training_current_a: Vec<f64>) -> MadeUp {
     let played = |name: &str, current_a: Vec<f64>, stream: u64| {
         let mut noise = ChaCha8Rng::seed_from_u64(SEED);
         noise.set_stream(stream);
-        recording(name, &current_a, effect, &params, &known, &mut noise)
+        recording(
+            name,
+            (&current_a, dt_s),
+            effect,
+            &params,
+            &known,
+            &mut noise,
+        )
     };
     MadeUp {
-        training: vec![played("train.csv", training_current_a, 1)],
-        unseen: vec![played("held.csv", unseen_current_a(), 2)],
+        training: vec![played("train.csv", training_current_a(dt_s), 1)],
+        unseen: vec![played("held.csv", unseen_current_a(dt_s), 2)],
         rod: known,
     }
 }
 
 fn recording(
     name: &str,
-    current_a: &[f64],
+    (current_a, dt_s): (&[f64], f64),
     effect: EffectId,
     params: &WienerParams,
     rod: &Rod,
@@ -87,7 +89,7 @@ fn recording(
 ) -> Recording {
     let setting = Setting {
         active: EffectSet::of(effect),
-        run_length_s: Some(DT_S * current_a.len() as f64),
+        run_length_s: Some(dt_s * current_a.len() as f64),
         ..setting_of_rod(rod, "mm")
     };
     let member = Member {
@@ -95,7 +97,7 @@ fn recording(
         effects: EffectValues::typical(effect, 1.0),
         start: Start::rest(AMBIENT_DEGC),
     };
-    let profile = Profile::uniform(current_a, DT_S, AMBIENT_DEGC)
+    let profile = Profile::uniform(current_a, dt_s, AMBIENT_DEGC)
         .unwrap_or_else(|error| unreachable!("{error}"));
     let mut output = Vec::new();
     let run = Extended { setting }.run(&[member], &profile, &mut |block| {
@@ -108,7 +110,7 @@ fn recording(
     }
     let parts = RecordingParts {
         name: name.to_owned(),
-        time_s: Some((0..output.len()).map(|k| DT_S * k as f64).collect()),
+        time_s: Some((0..output.len()).map(|k| dt_s * k as f64).collect()),
         drive: current_a.to_vec(),
         output,
         output_unit: "mm".to_owned(),
@@ -118,8 +120,8 @@ fn recording(
 }
 
 /// Three equal cycles, a hot hold, inner loops, fast steps, rest: what the guide asks for.
-fn training_current_a() -> Vec<f64> {
-    let mut drive = Played::default();
+fn training_current_a(dt_s: f64) -> Vec<f64> {
+    let mut drive = Played::every(dt_s);
     drive.hold(0.0, 20.0);
     for _ in 0..3 {
         drive.ramp(0.0, 2.4, 40.0);
@@ -147,8 +149,8 @@ fn training_current_a() -> Vec<f64> {
 }
 
 /// Another order, other rates and levels.
-fn unseen_current_a() -> Vec<f64> {
-    let mut drive = Played::default();
+fn unseen_current_a(dt_s: f64) -> Vec<f64> {
+    let mut drive = Played::every(dt_s);
     drive.hold(0.0, 15.0);
     drive.ramp(0.0, 2.3, 60.0);
     drive.ramp(2.3, 1.0, 20.0);
@@ -162,18 +164,25 @@ fn unseen_current_a() -> Vec<f64> {
 }
 
 /// A drive, stretch after stretch.
-#[derive(Default)]
 struct Played {
+    dt_s: f64,
     current_a: Vec<f64>,
 }
 
 impl Played {
+    fn every(dt_s: f64) -> Self {
+        Self {
+            dt_s,
+            current_a: Vec::new(),
+        }
+    }
+
     fn hold(&mut self, level: f64, seconds: f64) {
         self.ramp(level, level, seconds);
     }
 
     fn ramp(&mut self, from: f64, to: f64, seconds: f64) {
-        let n = (seconds / DT_S).round() as usize;
+        let n = (seconds / self.dt_s).round() as usize;
         let step = (to - from) / n as f64;
         self.current_a
             .extend((0..n).map(|k| from + step * k as f64));

@@ -1,21 +1,18 @@
 //! A diagnosis with the whole catalogue, and the number of simulations that it takes.
 
-mod made;
-
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 
-use benches::sound;
+use benches::{MadeUp, made_up, sound};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use identify::{IdentifyError, WienerModel};
-use made::{MadeUp, made_up};
 use missing_physics::{DiagnoseConfig, Diagnosis, diagnose, setting_of_rod};
 use sma_effects::EffectId;
 use wiener::hysteresis::Rule;
 
-/// Samples of the training recording.
-const N_SAMPLES: usize = 10_000;
+/// Time between samples, s.
+const DT_S: f64 = 0.1;
 
 fn diagnosed(rig: &MadeUp) -> Result<Diagnosis, IdentifyError> {
     let base = WienerModel::new(&rig.rod, Rule::LastReversal, &rig.training)?;
@@ -28,19 +25,19 @@ fn diagnosed(rig: &MadeUp) -> Result<Diagnosis, IdentifyError> {
     })
 }
 
-#[divan::bench(args = [N_SAMPLES], sample_count = 5)]
-fn latent_heat(bencher: Bencher, n_samples: usize) {
-    let rig = made_up(EffectId::LatentHeat, n_samples);
+#[divan::bench(sample_count = 5)]
+fn latent_heat(bencher: Bencher) {
+    let rig = made_up(EffectId::LatentHeat, DT_S);
     bencher
-        .counter(ItemsCount::new(n_samples))
+        .counter(ItemsCount::new(rig.training[0].len()))
         .bench_local(|| diagnosed(black_box(&rig)));
 }
 
 fn main() {
     // The count is that of the seed, on any machine.
-    let counted = sound(diagnosed(&made_up(EffectId::LatentHeat, N_SAMPLES)));
+    let counted = sound(diagnosed(&made_up(EffectId::LatentHeat, DT_S)));
     let text = format!(
-        "latent_heat/{N_SAMPLES}: {} simulations, {}\n",
+        "latent_heat: {} simulations, {}\n",
         counted.simulations.total(),
         counted.verdict.id()
     );

@@ -1,0 +1,76 @@
+//! A run of many samples is judged on fewer; what is said of it holds for all.
+
+use crate::common;
+
+use common::{DT_S, current_a, diagnosed_as, found, params, played, recording, setting};
+use missing_physics::{DiagnoseConfig, Verdict};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use recording::Recording;
+use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Setting};
+
+/// Samples for each of the wire's drive: together more than twice as many as are judged.
+const OFTEN: usize = 25;
+const NOISE_MM: f64 = 0.005;
+
+/// The wire with latent heat, under a share of its drive, recorded `OFTEN` times as often.
+fn recorded(name: &str, share: f64, seed: u64) -> Recording {
+    let often = |current_a: f64| std::iter::repeat_n(share * current_a, OFTEN);
+    let drive: Vec<f64> = current_a().into_iter().flat_map(often).collect();
+    let setting = Setting {
+        active: EffectSet::of(EffectId::LatentHeat),
+        ..setting()
+    };
+    let effects = EffectValues::typical(EffectId::LatentHeat, 1.0);
+    let dt_s = DT_S / OFTEN as f64;
+    let mut output = played(&Extended { setting }, params(), effects, &drive, dt_s);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    for value in &mut output {
+        let normal: f64 = StandardNormal.sample(&mut rng);
+        *value += NOISE_MM * normal;
+    }
+    recording(name, drive, output, dt_s)
+}
+
+#[test]
+fn a_name_its_interval_and_the_errors_are_those_of_all_samples() {
+    let training = [recorded("often.csv", 1.0, 1)];
+    let unseen = [recorded("unseen.csv", 0.95, 2)];
+    assert!(training[0].len() > 40_000);
+    let config = DiagnoseConfig {
+        setting: setting(),
+        catalogue: [
+            EffectId::LatentHeat,
+            EffectId::DeadTime,
+            EffectId::OutputLag,
+            EffectId::ThermalExpansion,
+        ]
+        .into_iter()
+        .collect(),
+        ..DiagnoseConfig::default()
+    };
+    let found_in = diagnosed_as(&training, &unseen, &config);
+    assert_eq!(found_in.verdict, Verdict::Explained);
+    assert_eq!(found(&found_in), ["latent-heat"]);
+    let [low, high] = found_in.findings[0].parameters[0].ci95.unwrap();
+    let truth = EffectId::LatentHeat.info().parameters[0].typical;
+    // Noise of 0.1 % of the stroke on 41,250 samples leaves little open.
+    assert!(
+        low < truth && truth < high && high - low < 0.01 * truth,
+        "{low} {high}"
+    );
+    let is_noise = |rmse_mm: f64| (rmse_mm / NOISE_MM - 1.0).abs() < 0.02;
+    let stage = found_in.extended.unwrap().stage;
+    for rmse_mm in [
+        stage.fit.train_rmse,
+        stage.validated[0].rmse,
+        stage.predicted_rmse.unwrap(),
+    ] {
+        assert!(is_noise(rmse_mm), "{rmse_mm}");
+    }
+    let plain = &found_in.baseline;
+    let [first, last] = [&found_in.ladder[0], &found_in.ladder[1]];
+    assert_eq!(first.train_rmse.to_bits(), plain.fit.train_rmse.to_bits());
+    assert!(is_noise(last.train_rmse) && is_noise(last.unseen_rmse.unwrap()));
+}
