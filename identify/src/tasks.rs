@@ -22,11 +22,7 @@ pub fn in_order_of<T: Sync, R: Send>(
     task: impl Fn(&T) -> R + Sync,
 ) -> Vec<R> {
     let results: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    let mut order: Vec<usize> = (0..items.len()).collect();
-    order.sort_by_key(|&k| Reverse(rank(&items[k])));
-    let next = AtomicUsize::new(0);
-    for_each_number(items.len(), &|_| {
-        let k = order[next.fetch_add(1, Ordering::Relaxed)];
+    for_each_number(items.iter().map(rank).collect(), &|k| {
         let result = task(&items[k]);
         *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
     });
@@ -54,9 +50,14 @@ pub fn try_in_parallel<T: Sync, R: Send>(
     in_parallel(items, task).into_iter().collect()
 }
 
-/// Compiled once, not once for each task: what shares out the work is much code.
-fn for_each_number(n: usize, task: &(dyn Fn(usize) + Sync)) {
-    (0..n).into_par_iter().with_max_len(1).for_each(task);
+/// A task for the number of each rank, the highest first. Compiled once, not once for each task: what shares out the work is much
+/// code.
+fn for_each_number(ranks: Vec<usize>, task: &(dyn Fn(usize) + Sync)) {
+    let mut order: Vec<usize> = (0..ranks.len()).collect();
+    order.sort_by_key(|&k| Reverse(ranks[k]));
+    let next = AtomicUsize::new(0);
+    let numbers = (0..order.len()).into_par_iter().with_max_len(1);
+    numbers.for_each(|_| task(order[next.fetch_add(1, Ordering::Relaxed)]));
 }
 
 #[cfg(test)]

@@ -26,9 +26,9 @@ const SEED: u64 = 1;
 pub struct MadeUp {
     /// Known parameters of the rig.
     pub rod: Rod,
-    /// To be fitted: one recording of 996 s.
+    /// To be fitted: one recording of 717 s.
     pub training: Vec<Recording>,
-    /// To be predicted: one of 315 s.
+    /// To be predicted: one of 255 s.
     pub unseen: Vec<Recording>,
 }
 

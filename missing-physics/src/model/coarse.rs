@@ -9,9 +9,9 @@ use recording::{Quantity, Recording, RecordingParts};
 /// Samples of all recordings together on which models are searched, about.
 const SAMPLES: usize = 1_500;
 
-/// Those on which they are judged, if there are more: time and memory of a diagnosis then end to grow with the recordings. Of a run of a
-/// quarter of an hour that is one each 50 ms.
-const ENOUGH: usize = 20_000;
+/// Those on which they are judged, if there are at least twice as many: time and memory of a diagnosis then cease to grow with the
+/// recordings. Of a run of a quarter of an hour that is one each 0.1 s, and each is the mean of those around it.
+const ENOUGH: usize = 8_000;
 
 /// Longest distance between samples, as a share of the time constant.
 const LONGEST: f64 = 0.25;
@@ -66,7 +66,6 @@ pub(crate) fn enough<'r>(
     recordings: &'r [Recording],
 ) -> Result<Cow<'r, [Recording]>, IdentifyError> {
     let n: usize = recordings.iter().map(Recording::len).sum();
-    // Of every sample and a half there is nothing to be had.
     if n < 2 * ENOUGH {
         return Ok(Cow::Borrowed(recordings));
     }

@@ -98,7 +98,7 @@ fn figure(rows: &[Row]) -> Figure {
     };
     Figure {
         name: "time-over-samples",
-        caption: "One run of 996 s, recorded more or less often: models are searched on about 1,500 samples, whatever the run has."
+        caption: "One run of 717 s, recorded more or less often: models are searched on about 1,500 samples and judged on 8,000."
             .to_owned(),
         across: "samples of the training recording, powers of ten".to_owned(),
         up: "time, s".to_owned(),
