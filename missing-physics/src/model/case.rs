@@ -114,6 +114,12 @@ impl<'a> Case<'a> {
         }
     }
 
+    /// True if it has fewer samples than its recordings.
+    pub(crate) fn is_thinned(&self, recordings: &[Recording]) -> bool {
+        let mut pairs = self.training.iter().zip(recordings);
+        pairs.any(|(few, all)| few.len() < all.len())
+    }
+
     /// This case with its searches watched.
     pub(crate) fn watched_by(self, watch: &'a dyn Watch) -> Self {
         Self { watch, ..self }

@@ -42,7 +42,10 @@ pub(crate) fn extended(
         return Ok(None);
     }
     let mut fit = Arc::unwrap_or_clone(search.settle(effects)?);
-    if let Some(node) = search.get(effects).filter(|_| is_thinned(search, training)) {
+    if let Some(node) = search
+        .get(effects)
+        .filter(|_| search.case.is_thinned(training))
+    {
         fit = fitted(&search.case.on(training), node, fit.seed)?;
     }
     let model = search.case.model(effects);
@@ -59,12 +62,6 @@ pub(crate) fn extended(
         stage,
     };
     Ok(Some((extended, error)))
-}
-
-/// True if models are judged on fewer samples than were recorded.
-pub(crate) fn is_thinned(search: &Search<'_>, training: &[Recording]) -> bool {
-    let mut pairs = search.case.training.iter().zip(training);
-    pairs.any(|(judged, all)| judged.len() < all.len())
 }
 
 /// Turns within a recording from which a curve of time is no slow one.

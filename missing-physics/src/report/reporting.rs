@@ -21,7 +21,7 @@ use crate::report::diagnosis::{
 };
 use crate::report::errors::Errors;
 use crate::report::explained::explained;
-use crate::report::held::{extended, is_thinned};
+use crate::report::held::extended;
 use crate::report::judged::{Judged, Judging};
 use crate::report::ladder::{Between, ladder};
 use crate::report::remains::{blocks_of, located, remainder};
@@ -107,8 +107,9 @@ impl Reporting<'_, '_> {
         let looked = (self.noise.gate.sqrt(), seed);
         let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
         let leader = (&searches[place], effects);
-        let known = known(leader, population, &self.noise, self.blocks, self.config)?;
-        let between = if is_thinned(&searches[0], self.training) {
+        let of_samples = (self.training, &self.noise);
+        let known = known(leader, population, of_samples, self.blocks, self.config)?;
+        let between = if searches[0].case.is_thinned(self.training) {
             Between::of(baseline, searches[0].baseline(), before)
         } else {
             Between::default()

@@ -1,6 +1,7 @@
 //! Facts that the judge needs beside the population.
 
 use identify::IdentifyError;
+use recording::Recording;
 
 use crate::CandidateSet;
 use crate::config::DiagnoseConfig;
@@ -14,11 +15,12 @@ use crate::noise::slowness::slowness;
 use crate::noise::tone::tone;
 use crate::search::roads::Search;
 
-/// Facts that the judge needs beside the population. The leading model is that of the search with these effects.
+/// Facts that the judge needs beside the population. The leading model is that of the search with these effects; `training` has all
+/// samples of its recordings, and `noise` is that of those on which it was searched.
 pub(crate) fn known(
     (search, effects): (&Search<'_>, CandidateSet),
     population: &Population,
-    noise: &Measured,
+    (training, noise): (&[Recording], &Measured),
     blocks: &[Block],
     config: &DiagnoseConfig,
 ) -> Result<Known, IdentifyError> {
@@ -36,9 +38,19 @@ pub(crate) fn known(
         // All of it may be rounding, which is a function of the output.
         0.0
     };
+    // A tone may be faster than the samples on which models are judged.
+    let whole = case.is_thinned(training).then(|| case.on(training));
+    let heard = |node: &Node| match &whole {
+        None => Ok(loudest(case, node)),
+        Some(whole) => {
+            let (coordinates, points) = (node.coordinates.clone(), node.points.clone());
+            let on_all = whole.node(node.model.clone(), coordinates, points, 0)?;
+            Ok::<f64, IdentifyError>(loudest(whole, &on_all))
+        }
+    };
     let oddness = |node: &Node| {
         if noise.is_coarse(node.mean_square()) {
-            return Oddness::default();
+            return Ok::<Oddness, IdentifyError>(Oddness::default());
         }
         let own = |channel| {
             let segments = case.layout.of_channel(channel);
@@ -48,10 +60,10 @@ pub(crate) fn known(
             true => slowness(own(Channel::Temperature)),
             false => 0.0,
         };
-        Oddness {
-            tone: own(Channel::Output).map(tone).fold(0.0, f64::max),
+        Ok(Oddness {
+            tone: heard(node)?,
             slowness: slowness(own(Channel::Output)).max(of_thermometer),
-        }
+        })
     };
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
     Ok(Known {
@@ -69,11 +81,18 @@ pub(crate) fn known(
             .filter(|&one| case.missing(one).is_some())
             .collect(),
         disturbed,
-        left: oddness(node),
-        left_by_plain: oddness(plain),
+        left: oddness(node)?,
+        left_by_plain: oddness(plain)?,
         slip: slip(case, node)?,
         seed: config.seed,
     })
+}
+
+/// The loudest tone in what a model leaves of the outputs.
+fn loudest(case: &Case<'_>, node: &Node) -> f64 {
+    let segments = case.layout.of_channel(Channel::Output);
+    let residuals = segments.map(|one| &node.residual[one.range.clone()]);
+    residuals.map(tone).fold(0.0, f64::max)
 }
 
 /// Error of a thermometer over the standard deviation of what it reads, up to which it may be its own: a thermocouple of class 1 is exact to

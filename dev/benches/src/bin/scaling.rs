@@ -120,26 +120,28 @@ fn main() -> Result<(), Failure> {
     let all = pool(n_threads)?;
     let rows = DT_S.map(|dt_s| row(&made_up(EffectId::LatentHeat, dt_s), &all));
     let rows: Vec<Row> = rows.into_iter().collect::<Result<_, Failure>>()?;
+    let reference = &rows[1];
     println!(
-        "| samples, {n_threads} threads | fit, s | diagnosis, s | over that of 10⁴ | bytes a sample | verdict |\n\
-         |---|---|---|---|---|---|"
+        "| samples, {n_threads} threads | fit, s | diagnosis, s | over that of {} | bytes a sample | verdict |\n\
+         | --- | --- | --- | --- | --- | --- |",
+        reference.n_samples
     );
-    let reference_s = rows[1].diagnosis_s;
     for row in &rows {
         println!(
             "| {} | {:.2} | {:.2} | {:.2} | {:.0} | {} |",
             row.n_samples,
             row.fit_s,
             row.diagnosis_s,
-            row.diagnosis_s / reference_s,
+            row.diagnosis_s / reference.diagnosis_s,
             row.peak_bytes as f64 / row.n_samples as f64,
             row.verdict,
         );
     }
-    println!(
-        "\n| threads, 10⁴ samples | fit, s | diagnosis, s | as fast as one |\n|---|---|---|---|"
-    );
     let rig = made_up(EffectId::LatentHeat, THREADS_DT_S);
+    println!(
+        "\n| threads, {} samples | fit, s | diagnosis, s | as fast as one |\n| --- | --- | --- | --- |",
+        rig.training[0].len()
+    );
     let mut one_s = f64::NAN;
     for n_threads in 1..=n_threads {
         let row = row(&rig, &pool(n_threads)?)?;
