@@ -15,7 +15,7 @@ pub fn in_parallel<T: Sync, R: Send>(items: &[T], task: impl Fn(&T) -> R + Sync)
     in_order_of(items, |_| 0, task)
 }
 
-/// [`in_parallel`] where tasks of a higher rank are begun before others: none that is long is begun when the others are over.
+/// [`in_parallel`], but tasks of a higher rank begin first, so that no long task begins when the others have ended.
 pub fn in_order_of<T: Sync, R: Send>(
     items: &[T],
     rank: impl Fn(&T) -> usize,
@@ -55,6 +55,7 @@ pub fn try_in_parallel<T: Sync, R: Send>(
 fn for_each_number(ranks: Vec<usize>, task: &(dyn Fn(usize) + Sync)) {
     let mut order: Vec<usize> = (0..ranks.len()).collect();
     order.sort_by_key(|&k| Reverse(ranks[k]));
+    // Threads begin with parts of a range; the counter hands out the order instead.
     let next = AtomicUsize::new(0);
     let numbers = (0..order.len()).into_par_iter().with_max_len(1);
     numbers.for_each(|_| task(order[next.fetch_add(1, Ordering::Relaxed)]));
@@ -71,9 +72,20 @@ mod tests {
         let expected: Vec<usize> = items.iter().map(|k| (0..*k).sum::<usize>() * k).collect();
         assert_eq!(in_parallel(&items, within), expected);
         assert!(in_parallel(&items[..0], |k| *k).is_empty());
-        assert_eq!(
-            in_order_of(&items, |k| k % 7, |k| k * k),
-            in_parallel(&items, |k| k * k)
-        );
+        let squares = in_parallel(&items, |k| k * k);
+        assert_eq!(in_order_of(&items, |k| k % 7, |k| k * k), squares);
+    }
+
+    #[test]
+    fn tasks_of_a_higher_rank_begin_first() {
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let begun = Mutex::new(Vec::new());
+        let items: Vec<usize> = (0..20).collect();
+        one.unwrap().install(|| {
+            in_order_of(&items, |k| k % 3, |&k| begun.lock().unwrap().push(k));
+        });
+        let mut expected = items;
+        expected.sort_by_key(|k| Reverse(k % 3));
+        assert_eq!(*begun.lock().unwrap(), expected);
     }
 }

@@ -11,7 +11,7 @@ use crate::config::DiagnoseConfig;
 use crate::decide::leading;
 use crate::evidence::blocks;
 use crate::model::case::Case;
-use crate::model::coarse::{coarse, enough};
+use crate::model::coarse::{coarse, judged};
 use crate::noise::floor::measured;
 use crate::report::{Baseline, Diagnosis, Reporting, Simulations};
 use crate::search::{Survey, at, families, promoted, testable};
@@ -67,18 +67,16 @@ pub(crate) fn diagnosed(
     config: &DiagnoseConfig,
     caller: &Caller<'_>,
 ) -> Result<Diagnosis, IdentifyError> {
-    let tau_s = plain.tau_s();
-    let judged = enough(&base, &plain.points(), tau_s, training)?;
-    let own = vec![plain.point(0); unseen.len()];
-    let judged_unseen = enough(&base, &own, tau_s, unseen)?;
+    let [judged, judged_unseen] = judged(&base, &plain, [training, unseen])?;
     let whole = Case::new(&base, &plain, training, config.setting).watched_by(caller);
     let case = whole.on(&judged);
     let all_blocks = blocks(&case);
+    let recorded_noise = measured(training, plain.tau_s());
     let reporting = Reporting {
         blocks: &all_blocks,
         baseline: Baseline::of(&case, [unseen, &judged_unseen])?,
-        noise: measured(&judged, tau_s),
-        recorded_noise: measured(training, tau_s),
+        noise: measured(&judged, plain.tau_s()).with_step_of(&recorded_noise),
+        recorded_noise,
         repeats,
         training,
         unseen: [unseen, &judged_unseen],
@@ -106,7 +104,7 @@ pub(crate) fn diagnosed(
     let few_cases = families::cases(&few_case, &loops.fits);
     survey.go_on(&few_cases, &loops)?;
 
-    // At all samples.
+    // At the judged samples.
     let of_families = families::cases(&case, &loops.fits);
     let cases: Vec<&Case<'_>> = std::iter::once(&case).chain(&of_families).collect();
     let highest = reporting.noise.highest();

@@ -114,6 +114,12 @@ impl<'a> Case<'a> {
         }
     }
 
+    /// A node of this case with other samples, where it stands.
+    pub(crate) fn stands(&self, node: &Node) -> Result<Node, IdentifyError> {
+        let (coordinates, points) = (node.coordinates.clone(), node.points.clone());
+        self.node(node.model.clone(), coordinates, points, 0)
+    }
+
     /// True if it has fewer samples than its recordings.
     pub(crate) fn is_thinned(&self, recordings: &[Recording]) -> bool {
         let mut pairs = self.training.iter().zip(recordings);

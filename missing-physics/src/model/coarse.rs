@@ -1,4 +1,4 @@
-//! Recordings with fewer samples that tell about as much: what models are searched on before they are judged on all samples.
+//! Recordings with fewer samples that tell about as much: few on which models are searched, and enough on which they are judged.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -9,8 +9,8 @@ use recording::{Quantity, Recording, RecordingParts};
 /// Samples of all recordings together on which models are searched, about.
 const SAMPLES: usize = 1_500;
 
-/// Those on which they are judged, if there are at least twice as many: time and memory of a diagnosis then cease to grow with the
-/// recordings. Of a run of a quarter of an hour that is one each 0.1 s, and each is the mean of those around it.
+/// Those on which models are judged, about, if there are at least twice as many: the search then takes no longer for more of them. Of a run
+/// of a quarter of an hour that is one each 0.1 s, and each is the mean of those around it.
 const ENOUGH: usize = 8_000;
 
 /// Longest distance between samples, as a share of the time constant.
@@ -51,41 +51,47 @@ pub(crate) fn coarse_at(
     tau_s: f64,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    thinned(model, points, tau_s, training, SAMPLES)
+    let n: usize = training.iter().map(Recording::len).sum();
+    let stride = (n / SAMPLES).min(longest(tau_s, training));
+    thinned(model, points, tau_s, training, stride)
 }
 
-/// Recordings on which models are judged: as they are, or thinned as coarse ones, but less, where they have more samples than that takes.
+/// Samples of the training on which models are judged, and those of the recordings that were not used: as they were recorded, or thinned
+/// as coarse ones, but less, where the training has more than that takes. Means of as many samples have as much noise in both.
 ///
 /// # Errors
 ///
 /// Any error of simulating the model.
-pub(crate) fn enough<'r>(
+pub(crate) fn judged<'r>(
     model: &dyn ForwardModel,
-    points: &[Vec<f64>],
-    tau_s: f64,
-    recordings: &'r [Recording],
-) -> Result<Cow<'r, [Recording]>, IdentifyError> {
-    let n: usize = recordings.iter().map(Recording::len).sum();
+    fit: &Fit,
+    [training, unseen]: [&'r [Recording]; 2],
+) -> Result<[Cow<'r, [Recording]>; 2], IdentifyError> {
+    let tau_s = fit.tau_s();
+    let n: usize = training.iter().map(Recording::len).sum();
     if n < 2 * ENOUGH {
-        return Ok(Cow::Borrowed(recordings));
+        return Ok([training, unseen].map(Cow::Borrowed));
     }
-    Ok(Cow::Owned(thinned(
-        model, points, tau_s, recordings, ENOUGH,
-    )?))
+    let stride = (n / ENOUGH).min(longest(tau_s, training));
+    let unlike = vec![fit.point(0); unseen.len()];
+    let of_unseen = stride.min(longest(tau_s, unseen));
+    Ok([
+        Cow::Owned(thinned(model, &fit.points(), tau_s, training, stride)?),
+        Cow::Owned(thinned(model, &unlike, tau_s, unseen, of_unseen)?),
+    ])
 }
 
 fn thinned(
     model: &dyn ForwardModel,
     points: &[Vec<f64>],
     tau_s: f64,
-    training: &[Recording],
-    samples: usize,
+    recordings: &[Recording],
+    stride: usize,
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let every = every(tau_s, training, samples);
-    let recordings = training.iter().enumerate();
+    let recordings = recordings.iter().enumerate();
     recordings
         .map(|(r, recording)| {
-            let every = every.min(recording.len() / FEWEST);
+            let every = stride.min(recording.len() / FEWEST);
             if every < 2 {
                 return Ok(recording.clone());
             }
@@ -94,15 +100,14 @@ fn thinned(
         .collect()
 }
 
-/// Every how many samples one is kept.
-fn every(tau_s: f64, training: &[Recording], samples: usize) -> usize {
-    let by_time = training.iter().map(|recording| {
+/// Most samples from one that is kept to the next.
+fn longest(tau_s: f64, recordings: &[Recording]) -> usize {
+    let of_each = recordings.iter().map(|recording| {
         let time_s = recording.time_s();
         let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
         (LONGEST * tau_s / dt_s) as usize
     });
-    let n: usize = training.iter().map(Recording::len).sum();
-    by_time.fold(n / samples, usize::min)
+    of_each.fold(usize::MAX, usize::min)
 }
 
 fn of_every(

@@ -74,19 +74,36 @@ pub(crate) fn validated_by(
         let mut validated = by_stretches(model, &own, whole, judged)?;
         if recording.len() > judged.len() {
             // Between the samples on which it is judged there is noise, too.
-            let [all, some] =
-                [recording, judged].map(|one| validate_at(model, &validated.point, one));
-            let (all, some) = (all?, some?);
-            let between = all.rmse.powi(2) - some.rmse.powi(2);
-            validated.rmse = (validated.rmse.powi(2) + between).max(0.0).sqrt();
-            validated.fit_fraction = all
-                .fit_fraction
-                .map(|fraction| 1.0 - (1.0 - fraction) * validated.rmse / all.rmse);
+            let all = validate_at(model, &validated.point, recording)?;
+            let [of_all, of_judged] =
+                [recording, judged].map(|one| mean_square(model, &validated.point, one));
+            let between = of_all? - of_judged?;
+            let rmse = (validated.rmse.powi(2) + between).max(0.0).sqrt();
+            let fraction = |by_rest: f64| 1.0 - (1.0 - by_rest) * rmse / all.rmse;
+            validated = Validated {
+                rmse,
+                fit_fraction: all.fit_fraction.map(fraction),
+                offset: validated.offset,
+                point: validated.point,
+                ..all
+            };
         }
         Ok((validated, own))
     })?;
     let (validated, of_each): (Vec<Validated>, Vec<Unseen>) = of_each.into_iter().unzip();
     Ok((validated, Unseen::of_all(of_each)))
+}
+
+/// Mean square of what a model leaves of a recording at a point.
+fn mean_square(
+    model: &dyn ForwardModel,
+    point: &[f64],
+    recording: &Recording,
+) -> Result<f64, IdentifyError> {
+    let shown = predict(model, point, recording)?.output;
+    let pairs = recording.output().iter().zip(shown);
+    let squares = pairs.map(|(recorded, shown)| (recorded - shown).powi(2));
+    Ok(squares.sum::<f64>() / recording.len() as f64)
 }
 
 /// Validation by the error on stretches of a recording, at its point.

@@ -57,19 +57,34 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
     let least = holds.into_iter().chain(repeats).reduce(f64::min);
     let least = least.unwrap_or(lower).max(0.0);
     Measured {
-        gate: match rounding {
-            // What stands still or repeats is rounded to the same step: that hides part of the rounding.
-            Some(rounding) if 12.0 * rounding > COARSE * COARSE * least => least + rounding,
-            Some(rounding) => least.max(rounding),
-            None => least,
-        },
+        gate: gate(least, rounding),
         lower: lower.sqrt(),
         upper: pooled(&NoiseFloor::upper).map(f64::sqrt),
         rounding: rounding.map(f64::sqrt),
     }
 }
 
+/// Variance that gates count with, of the least that was measured and that of rounding.
+fn gate(least: f64, rounding: Option<f64>) -> f64 {
+    match rounding {
+        // What stands still or repeats is rounded to the same step: that hides part of the rounding.
+        Some(rounding) if 12.0 * rounding > COARSE * COARSE * least => least + rounding,
+        Some(rounding) => least.max(rounding),
+        None => least,
+    }
+}
+
 impl Measured {
+    /// The noise of means of samples, with the converter's step of these: what is slow is rounded alike, and means hide the step.
+    pub(crate) fn with_step_of(self, recorded: &Self) -> Self {
+        let rounding = recorded.rounding.map(|rounding| rounding.powi(2));
+        Self {
+            gate: gate(self.gate, rounding.filter(|_| self.rounding.is_none())),
+            rounding: recorded.rounding,
+            ..self
+        }
+    }
+
     /// Variance that there is at most.
     pub(crate) fn highest(&self) -> f64 {
         self.upper.unwrap_or(self.lower).powi(2).max(self.gate)

@@ -110,7 +110,7 @@ pub struct Simulations {
     pub other_loops: u64,
     /// Of the search for effects, at few samples.
     pub search: u64,
-    /// Of the models that were judged, at all samples.
+    /// Of the models that were judged, at the judged samples.
     pub judged: u64,
 }
 

@@ -208,6 +208,8 @@ pub(crate) fn held_to(
         Some(node) if suspected => Some(errors.of(node)?.clone()),
         _ => None,
     };
+    // Of the samples on which the unseen recordings are judged, too.
+    let left = search.get(effects).map_or(f64::NAN, Node::mean_square);
     // Without a fit of the names alone nothing is known of what they explain.
     let alone = own.as_ref().or((!suspected).then_some(with));
     let by_names = alone.and_then(|alone| share([before, alone], ceiling));
@@ -218,7 +220,7 @@ pub(crate) fn held_to(
                 .traces
                 .ask(RuleId::UnseenShare, "", by_names.unwrap_or(1.0))
                 || alone.squares() < AS_NEAR.powi(2) * before.squares()
-                    && is_as_near([alone, with], extended, errors.recordings)?
+                    && is_as_near([alone, with], extended, (left, errors.recordings))?
         }
     };
     // What suspects explain beside the names does not speak against these; that they make it worse by themselves does.
@@ -280,7 +282,7 @@ fn names_alone<'s>(
 fn is_as_near(
     [alone, with]: [&Unseen; 2],
     extended: &ExtendedStage,
-    unseen: &[Recording],
+    (left_of_training, unseen): (f64, &[Recording]),
 ) -> Result<bool, IdentifyError> {
     let (Some(error), Some(left)) = (alone.mean_square(), with.mean_square()) else {
         return Ok(false);
@@ -288,7 +290,7 @@ fn is_as_near(
     let ExtendedStage { model, stage, .. } = extended;
     let spread = spread(model, &stage.fit, &stage.validated, unseen)?;
     let uncertain = (TWICE.powi(2) * spread).min(left);
-    Ok(error < (AS_NEAR * stage.fit.train_rmse).powi(2) + uncertain)
+    Ok(error < AS_NEAR.powi(2) * left_of_training + uncertain)
 }
 
 #[cfg(test)]

@@ -90,7 +90,7 @@ impl Reporting<'_, '_> {
         )
     }
 
-    /// The diagnosis. `searches` are those of the population at all samples, the paper's loop first; `place` and `effects` say where
+    /// The diagnosis. `searches` are those of the population at the judged samples, the paper's loop first; `place` and `effects` say where
     /// the leading model stands in them. A model that is needed and was not searched is fitted. `simulations` are those before.
     pub(crate) fn reported(
         self,
@@ -155,7 +155,12 @@ impl Reporting<'_, '_> {
         )?;
         let next_experiment = self.next_experiment((search, effects), &decided)?;
         let best = search.get(effects).unwrap_or(search.baseline());
-        let noise_floor = self.recorded_noise.floor(search.case, best);
+        let noise_floor = if search.case.is_thinned(self.training) {
+            let whole = search.case.on(self.training);
+            self.recorded_noise.floor(&whole, &whole.stands(best)?)
+        } else {
+            self.recorded_noise.floor(search.case, best)
+        };
         // Last: it may visit models that are no rivals.
         let of_errors = (&mut errors, between);
         let ladder = ladder(search, baseline, extended.as_ref(), of_errors)?;

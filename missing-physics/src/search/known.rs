@@ -42,11 +42,7 @@ pub(crate) fn known(
     let whole = case.is_thinned(training).then(|| case.on(training));
     let heard = |node: &Node| match &whole {
         None => Ok(loudest(case, node)),
-        Some(whole) => {
-            let (coordinates, points) = (node.coordinates.clone(), node.points.clone());
-            let on_all = whole.node(node.model.clone(), coordinates, points, 0)?;
-            Ok::<f64, IdentifyError>(loudest(whole, &on_all))
-        }
+        Some(whole) => Ok::<f64, IdentifyError>(loudest(whole, &whole.stands(node)?)),
     };
     let oddness = |node: &Node| {
         if noise.is_coarse(node.mean_square()) {

@@ -1,4 +1,4 @@
-//! From models on recordings with few samples to the same models on all.
+//! From models on recordings with few samples to the same models on those that are judged.
 
 use identify::{IdentifyError, in_order_of};
 use recording::order::falling;
@@ -13,20 +13,20 @@ use crate::search::survey::Survey;
 use crate::search::weighing::{Weighing, at};
 use crate::{CandidateSet, LoopFamily};
 
-/// Nats behind the best model from which another can have no share of the belief on all samples: odds of e¹².
+/// Nats behind the best model from which another can have no share of the belief on the judged samples: odds of e¹².
 const HOPELESS: f64 = 12.0;
 
 /// Rounds until the leading model stays: each takes one to its end, or searches around it.
 const ROUNDS: usize = 12;
 
-/// Models that are judged on all samples: at least, and at most, of those that may be chosen; and of those that may not.
+/// Models that are judged: at least, and at most, of those that may be chosen; and of those that may not.
 const FEWEST: usize = 12;
 const MOST: usize = 24;
 const FEW_PRESSED: usize = 4;
 
-/// The population of some models on all samples: those that the searches at few samples leave in question, at the ends that they have there.
+/// The population of some models on the judged samples: those that the searches at few samples leave in question, at the ends that they have there.
 ///
-/// `cases` are those of the searches, with all samples, and `blocks` those on which they are weighed; `noise` is its largest
+/// `cases` are those of the searches, with the judged samples, and `blocks` those on which they are weighed; `noise` is its largest
 /// variance.
 pub(crate) fn promoted<'c>(
     cases: &[&'c Case<'c>],
@@ -68,7 +68,7 @@ pub(crate) fn promoted<'c>(
     Ok((fine, judged))
 }
 
-/// A search on all samples that begins with the baseline model of another's loop.
+/// A search on the judged samples that begins with the baseline model of another's loop.
 fn begun<'c>(
     case: &'c Case<'c>,
     coarse: &Search<'_>,
@@ -76,19 +76,19 @@ fn begun<'c>(
 ) -> Result<Search<'c>, IdentifyError> {
     let baseline = match coarse.case.setting.loop_family {
         LoopFamily::Proximity => case.baseline()?,
-        _ => on_all(case, coarse.baseline())?,
+        _ => on_judged(case, coarse.baseline())?,
     };
     Ok(Search::ended(case, baseline, coarse, noise))
 }
 
-/// The end of a coarse search's model on all samples; its simulations are those on all samples.
-fn on_all(case: &Case<'_>, coarse: &Node) -> Result<Node, IdentifyError> {
+/// The end of a coarse search's model on the judged samples; its simulations are those on them.
+fn on_judged(case: &Case<'_>, coarse: &Node) -> Result<Node, IdentifyError> {
     let mut node = case.finished(coarse)?;
     node.simulations -= coarse.simulations;
     Ok(node)
 }
 
-/// Takes models of coarse searches to their ends on all samples, unless they are there.
+/// Takes models of coarse searches to their ends on the judged samples, unless they are there.
 fn promote(
     fine: &mut [Search<'_>],
     coarse: &[Search<'_>],
@@ -107,7 +107,7 @@ fn promote(
     let found = in_order_of(
         &new,
         |(_, node)| cost(node.effects),
-        |&(place, node)| on_all(fine[place].case, node),
+        |&(place, node)| on_judged(fine[place].case, node),
     );
     for ((place, _), node) in new.into_iter().zip(found) {
         let node = node?;
@@ -116,7 +116,7 @@ fn promote(
     Ok(())
 }
 
-/// Models of a population that must be judged on all samples: those that could be the best, those of the least error,
+/// Models of a population that must be judged: those that could be the best, those of the least error,
 /// and the parts of the leading and of the best one; each as the number of its search and its effects.
 fn contenders(
     searches: &[Search<'_>],

@@ -508,7 +508,7 @@ pub(crate) fn is_costly(effects: CandidateSet) -> bool {
     effects.iter().any(|effect| effect.info().costly)
 }
 
-/// How long the search of a model takes, against others: by its zones, then by its effects.
+/// Rank of a model by the time that its search takes: costly effects count first, then their number.
 pub(crate) fn cost(effects: CandidateSet) -> usize {
     let zones = if is_costly(effects) { MOST_EFFECTS } else { 0 };
     zones + effects.len()

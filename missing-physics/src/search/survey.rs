@@ -1,4 +1,4 @@
-//! The search at few samples: which models are worth a look at all of them.
+//! The search at few samples: which models are worth a look at enough to judge them.
 
 use identify::IdentifyError;
 

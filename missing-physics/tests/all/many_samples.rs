@@ -3,7 +3,7 @@
 use crate::common;
 
 use common::{DT_S, current_a, diagnosed_as, found, params, played, recording, setting};
-use missing_physics::{DiagnoseConfig, Verdict};
+use missing_physics::{DiagnoseConfig, NoiseClass, Verdict};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -72,6 +72,20 @@ fn a_hum_between_the_judged_samples_is_heard() {
     };
     assert_eq!(verdict(0.0), Verdict::Adequate);
     assert_eq!(verdict(4.0 * NOISE_MM), Verdict::Unexplained);
+}
+
+#[test]
+fn steps_of_a_converter_stay_rounding_in_means() {
+    let plain = (EffectSet::EMPTY, EffectValues::default());
+    // Half a percent of the stroke, and noise of a seventh of that.
+    let step_mm = 0.025;
+    let exact = recorded_of("often.csv", 1.0, plain, 4, |_| 0.0);
+    let output = exact.output().iter();
+    let rounded = output.map(|output_mm| (output_mm / step_mm).round() * step_mm);
+    let training = [exact.with_output(rounded.collect()).unwrap()];
+    let diagnosis = diagnosed_as(&training, &[], &config());
+    assert_eq!(diagnosis.verdict, Verdict::Adequate);
+    assert_eq!(diagnosis.noise_floor.class, NoiseClass::Quantized);
 }
 
 #[test]

@@ -58,10 +58,9 @@ fn timed<T>(work: impl Fn() -> Result<T, Failure>) -> Result<(f64, T), Failure> 
 
 fn row(rig: &MadeUp, pool: &ThreadPool) -> Result<Row, Failure> {
     let base = WienerModel::new(&rig.rod, Rule::LastReversal, &rig.training)?;
-    let go_on = |_: &_| ControlFlow::Continue(());
     let fitting = || {
         fit(&base, &rig.training, &FitConfig::default(), &mut |_| {
-            go_on(&())
+            ControlFlow::Continue(())
         })
     };
     let (fit_s, _) = timed(|| Ok(pool.install(fitting)?))?;
@@ -71,7 +70,7 @@ fn row(rig: &MadeUp, pool: &ThreadPool) -> Result<Row, Failure> {
     };
     let diagnosing = || {
         diagnose(&base, &rig.training, &rig.unseen, &config, &mut |_| {
-            go_on(&())
+            ControlFlow::Continue(())
         })
     };
     ALLOCATOR.reset_peak_usage();
@@ -98,7 +97,7 @@ fn figure(rows: &[Row]) -> Figure {
     };
     Figure {
         name: "time-over-samples",
-        caption: "One run of 717 s, recorded more or less often: models are searched on about 1,500 samples and judged on 8,000."
+        caption: "One run of 717 s, recorded more or less often: models are searched on about 1,500 samples and judged on about 8,000."
             .to_owned(),
         across: "samples of the training recording, powers of ten".to_owned(),
         up: "time, s".to_owned(),
