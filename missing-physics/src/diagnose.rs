@@ -12,7 +12,7 @@ use crate::decide::leading;
 use crate::evidence::blocks;
 use crate::model::case::Case;
 use crate::model::coarse::{coarse, judged};
-use crate::noise::floor::measured;
+use crate::noise::floor::of_both;
 use crate::report::{Baseline, Diagnosis, Reporting, Simulations};
 use crate::search::{Survey, at, families, promoted, testable};
 use crate::watch::{Caller, DiagnoseProgress};
@@ -71,12 +71,10 @@ pub(crate) fn diagnosed(
     let whole = Case::new(&base, &plain, training, config.setting).watched_by(caller);
     let case = whole.on(&judged);
     let all_blocks = blocks(&case);
-    let recorded_noise = measured(training, plain.tau_s());
     let reporting = Reporting {
         blocks: &all_blocks,
         baseline: Baseline::of(&case, [unseen, &judged_unseen])?,
-        noise: measured(&judged, plain.tau_s()).with_step_of(&recorded_noise),
-        recorded_noise,
+        noise: of_both([&judged, training], plain.tau_s()),
         repeats,
         training,
         unseen: [unseen, &judged_unseen],
@@ -87,7 +85,7 @@ pub(crate) fn diagnosed(
 
     // At few samples.
     let few = coarse(&base, &plain, training)?;
-    let few_case = Case::new(&base, &plain, &few, case.setting).watched_by(caller);
+    let few_case = whole.on(&few);
     let few_blocks = blocks(&few_case);
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
     let stand_ins = match is_found {
@@ -107,7 +105,7 @@ pub(crate) fn diagnosed(
     // At the judged samples.
     let of_families = families::cases(&case, &loops.fits);
     let cases: Vec<&Case<'_>> = std::iter::once(&case).chain(&of_families).collect();
-    let highest = reporting.noise.highest();
+    let highest = reporting.noise[0].highest();
     let (searches, population) = promoted(&cases, &mut survey, &all_blocks, highest)?;
 
     // Judged, and told.

@@ -64,6 +64,12 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
     }
 }
 
+/// Noise of samples on which models are judged, and of those that were recorded.
+pub(crate) fn of_both([judged, recorded]: [&[Recording]; 2], tau_s: f64) -> [Measured; 2] {
+    let recorded = measured(recorded, tau_s);
+    [measured(judged, tau_s).with_step_of(&recorded), recorded]
+}
+
 /// Variance that gates count with, of the least that was measured and that of rounding.
 fn gate(least: f64, rounding: Option<f64>) -> f64 {
     match rounding {
@@ -76,7 +82,7 @@ fn gate(least: f64, rounding: Option<f64>) -> f64 {
 
 impl Measured {
     /// The noise of means of samples, with the converter's step of these: what is slow is rounded alike, and means hide the step.
-    pub(crate) fn with_step_of(self, recorded: &Self) -> Self {
+    fn with_step_of(self, recorded: &Self) -> Self {
         let rounding = recorded.rounding.map(|rounding| rounding.powi(2));
         Self {
             gate: gate(self.gate, rounding.filter(|_| self.rounding.is_none())),

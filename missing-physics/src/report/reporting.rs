@@ -67,8 +67,7 @@ pub(crate) struct Reporting<'a, 'p> {
     /// Blocks on which models are weighed.
     pub(crate) blocks: &'a [Block],
     /// Noise of the samples on which models are judged, and of those that were recorded.
-    pub(crate) noise: Measured,
-    pub(crate) recorded_noise: Measured,
+    pub(crate) noise: [Measured; 2],
     pub(crate) repeats: Option<RepeatFloor>,
     pub(crate) baseline: Baseline,
     /// All samples of the training.
@@ -85,7 +84,7 @@ impl Reporting<'_, '_> {
         Diagnosis::not_converged(
             self.baseline.stage,
             self.repeats,
-            &self.recorded_noise,
+            &self.noise[1],
             self.config.seed,
         )
     }
@@ -104,10 +103,10 @@ impl Reporting<'_, '_> {
             error: before,
         } = &self.baseline;
         let seed = self.config.seed;
-        let looked = (self.noise.gate.sqrt(), seed);
+        let looked = (self.noise[0].gate.sqrt(), seed);
         let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
         let leader = (&searches[place], effects);
-        let of_samples = (self.training, &self.noise);
+        let of_samples = (self.training, &self.noise[0]);
         let known = known(leader, population, of_samples, self.blocks, self.config)?;
         let between = if searches[0].case.is_thinned(self.training) {
             Between::of(baseline, searches[0].baseline(), before)
@@ -157,9 +156,9 @@ impl Reporting<'_, '_> {
         let best = search.get(effects).unwrap_or(search.baseline());
         let noise_floor = if search.case.is_thinned(self.training) {
             let whole = search.case.on(self.training);
-            self.recorded_noise.floor(&whole, &whole.stands(best)?)
+            self.noise[1].floor(&whole, &whole.stands(best)?)
         } else {
-            self.recorded_noise.floor(search.case, best)
+            self.noise[1].floor(search.case, best)
         };
         // Last: it may visit models that are no rivals.
         let of_errors = (&mut errors, between);
@@ -220,7 +219,7 @@ impl Reporting<'_, '_> {
         let n_outputs = search.case.layout.n_outputs() as f64;
         let of_both = [population.plain(), leading(population)]
             .map(|model| model.evidence.squares()[0] / n_outputs - ceiling);
-        let looked = (self.noise.gate.sqrt(), self.config.seed);
+        let looked = (self.noise[0].gate.sqrt(), self.config.seed);
         remainder(search, effects, mismatch, of_both, looked)
     }
 
