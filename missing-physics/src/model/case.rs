@@ -120,6 +120,14 @@ impl<'a> Case<'a> {
         self.node(node.model.clone(), coordinates, points, 0)
     }
 
+    /// This case with all samples of its recordings; `None` if it has them.
+    pub(crate) fn whole<'b>(&self, recordings: &'b [Recording]) -> Option<Case<'b>>
+    where
+        'a: 'b,
+    {
+        self.is_thinned(recordings).then(|| self.on(recordings))
+    }
+
     /// True if it has fewer samples than its recordings.
     pub(crate) fn is_thinned(&self, recordings: &[Recording]) -> bool {
         let mut pairs = self.training.iter().zip(recordings);

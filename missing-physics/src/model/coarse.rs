@@ -51,8 +51,7 @@ pub(crate) fn coarse_at(
     tau_s: f64,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let n: usize = training.iter().map(Recording::len).sum();
-    let stride = (n / SAMPLES).min(longest(tau_s, training));
+    let stride = (samples(training) / SAMPLES).min(longest(tau_s, training));
     thinned(model, points, tau_s, training, stride)
 }
 
@@ -68,7 +67,7 @@ pub(crate) fn judged<'r>(
     [training, unseen]: [&'r [Recording]; 2],
 ) -> Result<[Cow<'r, [Recording]>; 2], IdentifyError> {
     let tau_s = fit.tau_s();
-    let n: usize = training.iter().map(Recording::len).sum();
+    let n = samples(training);
     if n < 2 * ENOUGH {
         return Ok([training, unseen].map(Cow::Borrowed));
     }
@@ -79,6 +78,11 @@ pub(crate) fn judged<'r>(
         Cow::Owned(thinned(model, &fit.points(), tau_s, training, stride)?),
         Cow::Owned(thinned(model, &unlike, tau_s, unseen, of_unseen)?),
     ])
+}
+
+/// Samples of all recordings together.
+fn samples(recordings: &[Recording]) -> usize {
+    recordings.iter().map(Recording::len).sum()
 }
 
 fn thinned(

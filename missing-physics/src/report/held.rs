@@ -42,11 +42,9 @@ pub(crate) fn extended(
         return Ok(None);
     }
     let mut fit = Arc::unwrap_or_clone(search.settle(effects)?);
-    if let Some(node) = search
-        .get(effects)
-        .filter(|_| search.case.is_thinned(training))
-    {
-        fit = fitted(&search.case.on(training), node, fit.seed)?;
+    let whole = search.case.whole(training);
+    if let Some((whole, node)) = whole.zip(search.get(effects)) {
+        fit = fitted(&whole, node, fit.seed)?;
     }
     let model = search.case.model(effects);
     let point = fit.point(0);

@@ -154,11 +154,9 @@ impl Reporting<'_, '_> {
         )?;
         let next_experiment = self.next_experiment((search, effects), &decided)?;
         let best = search.get(effects).unwrap_or(search.baseline());
-        let noise_floor = if search.case.is_thinned(self.training) {
-            let whole = search.case.on(self.training);
-            self.noise[1].floor(&whole, &whole.stands(best)?)
-        } else {
-            self.noise[1].floor(search.case, best)
+        let noise_floor = match search.case.whole(self.training) {
+            Some(whole) => self.noise[1].floor(&whole, &whole.stands(best)?),
+            None => self.noise[1].floor(search.case, best),
         };
         // Last: it may visit models that are no rivals.
         let of_errors = (&mut errors, between);

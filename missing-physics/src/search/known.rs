@@ -39,7 +39,7 @@ pub(crate) fn known(
         0.0
     };
     // A tone may be faster than the samples on which models are judged.
-    let whole = case.is_thinned(training).then(|| case.on(training));
+    let whole = case.whole(training);
     let heard = |node: &Node| match &whole {
         None => Ok(loudest(case, node)),
         Some(whole) => Ok::<f64, IdentifyError>(loudest(whole, &whole.stands(node)?)),
