@@ -2,12 +2,13 @@
 
 use std::fmt::{self, Write};
 
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{Change, DiagnoseConfig, setting_of_rod};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Quantity, Recording, RecordingParts};
+use rig_files::rod_file;
 use serde::{Deserialize, Serialize};
 use truth_plant::{
     Addition, BiasSpring, Draw, DriveKind, DriveName, DriveProfile, FamilyKind, NoiseKind, Shape,
@@ -316,7 +317,7 @@ impl ChangedRig {
         &self,
         reference: &[Recording],
     ) -> Result<(WienerModel, DiagnoseConfig), Box<dyn std::error::Error>> {
-        let rod = Rod::parse("rod.toml", &self.rod_file())?;
+        let rod = rod_file::parse("rod.toml", &self.rod_file())?;
         let base = WienerModel::new(&rod, Rule::LastReversal, reference)?;
         let config = DiagnoseConfig {
             setting: setting_of_rod(&rod, "mm"),

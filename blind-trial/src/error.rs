@@ -3,6 +3,7 @@ use std::path::PathBuf;
 
 use identify::IdentifyError;
 use recording::RecordingError;
+use rig_files::RigFileError;
 use truth_plant::TruthError;
 
 use crate::CaseId;
@@ -36,6 +37,15 @@ pub enum TrialError {
         /// Why.
         #[source]
         source: Box<RecordingError>,
+    },
+    /// The rod file of a case could not be read.
+    #[error("{case}: its rod file")]
+    RodFile {
+        /// Which case.
+        case: CaseId,
+        /// Why.
+        #[source]
+        source: Box<RigFileError>,
     },
     /// A case could not be diagnosed.
     #[error("{case}: the diagnosis")]

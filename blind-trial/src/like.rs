@@ -66,7 +66,7 @@ impl Like {
     ///
     /// [`LikeError`] with the file and what it lacks.
     pub fn new(rod: &Rod, recording: &Recording) -> Result<Self, LikeError> {
-        let file = || rod.file().to_owned();
+        let file = || rod.file.clone();
         let name = || recording.name().to_owned();
         let kind = match (rod.drive_kind, rod.supply_v) {
             (Quantity::Current, _) => DriveKind::Current,
@@ -158,6 +158,8 @@ fn noise_share(recording: &Recording) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use rig_files::rod_file;
+
     use super::*;
     use crate::{Case, CaseId, Family};
     use recording::RecordingParts;
@@ -189,7 +191,7 @@ mod tests {
     }
 
     fn like() -> Like {
-        let rod = Rod::parse("rod.toml", ROD).unwrap();
+        let rod = rod_file::parse("rod.toml", ROD).unwrap();
         let drive = (0..2000).map(|k| f64::from(k / 500 % 2) * 1.8).collect();
         Like::new(&rod, &recording(drive)).unwrap()
     }
@@ -229,14 +231,14 @@ mod tests {
 
     #[test]
     fn what_cannot_be_tried_is_refused_by_name() {
-        let rod = Rod::parse("rod.toml", ROD).unwrap();
+        let rod = rod_file::parse("rod.toml", ROD).unwrap();
         let still = Like::new(&rod, &recording(vec![0.0; 50]));
         assert_eq!(
             still.unwrap_err().to_string(),
             "mine.csv: the drive is 0 throughout: cases need one that heats"
         );
         let text = "[drive]\nkind = \"temperature\"\n[columns]\ndrive = \"t\"\noutput = \"y_mm\"\n";
-        let static_rod = Rod::parse("loop.toml", text).unwrap();
+        let static_rod = rod_file::parse("loop.toml", text).unwrap();
         let refused = Like::new(&static_rod, &recording(vec![1.0; 50]));
         assert!(
             refused

@@ -2,9 +2,10 @@ use std::ops::ControlFlow;
 
 use std::path::{Path, PathBuf};
 
-use identify::{Rod, Validated, WienerModel};
+use identify::{Validated, WienerModel};
 use missing_physics::{Audit, DiagnoseConfig, Diagnosis, Finding, Stage, diagnose, setting_of_rod};
 use recording::Recording;
+use rig_files::rod_file;
 use serde::{Deserialize, Serialize};
 use sma_effects::EffectSet;
 use wiener::hysteresis::Rule;
@@ -202,7 +203,10 @@ impl Opened {
     fn of(folder: &Folder, training: &[PathBuf]) -> Result<Self, TrialError> {
         let case = folder.case;
         let refused = TrialError::diagnosis(case);
-        let rod = Rod::read(&folder.rod()).map_err(&refused)?;
+        let rod = rod_file::read(&folder.rod()).map_err(|source| TrialError::RodFile {
+            case,
+            source: Box::new(source),
+        })?;
         let options = rod.read_options();
         let read = |path: &Path| {
             recording::read_csv(path, &options).map_err(|source| TrialError::Files {

@@ -6,8 +6,9 @@
 use std::error::Error;
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, Rod, WienerModel, fit};
+use identify::{Fit, FitConfig, WienerModel, fit};
 use recording::{Quantity, Recording, RecordingParts};
+use rig_files::rod_file;
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
 use wiener::{Drive, Plant, Profile, Wiener, WienerParams, run};
@@ -71,7 +72,11 @@ fn recorded() -> Result<Recording, Box<dyn Error>> {
 }
 
 fn identified(rod: &str, training: &[Recording]) -> Result<Fit, Box<dyn Error>> {
-    let model = WienerModel::new(&Rod::parse("rod.toml", rod)?, Rule::LastReversal, training)?;
+    let model = WienerModel::new(
+        &rod_file::parse("rod.toml", rod)?,
+        Rule::LastReversal,
+        training,
+    )?;
     Ok(fit(&model, training, &FitConfig::default(), &mut |_| {
         ControlFlow::Continue(())
     })?)

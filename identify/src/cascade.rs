@@ -130,7 +130,7 @@ pub(crate) fn ambient_degc(rod: &Rod, training: &[Recording]) -> Result<f64, Ide
         .map(|recorded| recorded[0])
         .or(rod.ambient_degc)
         .ok_or_else(|| IdentifyError::Missing {
-            file: rod.file().to_owned(),
+            file: rod.file.clone(),
             key: "surroundings.ambient_degc",
             why: "no recording has a column for it either",
         })

@@ -1,47 +1,10 @@
 use recording::RecordingError;
 use wiener::WienerError;
 
-/// Error in a rod file, a set of recordings or a model.
+/// Error in what is known of a rod, in a set of recordings or in a model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IdentifyError {
-    /// A rod file cannot be read.
-    #[error("{file}: cannot be read")]
-    Unreadable {
-        /// File.
-        file: String,
-        /// Why.
-        #[source]
-        source: std::io::Error,
-    },
-    /// A rod file is not what DESIGN's `rod.toml` is: syntax, unknown key, wrong type.
-    #[error("{file}:{line}:{column}: {message}")]
-    Toml {
-        /// File.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
-        /// Message of the parser: found and accepted input.
-        message: String,
-    },
-    /// A value of a rod file is out of range.
-    #[error("{file}:{line}:{column}: {key} = {value}: {accepted}")]
-    Value {
-        /// File.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
-        /// Key.
-        key: String,
-        /// Rejected value.
-        value: f64,
-        /// Accepted values.
-        accepted: String,
-    },
     /// A key that this rig needs is missing.
     #[error("{file}: {key} is missing: {why}")]
     Missing {
@@ -191,45 +154,6 @@ pub enum IdentifyError {
         name: String,
         /// Accepted entries.
         accepted: String,
-    },
-    /// An entry of a model file says what cannot be.
-    #[error("{file}:{line}:{column}: {what}: {accepted}")]
-    Saved {
-        /// File.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
-        /// The entry.
-        what: String,
-        /// Accepted entries.
-        accepted: String,
-    },
-    /// A file is no model file at all.
-    #[error(
-        "{file}: no schema_version; a model comes from --save-model of `sma identify` or `sma diagnose`"
-    )]
-    NoModel {
-        /// File.
-        file: String,
-    },
-    /// A model file names no recording that the model was fitted to.
-    #[error(
-        "{file}: recording: none has role = \"train\"; expected the recordings that the model was fitted to, as --save-model writes them"
-    )]
-    Untrained {
-        /// File.
-        file: String,
-    },
-    /// A model has no form in TOML.
-    #[error("model of {file}: cannot be written")]
-    Unwritable {
-        /// The rod file.
-        file: String,
-        /// Why.
-        #[source]
-        source: toml::ser::Error,
     },
     /// A saved model does not have the parameters that are to be fitted.
     #[error("{file}: a model of {found}; this rig has {expected}")]

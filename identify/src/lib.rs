@@ -18,8 +18,6 @@ mod identifiability;
 mod input_path;
 mod least_squares;
 mod loop_model;
-mod model_entries;
-mod model_file;
 mod moments;
 mod of_family;
 mod of_rig;
@@ -40,7 +38,6 @@ mod sadeghi_model;
 mod saved_model;
 mod sensor;
 mod sensor_lag;
-mod source;
 mod specific_heat;
 mod state_of_run;
 mod static_effects;
@@ -67,8 +64,9 @@ pub use identifiability::UnfixedDirection;
 pub use input_path::OneWay;
 pub use least_squares::{LeastSquaresConfig, Termination};
 pub use loop_model::LoopModel;
-pub use model_file::{KnownEffects, NamedEffect};
-pub use of_family::{SECOND_POPULATION_PARAMETERS, SHAPE_PARAMETERS, parameters_of_family};
+pub use of_family::{
+    SECOND_POPULATION_PARAMETERS, SHAPE_PARAMETERS, is_of_family, parameters_of_family,
+};
 pub use of_rig::OfRig;
 pub use parameter::{
     Bounds, Enters, Ordinary, ParameterInfo, ParameterState, ParameterVector, Scale, Scope,
@@ -79,11 +77,12 @@ pub use reach::BeyondReach;
 pub use recording_use::RecordingUse;
 pub use refine::{RefineConfig, Refined, refine};
 pub use residual_noise::ResidualNoise;
-pub use rig_model::RigModel;
-pub use rod::{Limits, Load, ModelEntry, NITI_OHM_M, NITI_RANGE_OHM_M, Rod};
+pub use rig_model::{ModelKind, ModelTemplate, RigModel};
+pub use rod::{Limits, Load, ModelEntry, NITI_OHM_M, NITI_RANGE_OHM_M, Rod, Wish};
 pub use sadeghi_model::SadeghiModel;
 pub use saved_model::{
-    Identification, InputFile, Provenance, Role, SavedEffects, SavedModel, SavedRecording, Scores,
+    Identification, InputFile, KnownEffects, LOOP_SHAPE, NamedEffect, Provenance, Role,
+    SavedEffects, SavedModel, SavedRecording, Scores,
 };
 pub use sensor::Sensor;
 pub use state_of_run::{StateOfRun, in_states};
@@ -94,4 +93,4 @@ pub use supply::Supply;
 pub use tasks::{in_order_of, in_parallel, try_in_parallel};
 pub use thermal_model::ThermalModel;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
-pub use wiener_model::{RUN_PARAMETERS, WienerModel, may_begin_warm};
+pub use wiener_model::{AMBIENT_LEVEL, RUN_PARAMETERS, WienerModel, may_begin_warm};

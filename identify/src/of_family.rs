@@ -45,7 +45,8 @@ const SECOND_POPULATION_ENDS: [[f64; 2]; 5] = [
 ];
 
 /// True if a loop of another family has a parameter that the paper's loop does not have.
-pub(crate) fn is_of_family(name: &str) -> bool {
+#[must_use]
+pub fn is_of_family(name: &str) -> bool {
     SHAPE_PARAMETERS.contains(&name)
         || name == RELAY_TAILS
         || SECOND_POPULATION_PARAMETERS.contains(&name)

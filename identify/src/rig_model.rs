@@ -1,6 +1,7 @@
 //! The model that a rod file asks for.
 
 use recording::{Quantity, Recording};
+use serde::{Deserialize, Serialize};
 use wiener::hysteresis::Rule;
 use wiener::{Block, WienerParams};
 
@@ -24,7 +25,96 @@ pub enum RigModel {
     Antagonist(AntagonistModel),
 }
 
+/// Kind of a baseline model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModelKind {
+    /// [`RigModel::Wiener`].
+    Wiener,
+    /// [`RigModel::Sadeghi`].
+    Sadeghi,
+    /// [`RigModel::Loop`].
+    StaticLoop,
+    /// [`RigModel::Thermal`].
+    Thermal,
+    /// [`RigModel::Antagonist`].
+    Antagonist,
+}
+
+/// Properties that a model is made of before anything is known of its parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct ModelTemplate<'a> {
+    /// Kind of the model.
+    pub kind: ModelKind,
+    /// Known properties of the rig.
+    pub rod: &'a Rod,
+    /// Rule of its memory.
+    pub rule: Rule,
+    /// True if the rise of temperature is assumed, not known: see [`RigModel::knows_temperature`].
+    pub rise_is_assumed: bool,
+    /// Name of the recording whose surroundings are those of the rig.
+    pub reference: Option<&'a str>,
+    /// Unit of the output.
+    pub output_unit: &'a str,
+    /// Unit of the drive.
+    pub drive_unit: &'a str,
+}
+
 impl RigModel {
+    /// A model whose parameters have placeholders for units and bounds, to be set by [`RigModel::parameters_mut`].
+    ///
+    /// # Errors
+    ///
+    /// [`IdentifyError::Missing`], [`IdentifyError::NoTemperature`] and [`IdentifyError::StaticDrive`]: the rig lacks what the
+    /// kind needs.
+    pub fn of_template(template: &ModelTemplate<'_>) -> Result<Self, IdentifyError> {
+        let &ModelTemplate {
+            kind,
+            rod,
+            rule,
+            rise_is_assumed,
+            reference,
+            output_unit,
+            drive_unit,
+        } = template;
+        Ok(match kind {
+            ModelKind::Wiener => {
+                let model = WienerModel::template(rod, rule, rise_is_assumed, &|_| Vec::new())?;
+                Self::Wiener(model.with_reference(reference))
+            }
+            ModelKind::Antagonist => {
+                let model = AntagonistModel::template(rod, rule, rise_is_assumed, reference)?;
+                Self::Antagonist(model)
+            }
+            ModelKind::Sadeghi => Self::Sadeghi(SadeghiModel::template(rod, rule, &[])?),
+            ModelKind::StaticLoop => Self::Loop(LoopModel::template(rule, drive_unit)),
+            ModelKind::Thermal => Self::Thermal(ThermalModel::template(rod, output_unit)?),
+        })
+    }
+
+    /// Kind of the model.
+    #[must_use]
+    pub fn kind(&self) -> ModelKind {
+        match self {
+            Self::Wiener(_) => ModelKind::Wiener,
+            Self::Sadeghi(_) => ModelKind::Sadeghi,
+            Self::Loop(_) => ModelKind::StaticLoop,
+            Self::Thermal(_) => ModelKind::Thermal,
+            Self::Antagonist(_) => ModelKind::Antagonist,
+        }
+    }
+
+    /// The parameters, to be set from a file.
+    pub fn parameters_mut(&mut self) -> &mut [ParameterInfo] {
+        match self {
+            Self::Wiener(model) => model.parameters_mut(),
+            Self::Sadeghi(model) => model.parameters_mut(),
+            Self::Loop(model) => model.parameters_mut(),
+            Self::Thermal(model) => model.parameters_mut(),
+            Self::Antagonist(model) => model.parameters_mut(),
+        }
+    }
+
     /// The model for what drives the rig and what was recorded of it: the cascade, two of them where there are two drives, for static
     /// data the loop alone, and where the output is the temperature the heat balance alone.
     ///
@@ -110,19 +200,6 @@ impl RigModel {
             Self::Antagonist(model) => model.knows_temperature(),
             Self::Sadeghi(_) => false,
             Self::Loop(_) | Self::Thermal(_) => true,
-        }
-    }
-}
-
-impl RigModel {
-    /// The parameters, to be set from a file.
-    pub(crate) fn parameters_mut(&mut self) -> &mut [ParameterInfo] {
-        match self {
-            Self::Wiener(model) => model.parameters_mut(),
-            Self::Sadeghi(model) => model.parameters_mut(),
-            Self::Loop(model) => model.parameters_mut(),
-            Self::Thermal(model) => model.parameters_mut(),
-            Self::Antagonist(model) => model.parameters_mut(),
         }
     }
 }

@@ -1,23 +1,14 @@
-//! `rod.toml`: what is known of the rig.
+//! Knowledge of the rig.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 
 use recording::{Columns, Quantity, ReadOptions};
-use serde::Deserialize;
-use toml::Spanned;
 use wiener::Drive;
 use wiener::thermal::RodParams;
 
-use crate::recording_use::{RecordingTable, RecordingUse, uses};
-use crate::source::{Source, read};
-use crate::supply::Supplied;
-use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState, Supply};
-
-/// Lengths and diameters that are read, mm: beyond, a section would be no number.
-const MEASURES_MM: RangeInclusive<f64> = 1e-9..=1e9;
+use crate::{Bounds, Enters, IdentifyError, ParameterInfo, ParameterState, RecordingUse, Supply};
 
 /// Resistivity of NiTi, Ω m, that stands in for a resistance which is not given.
 pub const NITI_OHM_M: f64 = 0.8e-6;
@@ -28,11 +19,27 @@ pub const NITI_RANGE_OHM_M: Bounds = Bounds {
     upper: 1e-6,
 };
 
-/// Checked content of a rod file.
-#[derive(Debug, Clone, PartialEq)]
+/// Known properties of a rig; a rod file says them.
+///
+/// Values are not checked here: lengths, densities, resistances and limits are finite and above 0.
+///
+/// # Examples
+///
+/// ```
+/// use identify::Rod;
+///
+/// let rod = Rod {
+///     ambient_degc: Some(22.0),
+///     ..Rod::default()
+/// };
+/// assert_eq!(rod.missing_for_temperature().len(), 4);
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rod {
-    file: String,
-    text: String,
+    /// Name of the file, as errors name it.
+    pub file: String,
+    /// Text of the file, whose tables a saved model keeps.
+    pub text: String,
     /// Physical quantity of the drive.
     pub drive_kind: Quantity,
     /// Supply voltage of a duty drive, V.
@@ -90,251 +97,24 @@ pub struct Limits {
 /// Entry of `[model]` on one parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelEntry {
-    name: String,
-    span: Range<usize>,
-    wish: Wish,
+    /// Name of the parameter.
+    pub name: String,
+    /// Line and column of the rod file where it stands, from 1.
+    pub place: (usize, usize),
+    /// Requested value or bounds.
+    pub wish: Wish,
 }
 
 /// Requested value or bounds of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Wish {
+pub enum Wish {
+    /// It has this value.
     Fixed(f64),
+    /// It is searched within them.
     Bounds(Bounds),
 }
 
-// The file as it is written: every number with its place, so that an error can point at it.
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RodFile {
-    pub(crate) rod: RodTable,
-    pub(crate) surroundings: Surroundings,
-    pub(crate) drive: DriveTable,
-    pub(crate) load: Option<LoadTable>,
-    pub(crate) limits: LimitsTable,
-    pub(crate) columns: Columns,
-    pub(crate) model: BTreeMap<Spanned<String>, ModelTable>,
-    pub(crate) recordings: BTreeMap<String, RecordingTable>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct RodTable {
-    diameter_mm: Option<Spanned<f64>>,
-    length_mm: Option<Spanned<f64>>,
-    density_kg_per_m3: Option<Spanned<f64>>,
-    specific_heat_j_per_kg_k: Option<Spanned<Uncertain>>,
-    resistance_ohm_per_m: Option<Spanned<f64>>,
-}
-
-/// A number, or one with its range; places stand around the whole, since an untagged value has none
-/// inside.
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a number, or { value = number, range = [low, high] }"
-)]
-enum Uncertain {
-    Value(f64),
-    Range(UncertainTable),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct UncertainTable {
-    value: f64,
-    range: [f64; 2],
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct Surroundings {
-    ambient_degc: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct DriveTable {
-    kind: Quantity,
-    supply_v: Option<Spanned<f64>>,
-    pub(crate) limit: Option<Spanned<f64>>,
-    pub(crate) current_max_a: Option<Spanned<f64>>,
-    pub(crate) voltage_max_v: Option<Spanned<f64>>,
-    pub(crate) lead_resistance_ohm: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct LoadTable {
-    spring_n_per_mm: Option<Spanned<f64>>,
-    preload_n: Option<Spanned<f64>>,
-    lever: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct LimitsTable {
-    drive_max: Option<Spanned<f64>>,
-    temperature_max_degc: Option<Spanned<f64>>,
-    duration_s: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ModelTable {
-    bounds: Option<[Spanned<f64>; 2]>,
-    fixed: Option<Spanned<f64>>,
-}
-
-fn uncertain(
-    source: &Source<'_>,
-    key: &str,
-    value: &Option<Spanned<Uncertain>>,
-) -> Result<(Option<f64>, Option<Bounds>), IdentifyError> {
-    let Some(spanned) = value else {
-        return Ok((None, None));
-    };
-    let here = |value| Some(Spanned::new(spanned.span(), value));
-    match spanned.get_ref() {
-        Uncertain::Value(value) => Ok((source.positive(key, &here(*value))?, None)),
-        Uncertain::Range(UncertainTable { value, range }) => {
-            source.positive(&format!("{key}.range"), &here(range[0]))?;
-            let range = range.map(|end| Spanned::new(spanned.span(), end));
-            let range = source.rising(&format!("{key}.range"), &range)?;
-            if !(range.lower..=range.upper).contains(value) {
-                let accepted = format!("must lie in its range, {} to {}", range.lower, range.upper);
-                return Err(source.value(
-                    &format!("{key}.value"),
-                    &Spanned::new(spanned.span(), *value),
-                    accepted,
-                ));
-            }
-            Ok((
-                source.positive(&format!("{key}.value"), &here(*value))?,
-                Some(range),
-            ))
-        }
-    }
-}
-
 impl Rod {
-    /// Reads a rod file.
-    ///
-    /// # Errors
-    ///
-    /// [`IdentifyError::Unreadable`], and as [`Rod::parse`].
-    pub fn read(path: &Path) -> Result<Self, IdentifyError> {
-        let (file, text) = read(path)?;
-        Self::parse(&file, &text)
-    }
-
-    /// Reads the text of a rod file; `file` is its name for errors.
-    ///
-    /// # Errors
-    ///
-    /// [`IdentifyError::Toml`] for what is not such a file, [`IdentifyError::Value`] for a value out of
-    /// range, each with line and column.
-    pub fn parse(file: &str, text: &str) -> Result<Self, IdentifyError> {
-        let source = Source { file, text };
-        let parsed: RodFile =
-            toml::from_str(text).map_err(|error| source.toml(&error, source.not_a_rod_file()))?;
-        Self::of(&source, parsed)
-    }
-
-    /// Checks what a file says, be it a rod file or a model that has its tables.
-    pub(crate) fn of(source: &Source<'_>, parsed: RodFile) -> Result<Self, IdentifyError> {
-        let RodFile {
-            rod,
-            drive,
-            load,
-            limits,
-            ..
-        } = &parsed;
-        let (specific_heat, specific_heat_range) = uncertain(
-            source,
-            "rod.specific_heat_j_per_kg_k",
-            &rod.specific_heat_j_per_kg_k,
-        )?;
-        let mm = |key, value: &Option<Spanned<f64>>| -> Result<_, IdentifyError> {
-            match (source.positive(key, value)?, value) {
-                (Some(mm), Some(spanned)) if !MEASURES_MM.contains(&mm) => {
-                    let [least, most] = [MEASURES_MM.start(), MEASURES_MM.end()];
-                    let accepted = format!("must be from {least:e} to {most:e} mm");
-                    Err(source.value(key, spanned, accepted))
-                }
-                (mm, _) => Ok(mm.map(|mm| mm * 1e-3)),
-            }
-        };
-        let load = match load {
-            None => None,
-            Some(table) => Some(Load {
-                spring_n_per_mm: source.positive("load.spring_n_per_mm", &table.spring_n_per_mm)?,
-                preload_n: source.finite("load.preload_n", &table.preload_n)?,
-                lever: source.positive("load.lever", &table.lever)?,
-            }),
-        };
-        let length_m = mm("rod.length_mm", &rod.length_mm)?;
-        let resistance_ohm_per_m =
-            source.positive("rod.resistance_ohm_per_m", &rod.resistance_ohm_per_m)?;
-        let supplied = Supplied {
-            drive_kind: drive.kind,
-            length_m,
-            resistance_ohm_per_m,
-        };
-        let supply = Supply::of(source, drive, &supplied)?;
-        let drive_max = source.positive("limits.drive_max", &limits.drive_max)?;
-        Ok(Self {
-            drive_kind: drive.kind,
-            supply_v: source.positive("drive.supply_v", &drive.supply_v)?,
-            supply,
-            length_m,
-            diameter_m: mm("rod.diameter_mm", &rod.diameter_mm)?,
-            density_kg_per_m3: source.positive("rod.density_kg_per_m3", &rod.density_kg_per_m3)?,
-            specific_heat_j_per_kg_k: specific_heat,
-            specific_heat_range,
-            resistance_ohm_per_m,
-            ambient_degc: ambient(
-                source,
-                "surroundings.ambient_degc",
-                &parsed.surroundings.ambient_degc,
-            )?,
-            load,
-            limits: Limits {
-                // What the supply does not give no rig gets.
-                drive_max: drive_max.map(|most| supply.limited(most)),
-                temperature_max_degc: source
-                    .finite("limits.temperature_max_degc", &limits.temperature_max_degc)?,
-                duration_s: source.positive("limits.duration_s", &limits.duration_s)?,
-            },
-            columns: parsed.columns,
-            uses: uses(source, &parsed.recordings)?,
-            model: parsed
-                .model
-                .iter()
-                .map(|(name, table)| model_entry(source, name, table))
-                .collect::<Result<_, _>>()?,
-            file: source.file.to_owned(),
-            text: source.text.to_owned(),
-        })
-    }
-
-    /// The tables of the file that say what the rig is and which parts of its recordings count, as they are written there; `[model]`,
-    /// which says what to do with it, is not among them.
-    pub(crate) fn tables(&self) -> toml::Table {
-        const TABLES: [&str; 7] = [
-            "rod",
-            "surroundings",
-            "drive",
-            "load",
-            "limits",
-            "columns",
-            "recordings",
-        ];
-        let mut tables: toml::Table = toml::from_str(&self.text).unwrap_or_default();
-        tables.retain(|key, _| TABLES.contains(&key));
-        tables
-    }
-
     /// Selection and preprocessing of a recording, by its path as it was given, or else by the name of its file.
     #[must_use]
     pub fn use_of(&self, recording: &Path) -> RecordingUse {
@@ -348,12 +128,6 @@ impl Rod {
     #[must_use]
     pub fn says_of(&self, parameter: &str) -> bool {
         self.model.iter().any(|entry| entry.name == parameter)
-    }
-
-    /// Name of the file, as errors name it.
-    #[must_use]
-    pub fn file(&self) -> &str {
-        &self.file
     }
 
     /// How recordings of this rig are read.
@@ -513,7 +287,7 @@ impl Rod {
         for entry in &self.model {
             let names: Vec<&str> = infos.iter().map(|info| info.name).collect();
             let Some(k) = names.iter().position(|&name| name == entry.name) else {
-                let (line, column) = self.position(&entry.span);
+                let (line, column) = entry.place;
                 return Err(IdentifyError::UnknownParameter {
                     file: self.file.clone(),
                     line,
@@ -549,7 +323,7 @@ impl Rod {
     }
 
     fn entry_error(&self, entry: &ModelEntry, accepted: &str) -> IdentifyError {
-        let (line, column) = self.position(&entry.span);
+        let (line, column) = entry.place;
         IdentifyError::Entry {
             file: self.file.clone(),
             line,
@@ -558,70 +332,4 @@ impl Rod {
             accepted: accepted.to_owned(),
         }
     }
-
-    fn position(&self, span: &Range<usize>) -> (usize, usize) {
-        let source = Source {
-            file: &self.file,
-            text: &self.text,
-        };
-        source.position(span.start)
-    }
-}
-
-/// Temperatures that surround a rig, °C: from a cold chamber to an oven; kelvins are not among them.
-const SURROUNDINGS_DEGC: Bounds = Bounds {
-    lower: -100.0,
-    upper: 200.0,
-};
-
-/// A temperature of the surroundings that can be one, °C.
-pub(crate) fn ambient(
-    source: &Source<'_>,
-    key: &str,
-    value: &Option<Spanned<f64>>,
-) -> Result<Option<f64>, IdentifyError> {
-    let Bounds { lower, upper } = SURROUNDINGS_DEGC;
-    match (source.finite(key, value)?, value) {
-        (Some(degc), Some(spanned)) if !(lower..=upper).contains(&degc) => {
-            let kelvins = format!(
-                "must lie from {lower} to {upper} °C; {degc} K would be {:.2} °C",
-                degc - 273.15
-            );
-            Err(source.value(key, spanned, kelvins))
-        }
-        (known, _) => Ok(known),
-    }
-}
-
-fn model_entry(
-    source: &Source<'_>,
-    name: &Spanned<String>,
-    table: &ModelTable,
-) -> Result<ModelEntry, IdentifyError> {
-    let key = format!("model.{}", name.get_ref());
-    let wish = match (&table.bounds, &table.fixed) {
-        (Some(bounds), None) => Wish::Bounds(source.rising(&format!("{key}.bounds"), bounds)?),
-        (None, Some(fixed)) => {
-            let fixed = Some(fixed.clone());
-            let Some(value) = source.finite(&format!("{key}.fixed"), &fixed)? else {
-                unreachable!("a value that is there stays there");
-            };
-            Wish::Fixed(value)
-        }
-        _ => {
-            let (line, column) = source.position(name.span().start);
-            return Err(IdentifyError::Entry {
-                file: source.file.to_owned(),
-                line,
-                column,
-                name: name.get_ref().clone(),
-                accepted: "must be { fixed = value } or { bounds = [low, high] }".to_owned(),
-            });
-        }
-    };
-    Ok(ModelEntry {
-        name: name.get_ref().clone(),
-        span: name.span(),
-        wish,
-    })
 }

@@ -77,7 +77,7 @@ impl SadeghiModel {
     ) -> Result<Self, IdentifyError> {
         let Some(heat_capacity_j_per_m_k) = rod.heat_capacity_j_per_m_k() else {
             return Err(IdentifyError::Missing {
-                file: rod.file().to_owned(),
+                file: rod.file.clone(),
                 key: "rod.diameter_mm, density_kg_per_m3 or specific_heat_j_per_kg_k",
                 why: "the paper's bounds of R and hA mean nothing without the heat capacity",
             });

@@ -10,33 +10,44 @@ use crate::quantities::{Quantities, same_quantities};
 use crate::sensor::{not_negative, positive_if_any};
 use crate::validate::validate_at;
 use crate::{
-    Fit, FittedParameter, ForwardModel, IdentifyError, OfRig, ParameterCovariance, ParameterVector,
-    RigModel, Rod, Scope, Sensor, Validated,
+    Fit, FittedParameter, ForwardModel, IdentifyError, OfRig, ParameterCovariance, ParameterInfo,
+    ParameterVector, RigModel, Rod, Scope, Sensor, Validated,
 };
 
 /// Id of the effect that a loop of another family is.
-pub(crate) const LOOP_SHAPE: &str = "loop-shape";
+pub const LOOP_SHAPE: &str = "loop-shape";
 
 /// An identified model with all that is needed to use it later: `model.toml`.
 ///
-/// It holds the tables of the rod file it came from, every parameter with its interval, their covariance, how
+/// `rig-files` writes and reads the file. It holds the tables of the rod file it came from, every parameter with its interval, their covariance, how
 /// well it met which recordings, and how it was made. A written model is read back as it was.
 ///
 /// A model may have effects beyond its baseline part. This crate keeps their ids and parameters, those of the plain
 /// part first; what they do others know.
 #[derive(Debug, Clone)]
 pub struct SavedModel {
-    pub(crate) rod: Rod,
-    pub(crate) model: RigModel,
-    pub(crate) effects: Option<SavedEffects>,
-    pub(crate) rule: Rule,
-    pub(crate) output_unit: String,
-    pub(crate) drive_unit: String,
-    pub(crate) parameters: Vec<FittedParameter>,
-    pub(crate) covariance: ParameterCovariance,
-    pub(crate) recordings: Vec<SavedRecording>,
-    pub(crate) scores: Scores,
-    pub(crate) provenance: Provenance,
+    /// Known properties of the rig.
+    pub rod: Rod,
+    /// The model; with effects its baseline part.
+    pub model: RigModel,
+    /// Effects beyond the baseline part; `None` for a baseline model.
+    pub effects: Option<SavedEffects>,
+    /// Rule of the hysteresis' memory.
+    pub rule: Rule,
+    /// Unit of the output.
+    pub output_unit: String,
+    /// Unit of the drive.
+    pub drive_unit: String,
+    /// The parameters: those of the baseline part in its order, then those of each effect.
+    pub parameters: Vec<FittedParameter>,
+    /// Covariance of the estimates.
+    pub covariance: ParameterCovariance,
+    /// The recordings it was fitted to, then those it was checked on.
+    pub recordings: Vec<SavedRecording>,
+    /// How well it did.
+    pub scores: Scores,
+    /// How it was made.
+    pub provenance: Provenance,
 }
 
 /// Extension of a saved model beyond its baseline part: effects, a loop of another family, or both, and the solver
@@ -139,6 +150,20 @@ pub struct InputFile {
     pub sha256: String,
 }
 
+/// Says which parameters an effect has, or what would be accepted in its place.
+pub type KnownEffects<'a> = &'a dyn Fn(&NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String>;
+
+/// An effect that a model file names, for those who know what parameters it has.
+#[derive(Debug, Clone, Copy)]
+pub struct NamedEffect<'a> {
+    /// Its id, as written.
+    pub id: &'a str,
+    /// Rig, as the file describes it.
+    pub rod: &'a Rod,
+    /// Unit of the output.
+    pub output_unit: &'a str,
+}
+
 /// Components of a saved model.
 #[derive(Debug)]
 pub struct Identification<'a> {
@@ -208,60 +233,6 @@ impl SavedModel {
         }
     }
 
-    /// Known properties of the rig.
-    #[must_use]
-    pub fn rod(&self) -> &Rod {
-        &self.rod
-    }
-
-    /// The model; with effects its baseline part.
-    #[must_use]
-    pub fn model(&self) -> &RigModel {
-        &self.model
-    }
-
-    /// Effects beyond the baseline part; `None` for a baseline model.
-    #[must_use]
-    pub fn effects(&self) -> Option<&SavedEffects> {
-        self.effects.as_ref()
-    }
-
-    /// Rule of the hysteresis' memory.
-    #[must_use]
-    pub fn rule(&self) -> Rule {
-        self.rule
-    }
-
-    /// Unit of the output.
-    #[must_use]
-    pub fn output_unit(&self) -> &str {
-        &self.output_unit
-    }
-
-    /// The parameters: those of the baseline part in its order, then those of each effect.
-    #[must_use]
-    pub fn parameters(&self) -> &[FittedParameter] {
-        &self.parameters
-    }
-
-    /// Covariance of the estimates.
-    #[must_use]
-    pub fn covariance(&self) -> &ParameterCovariance {
-        &self.covariance
-    }
-
-    /// The recordings it was fitted to, then those it was checked on.
-    #[must_use]
-    pub fn recordings(&self) -> &[SavedRecording] {
-        &self.recordings
-    }
-
-    /// How well it did.
-    #[must_use]
-    pub fn scores(&self) -> Scores {
-        self.scores
-    }
-
     /// Step and noise of the sensor, by the training recording in which it jumps most; `None` where none tells.
     #[must_use]
     pub fn sensor(&self) -> Option<Sensor> {
@@ -276,12 +247,6 @@ impl SavedModel {
     pub fn largest_drive(&self) -> f64 {
         let trained = self.recordings.iter().filter(|one| one.role == Role::Train);
         trained.fold(0.0, |largest, one| largest.max(one.largest_drive))
-    }
-
-    /// How it was made.
-    #[must_use]
-    pub fn provenance(&self) -> &Provenance {
-        &self.provenance
     }
 
     /// Values of all parameters in a training recording, in the order of [`SavedModel::parameters`].
@@ -320,7 +285,7 @@ impl SavedModel {
             drive: self.rod.drive_kind,
             drive_unit: &self.drive_unit,
         };
-        same_quantities(recording, self.rod.file(), &expected)?;
+        same_quantities(recording, &self.rod.file, &expected)?;
         let mut point = point.to_vec();
         let mut ordinary = OfRig::at(model, &point);
         ordinary.hold_ordinary(&mut point);
@@ -351,7 +316,7 @@ impl SavedModel {
         let (kept, wanted) = (names(&self.model), names(model));
         if kept != wanted {
             return Err(IdentifyError::OtherParameters {
-                file: self.rod.file().to_owned(),
+                file: self.rod.file.clone(),
                 found: kept.join(", "),
                 expected: wanted.join(", "),
             });

@@ -104,7 +104,7 @@ impl ThermalModel {
     pub(crate) fn template(rod: &Rod, output_unit: &str) -> Result<Self, IdentifyError> {
         let unit =
             TemperatureUnit::of(output_unit).ok_or_else(|| IdentifyError::NoTemperature {
-                file: rod.file().to_owned(),
+                file: rod.file.clone(),
                 unit: output_unit.to_owned(),
             })?;
         let drive = match rod.drive() {
@@ -360,7 +360,7 @@ fn known_ambient(rod: &Rod, training: &[Recording]) -> Result<Option<f64>, Ident
         (Some(degc), _) => Ok(Some(degc)),
         (None, Some(&first)) if recorded.len() == training.len() => Ok(Some(first)),
         (None, Some(_)) => Err(IdentifyError::Missing {
-            file: rod.file().to_owned(),
+            file: rod.file.clone(),
             key: "surroundings.ambient_degc",
             why: "some recordings have a column for it, others do not",
         }),

@@ -38,7 +38,7 @@ const HIGHEST_START_K: f64 = 250.0;
 const SMALLEST_ZETA: f64 = 0.05;
 
 /// Name of the parameter that says how much warmer than stated the surroundings of a recording were.
-pub(crate) const AMBIENT_LEVEL: &str = "ambient_level_k";
+pub const AMBIENT_LEVEL: &str = "ambient_level_k";
 
 /// Names of what else differs from run to run: by which share a recording loses more heat than the rig, and moves further.
 pub const RUN_PARAMETERS: [&str; 2] = ["run_heat_loss", "run_gain"];

@@ -8,9 +8,10 @@
 use std::fmt::Write;
 use std::ops::ControlFlow;
 
-use identify::{FitConfig, Rod, WienerModel, fit, predict};
+use identify::{FitConfig, WienerModel, fit, predict};
 use peak_alloc::PeakAlloc;
 use recording::{ReadOptions, read_csv};
+use rig_files::rod_file;
 use wiener::hysteresis::Rule;
 
 #[global_allocator]
@@ -36,7 +37,7 @@ fn peak_bytes(n_samples: usize) -> usize {
     let before = ALLOCATOR.current_usage();
     let training = [read_csv(&path, &ReadOptions::default()).unwrap()];
     std::fs::remove_file(&path).unwrap();
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", ROD).unwrap();
     let model = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = FitConfig {
         swarm_iterations: 2,

@@ -38,7 +38,7 @@ pub use report::diagnosis::{
     Diagnosis, Entry, Estimate, Explained, ExtendedStage, Finding, Otherwise, Remainder, Rung,
     Simulations, Stage, Status,
 };
-pub use report::saved::{RestoredModel, parse_model, read_model, saved_effects};
+pub use report::saved::{RestoredModel, known_effects, saved_effects};
 pub use screen::screening::{ScreenConfig, Screened, Screening, screen};
 pub(crate) use sma_effects::{
     Belongs, EffectBlock, EffectId, EffectInfo, EffectParameter, EffectSet, EffectValues, Extended,

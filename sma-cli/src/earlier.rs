@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use identify::RigModel;
-use missing_physics::read_model;
+use missing_physics::known_effects;
 use recording::Recording;
+use rig_files::model_file;
 
 /// Where a fit of the baseline model starts besides its own searches, and what to say of it.
 #[derive(Debug, Default)]
@@ -24,10 +25,10 @@ impl Earlier {
         let Some(path) = path else {
             return Ok(Self::default());
         };
-        let saved = read_model(path)?;
+        let saved = model_file::read_with(path, &known_effects)?;
         Ok(Self {
             from: vec![saved.coordinates(model, training)?],
-            note: saved.effects().map(|effects| {
+            note: saved.effects.map(|effects| {
                 format!(
                     "{} has effects ({}): its baseline part is the start, the baseline model is fitted",
                     path.display(),

@@ -8,6 +8,7 @@ use blind_trial::{LikeError, TrialError};
 use identify::IdentifyError;
 use pid_tune::{TaskError, TuneError};
 use recording::RecordingError;
+use rig_files::RigFileError;
 use sma_effects::PhysicsError;
 use sma_export::ExportError;
 use wiener::WienerError;
@@ -101,6 +102,7 @@ fn finds_no_controller(error: &(dyn Error + 'static)) -> bool {
 
 fn is_bad_input(error: &(dyn Error + 'static)) -> bool {
     error.is::<IdentifyError>()
+        || error.is::<RigFileError>()
         || error.is::<RecordingError>()
         || error.is::<RigError>()
         || error

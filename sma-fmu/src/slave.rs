@@ -3,9 +3,10 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use identify::{IdentifyError, Supply};
-use missing_physics::{RestoredModel, parse_model};
+use identify::Supply;
+use missing_physics::{RestoredModel, known_effects};
 use recording::read_text;
+use rig_files::{RigFileError, model_file};
 use sha2::{Digest, Sha256};
 use sma_effects::{EffectId, EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
 use sma_export::{FMU_TIME, Fmi, FmuVariable, fmu_guid};
@@ -28,7 +29,7 @@ pub(crate) enum SlaveError {
         source: std::io::Error,
     },
     #[error("{error}")]
-    Model { error: Box<IdentifyError> },
+    Model { error: Box<RigFileError> },
     #[error("model.toml: expected a model of one rod that a drive heats")]
     Kind,
     #[error("{what} {found}: expected {expected}, of model.toml in the resources")]
@@ -150,11 +151,11 @@ impl Slave {
         let model = |error| SlaveError::Model {
             error: Box::new(error),
         };
-        let saved = parse_model("model.toml", &text).map_err(model)?;
-        let restored = RestoredModel::new(&saved).map_err(model)?;
+        let saved = model_file::parse_with("model.toml", &text, &known_effects).map_err(model)?;
+        let restored = RestoredModel::new(&saved).map_err(|error| model(error.into()))?;
         let member = restored.first_member().ok_or(SlaveError::Kind)?;
         let mut values = [0.0; FmuVariable::ALL.len()];
-        let ambient_degc = saved.rod().ambient_degc.unwrap_or(USUAL_AMBIENT_DEGC);
+        let ambient_degc = saved.rod.ambient_degc.unwrap_or(USUAL_AMBIENT_DEGC);
         for (variable, value) in [
             (FmuVariable::AmbientDegc, ambient_degc),
             (FmuVariable::Offset, member.params.offset),
@@ -163,7 +164,7 @@ impl Slave {
         ] {
             values[variable as usize] = value;
         }
-        let recorded = saved.recordings().first().and_then(|one| one.sample_time_s);
+        let recorded = saved.recordings.first().and_then(|one| one.sample_time_s);
         let first = Snapshot {
             phase: Phase::Instantiated,
             time_s: 0.0,
@@ -178,7 +179,7 @@ impl Slave {
             setting: restored.fleet().setting,
             params: member.params,
             effects: member.effects,
-            supply: saved.rod().supply,
+            supply: saved.rod.supply,
             sample_time_s: recorded.filter(|dt_s| *dt_s > 0.0).unwrap_or(f64::INFINITY),
             now: first.clone(),
             first,

@@ -108,7 +108,7 @@ pub fn in_columns_of(rod: &Rod, csv: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use identify::Rod;
+    use rig_files::rod_file;
 
     use super::in_columns_of;
 
@@ -116,13 +116,13 @@ mod tests {
     fn a_recording_goes_back_into_the_columns_of_its_rig() {
         let rod = "[drive]\nkind = \"duty\"\nsupply_v = 24.0\n\
                    [columns]\ntime = \"t_ms\"\ndrive = { name = \"PWM\", unit = \"%\" }\noutput = \"position_mm\"\n";
-        let rod = Rod::parse("rod.toml", rod).unwrap();
+        let rod = rod_file::parse("rod.toml", rod).unwrap();
         let csv = "time_s,duty,displacement_mm,temperature_degc\n0.1,0.25,1.3,40\n";
         assert_eq!(
             in_columns_of(&rod, csv),
             "t_ms,PWM,position_mm,temperature_degc\n100,25,1.3,40\n"
         );
-        let rod = Rod::parse("rod.toml", "").unwrap();
+        let rod = rod_file::parse("rod.toml", "").unwrap();
         let csv = "time_s,current_a,displacement_mm\n0.1,1,1.3\n";
         assert_eq!(in_columns_of(&rod, csv), csv);
     }

@@ -219,8 +219,9 @@ fn duty(highest: f64) -> (String, Option<String>) {
 
 #[cfg(test)]
 mod tests {
+    use rig_files::rod_file;
+
     use super::*;
-    use identify::Rod;
     use std::fs;
 
     fn begun(csv: &str) -> FirstRod {
@@ -229,7 +230,7 @@ mod tests {
         fs::write(&path, csv).unwrap();
         let rod = first_rod(&recording::survey(&path).unwrap());
         // What is written is a rod file.
-        Rod::parse("rod.toml", &rod.text).unwrap();
+        rod_file::parse("rod.toml", &rod.text).unwrap();
         rod
     }
 

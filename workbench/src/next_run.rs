@@ -26,6 +26,8 @@ pub fn csv(run: &Run, rod: &Rod) -> String {
 
 #[cfg(test)]
 mod tests {
+    use rig_files::rod_file;
+
     use super::*;
 
     fn written(rod: &str) -> String {
@@ -37,7 +39,7 @@ mod tests {
             separation_now: 1.0,
             decisive: 1..3,
         };
-        csv(&run, &Rod::parse("rod.toml", rod).unwrap())
+        csv(&run, &rod_file::parse("rod.toml", rod).unwrap())
     }
 
     #[test]

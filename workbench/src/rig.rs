@@ -156,9 +156,9 @@ impl Rig {
         model: &RestoredModel<'_>,
         drive_max: Option<f64>,
     ) -> Result<Self, WorkbenchError> {
-        let rod = saved.rod();
-        let file = || rod.file().to_owned();
-        match saved.model() {
+        let rod = &saved.rod;
+        let file = || rod.file.clone();
+        match &saved.model {
             RigModel::Thermal(_) => return Err(RigError::Thermal { file: file() }.into()),
             RigModel::Antagonist(_) => return Err(RigError::Antagonist { file: file() }.into()),
             RigModel::Wiener(_) | RigModel::Sadeghi(_) | RigModel::Loop(_) => {}
@@ -192,7 +192,10 @@ impl Rig {
         };
         let sign = if member.params.gain < 0.0 { -1.0 } else { 1.0 };
         let drifts: Vec<&str> = model.drifts().map(EffectId::id).collect();
-        let beyond = saved.effects().map_or_else(Vec::new, SavedEffects::names);
+        let beyond = saved
+            .effects
+            .as_ref()
+            .map_or_else(Vec::new, SavedEffects::names);
         Ok(Self {
             fleet: Turned {
                 fleet: model.fleet(),
@@ -206,18 +209,18 @@ impl Rig {
                 .map(str::to_owned)
                 .collect(),
             drive: rod.drive()?,
-            rule: saved.rule(),
+            rule: saved.rule,
             ambient_degc,
             drive_max,
             largest_drive: saved.largest_drive(),
-            converged: saved.scores().converged,
-            output_unit: saved.output_unit().to_owned(),
+            converged: saved.scores.converged,
+            output_unit: saved.output_unit.to_owned(),
             drive_unit: match rod.drive_kind {
                 Quantity::Duty => "duty".to_owned(),
                 other => other.unit().to_owned(),
             },
             temperature_max_degc: match rod.limits.temperature_max_degc {
-                Some(limit) if saved.model().knows_temperature() => limit,
+                Some(limit) if saved.model.knows_temperature() => limit,
                 _ => f64::INFINITY,
             },
         })
@@ -394,7 +397,7 @@ impl Rig {
             .flat_map(|drift| drift.info().parameters)
             .map(|parameter| parameter.name)
             .collect();
-        let shared = saved.parameters().iter().enumerate();
+        let shared = saved.parameters.iter().enumerate();
         shared
             .filter(|(_, parameter)| parameter.info.scope == Scope::Shared)
             .filter(|(_, parameter)| !drifts.contains(&parameter.info.name))

@@ -476,13 +476,15 @@ fn outside(value: f64, [lower, upper]: [f64; 2]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use rig_files::rod_file;
+
     use super::*;
 
     const ROD: &str = "[rod]\ndiameter_mm = 0.25\nlength_mm = 200.0\ndensity_kg_per_m3 = 6450.0\n\
         specific_heat_j_per_kg_k = 500.0\nresistance_ohm_per_m = 16.0\n[surroundings]\nambient_degc = 24.0\n";
 
     fn rod(text: &str) -> Rod {
-        Rod::parse("rod.toml", text).unwrap()
+        rod_file::parse("rod.toml", text).unwrap()
     }
 
     fn known(value: f64) -> Option<Known> {
@@ -825,7 +827,7 @@ mod tests {
         // The ends of what is on sale, in air: 25 µm at 0.04 to 0.4 s, 1.2 mm at 10 to 60 s.
         for (diameter_mm, taus_s) in [("0.025", [0.04, 0.4]), ("1.2", [10.0, 60.0])] {
             let text = format!("[rod]\ndiameter_mm = {diameter_mm}\n");
-            let bare = Rod::parse("rod.toml", &text).unwrap();
+            let bare = rod_file::parse("rod.toml", &text).unwrap();
             for tau_s in taus_s {
                 let facts = Facts {
                     rod: &bare,

@@ -13,6 +13,7 @@ use blind_trial::injected::stroke;
 use fixtures::bologna;
 use identify::Rod;
 use recording::{Recording, read_csv};
+use rig_files::rod_file;
 
 /// Where results of the diagnoses stand, from the workspace's root.
 const RESULTS: &str = "blind-trial/results/injected.jsonl";
@@ -37,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Some(folder) = fixtures::shared::path(bologna::FOLDER) else {
         return Ok(());
     };
-    let rod = Rod::parse("rod.toml", bologna::ROD)?;
+    let rod = rod_file::parse("rod.toml", bologna::ROD)?;
     let read = |name: &str| read_csv(folder.join(name), &rod.read_options());
     let names = bologna::TRAINING.into_iter().chain([bologna::UNSEEN]);
     let recorded = names.map(read).collect::<Result<Vec<_>, _>>()?;

@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use benches::sound;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use identify::{FitConfig, IdentifyError, Rod, WienerModel, fit};
+use identify::{FitConfig, IdentifyError, WienerModel, fit};
 use pso::{Bound, Swarm, SwarmConfig, SwarmError};
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recording::{Quantity, Recording, RecordingParts};
+use rig_files::rod_file;
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::{HeatBalanceParams, ThermalConstants};
 use wiener::{Drive, Plant, Profile, Wiener, WienerError, WienerParams, run};
@@ -137,7 +138,7 @@ fn ask_tell(bencher: Bencher, particles: usize) {
 #[divan::bench(name = "fit", args = [400], sample_count = 20)]
 fn fit_generated(bencher: Bencher, n_samples: usize) {
     let training = [sound(generated(n_samples))];
-    let rod = sound(Rod::parse("rod.toml", ROD_TOML));
+    let rod = sound(rod_file::parse("rod.toml", ROD_TOML));
     let model = sound(WienerModel::new(&rod, Rule::LastReversal, &training));
     let config = FitConfig {
         starts: 1,

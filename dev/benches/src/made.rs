@@ -7,6 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
+use rig_files::rod_file;
 use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Member, Setting};
 use wiener::hysteresis::LoopParams;
 use wiener::thermal::RodParams;
@@ -59,7 +60,7 @@ pub fn made_up(effect: EffectId, dt_s: f64) -> MadeUp {
         gain: STROKE_MM,
         offset: drawn(-1.0, 1.0),
     };
-    let known = Rod::parse("rod.toml", ROD).unwrap_or_else(|error| unreachable!("{error}"));
+    let known = rod_file::parse("rod.toml", ROD).unwrap_or_else(|error| unreachable!("{error}"));
     let played = |name: &str, current_a: Vec<f64>, stream: u64| {
         let mut noise = ChaCha8Rng::seed_from_u64(SEED);
         noise.set_stream(stream);

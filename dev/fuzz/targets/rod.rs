@@ -1,11 +1,11 @@
 //! Any text as rod.toml: refused with its name, or a rod whose numbers are finite.
 #![no_main]
 
-use identify::Rod;
 use libfuzzer_sys::fuzz_target;
+use rig_files::rod_file;
 
 fuzz_target!(|text: &str| {
-    match Rod::parse("rod.toml", text) {
+    match rod_file::parse("rod.toml", text) {
         Err(error) => assert!(error.to_string().contains("rod.toml"), "{error}"),
         Ok(rod) => {
             let _ = (

@@ -12,6 +12,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
+use rig_files::model_file;
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Plant, Profile, Wiener, WienerParams, run};
 
@@ -133,9 +134,9 @@ fn both_rods_are_found_and_what_they_do_together_is_predicted() {
         seed: 1,
         input: Vec::<InputFile>::new(),
     };
-    let text = SavedModel::of(&identification, made).to_toml().unwrap();
-    let saved = SavedModel::parse("model.toml", &text).unwrap();
-    assert_eq!(saved.to_toml().unwrap(), text);
+    let text = model_file::to_toml(&SavedModel::of(&identification, made)).unwrap();
+    let saved = model_file::parse("model.toml", &text).unwrap();
+    assert_eq!(model_file::to_toml(&saved).unwrap(), text);
     assert!(saved.wiener_params().is_none());
     let again = saved.validate(&unseen).unwrap();
     assert!(again.rmse < 1.2 * NOISE_MM, "{}", again.rmse);

@@ -6,14 +6,15 @@
 )]
 
 use fixtures::bologna;
-use identify::{FitConfig, Rod, WienerModel, fit, validate};
+use identify::{FitConfig, WienerModel, fit, validate};
 use recording::read_csv;
+use rig_files::rod_file;
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 
 #[test]
 fn three_recordings_are_met_together() {
-    let rod = Rod::parse("rod.toml", bologna::ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", bologna::ROD).unwrap();
     let read = |name: &str| {
         let path = fixtures::shared::path(&format!("{}/{name}", bologna::FOLDER))?;
         Some(read_csv(path, &rod.read_options()).unwrap())

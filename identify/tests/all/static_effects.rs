@@ -18,12 +18,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use recording::{Quantity, Recording, RecordingParts, Resistance, read_csv};
+use rig_files::rod_file;
 use wiener::hysteresis::{Branch, Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
 
 const STATIC: &str = "[drive]\nkind = \"temperature\"\n";
 
 fn rod(columns: &str) -> Rod {
-    Rod::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap()
+    rod_file::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap()
 }
 
 fn effects(rod: &Rod, training: &[Recording], config: &FitConfig) -> StaticEffects {

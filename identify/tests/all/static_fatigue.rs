@@ -13,6 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use recording::{Quantity, Recording, RecordingParts, read_csv};
+use rig_files::rod_file;
 use wiener::hysteresis::{Branch, Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
 
 const STATIC: &str = "[drive]\nkind = \"temperature\"\n";
@@ -127,7 +128,7 @@ fn tested(rod: &Rod, training: &[Recording]) -> Result<StaticEffect, NotTestable
 }
 
 fn rod() -> Rod {
-    Rod::parse("rod.toml", STATIC).unwrap()
+    rod_file::parse("rod.toml", STATIC).unwrap()
 }
 
 fn holds(effect: &StaticEffect, name: &str, truth: f64) -> bool {
@@ -209,7 +210,7 @@ fn a_wire_that_was_cycled_100_times() {
     };
     let text =
         format!("{STATIC}[columns]\ndrive = {{ number = 1, unit = \"degc\" }}\noutput = 2\n");
-    let rod = Rod::parse("rod.toml", &text).unwrap();
+    let rod = rod_file::parse("rod.toml", &text).unwrap();
     let whole = read_csv(&path, &rod.read_options()).unwrap();
     // Every second sample: 130 of a cycle.
     let every_2nd = |values: &[f64]| values.iter().copied().step_by(2).collect::<Vec<f64>>();

@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, LoopModel, OneWay, Rod, fit};
 use recording::{Quantity, Recording, RecordingParts, read_csv};
+use rig_files::rod_file;
 use wiener::hysteresis::{Branch, Hysteresis, LimitingLoop, LoopParams, Rule, SineProximity};
 
 fn fitted(rod: &Rod, rule: Rule, training: &[Recording]) -> Fit {
@@ -37,7 +38,7 @@ fn first_order_reversal_curves_of_a_morphing_wing() {
     };
     // No header, no time; the loop's input is the voltage of the source.
     let columns = "[columns]\ndrive = { number = 1, unit = \"V\" }\noutput = 2\n";
-    let rod = Rod::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap();
+    let rod = rod_file::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap();
     let training = [read_csv(&path, &rod.read_options()).unwrap()];
     let fit = fitted(&rod, Rule::LastReversal, &training);
     assert!(fit.converged());
@@ -54,7 +55,7 @@ fn static_loop_of_a_wire_under_constant_load() {
     // The way up and the way down stand side by side in the file: temperature and displacement of each.
     let columns = "[columns]\ndrive = { number = 5, unit = \"degc\" }\noutput = { number = 4, unit = \"mm\" }\n\
                    [columns.then]\ndrive = { number = 10, unit = \"degc\" }\noutput = { number = 9, unit = \"mm\" }\n";
-    let rod = Rod::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap();
+    let rod = rod_file::parse("rod.toml", &format!("{STATIC}{columns}")).unwrap();
     let training = [read_csv(&path, &rod.read_options()).unwrap()];
     let fit = fitted(&rod, Rule::LastReversal, &training);
     assert!(fit.converged());
@@ -82,7 +83,7 @@ fn nested_minor_loops_tell_the_memories_apart() {
         .map(|&input| 5.0 * material.commit(&mut memory, [input])[0])
         .collect();
     let training = [static_recording(input, output)];
-    let rod = Rod::parse("rod.toml", STATIC).unwrap();
+    let rod = rod_file::parse("rod.toml", STATIC).unwrap();
 
     let nested = fitted(&rod, Rule::Nested, &training);
     assert!(share_of_range(&nested, &training) < 1e-6);
@@ -157,7 +158,7 @@ fn one_branch_has_a_center_and_no_width() {
         .map(|k| -40.0 + 0.3 * f64::from(k) + 0.5 * f64::from(k % 2))
         .collect();
     let falling: Vec<f64> = rising.iter().rev().copied().collect();
-    let rod = Rod::parse("rod.toml", STATIC).unwrap();
+    let rod = rod_file::parse("rod.toml", STATIC).unwrap();
     for (input, start, way, center_degc) in [
         (&rising, Branch::Heating, OneWay::Heating, 23.0),
         (&falling, Branch::Cooling, OneWay::Cooling, 17.0),
@@ -179,7 +180,7 @@ fn one_branch_has_a_center_and_no_width() {
     let model = LoopModel::new(&rod, Rule::LastReversal, &training).unwrap();
     assert!(model.one_way().is_none() && !model.knows_one_branch());
     let known = format!("{STATIC}[model]\nloop_half_width_k = {{ fixed = 3.0 }}\n");
-    let known = Rod::parse("rod.toml", &known).unwrap();
+    let known = rod_file::parse("rod.toml", &known).unwrap();
     let training = [branch(&rising, Branch::Heating)];
     let model = LoopModel::new(&known, Rule::LastReversal, &training).unwrap();
     assert!(model.one_way().is_none() && !model.knows_one_branch());

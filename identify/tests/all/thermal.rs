@@ -20,6 +20,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use recording::{Quantity, Recording, RecordingParts, read_csv};
+use rig_files::model_file;
 use wiener::hysteresis::Rule;
 
 const DT_S: f64 = 0.2;
@@ -383,12 +384,12 @@ fn what_is_written_is_read_back_and_predicts_as_it_was_fitted() {
     let lagging = Made { lag_s: 0.5, ..COLD };
     for (rod, made) in [(rod(""), COLD), (rod(STATED), lagging), (known(), COLD)] {
         let (saved, recording, fit) = saved(&rod, made);
-        let written = saved.to_toml().unwrap();
+        let written = model_file::to_toml(&saved).unwrap();
         assert!(written.contains("model = \"thermal\""));
-        let read = SavedModel::parse("model.toml", &written).unwrap();
-        assert_eq!(read.to_toml().unwrap(), written);
-        assert!(read.wiener_params().is_none() && read.model().knows_temperature());
-        let prediction = predict(read.model(), &read.point(0), &recording).unwrap();
+        let read = model_file::parse("model.toml", &written).unwrap();
+        assert_eq!(model_file::to_toml(&read).unwrap(), written);
+        assert!(read.wiener_params().is_none() && read.model.knows_temperature());
+        let prediction = predict(&read.model, &read.point(0), &recording).unwrap();
         let squares = prediction.output.iter().zip(recording.output());
         let squares: f64 = squares.map(|(a, b)| (a - b) * (a - b)).sum();
         let rmse = (squares / recording.len() as f64).sqrt();
@@ -399,10 +400,10 @@ fn what_is_written_is_read_back_and_predicts_as_it_was_fitted() {
 #[test]
 fn what_is_no_heat_balance_is_refused() {
     let (saved, recording, _) = saved(&rod(""), COLD);
-    let written = saved.to_toml().unwrap();
+    let written = model_file::to_toml(&saved).unwrap();
     let other = written.replace("output_unit = \"degC\"", "output_unit = \"mm\"");
     assert_eq!(
-        SavedModel::parse("model.toml", &other)
+        model_file::parse("model.toml", &other)
             .unwrap_err()
             .to_string(),
         "model.toml: output in mm: a thermal model needs a temperature, in degC, K or degF"
@@ -410,13 +411,13 @@ fn what_is_no_heat_balance_is_refused() {
     let tau = "name = \"tau_s\"\nvalue = ";
     let (before, after) = written.split_once(tau).unwrap();
     let (_, after) = after.split_once('\n').unwrap();
-    let error = SavedModel::parse("model.toml", &format!("{before}{tau}nan\n{after}"));
+    let error = model_file::parse("model.toml", &format!("{before}{tau}nan\n{after}"));
     let error = error.unwrap_err().to_string();
     assert!(error.contains("tau_s = NaN: must lie from"), "{error}");
     for k in [0, 5] {
         let mut point = saved.point(0);
         point[k] = f64::NAN;
-        let error = predict(saved.model(), &point, &recording).unwrap_err();
+        let error = predict(&saved.model, &point, &recording).unwrap_err();
         assert!(matches!(error, IdentifyError::Simulation(_)), "{error:?}");
     }
     let rig = common::rod(common::ROD);

@@ -3,11 +3,12 @@
 use std::ops::{ControlFlow, Range};
 
 use fixtures::wire::{AMBIENT_DEGC, ROD};
-use identify::{Fit, FitConfig, ForwardModel, ParameterVector, Rod, WienerModel, fit};
+use identify::{Fit, FitConfig, ForwardModel, ParameterVector, WienerModel, fit};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Quantity, Recording, RecordingParts};
+use rig_files::rod_file;
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::{Profile, Start, WienerParams};
 
@@ -40,7 +41,7 @@ impl Synthetic {
         effects: EffectValues,
         seed: u64,
     ) -> Self {
-        let rod = Rod::parse("rod.toml", ROD).unwrap();
+        let rod = rod_file::parse("rod.toml", ROD).unwrap();
         let setting = Setting {
             rule: Rule::LastReversal,
             ..setting_of_rod(&rod, "mm")

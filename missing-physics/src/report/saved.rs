@@ -1,7 +1,5 @@
 //! Models with effects as files, and what is made of them again.
 
-use std::path::Path;
-
 use identify::{
     Bounds, ForwardModel, IdentifyError, NamedEffect, ParameterInfo, ParameterState, RigModel,
     SavedEffects, SavedModel, Scale, StateOfRun, WienerModel, in_states,
@@ -37,27 +35,13 @@ pub fn saved_effects(
     })
 }
 
-/// Reads a model file, which may have effects of the catalogue.
+/// The parameters of an effect of the catalogue that a model file names, for who reads the file.
 ///
 /// # Errors
 ///
-/// As [`SavedModel::read_with`]; an effect that is not in the catalogue, or needs what the file does not say of
-/// the rig, is named with its place.
-pub fn read_model(path: &Path) -> Result<SavedModel, IdentifyError> {
-    SavedModel::read_with(path, &parameters_of)
-}
-
-/// Parses the text of a model file, which may have effects of the catalogue; `file` is its name for errors.
-///
-/// # Errors
-///
-/// As [`SavedModel::parse_with`], and as [`read_model`].
-pub fn parse_model(file: &str, text: &str) -> Result<SavedModel, IdentifyError> {
-    SavedModel::parse_with(file, text, &parameters_of)
-}
-
-/// The parameters of an effect, or what would be accepted in its place.
-fn parameters_of(named: &NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String> {
+/// A text that says what would be accepted in its place: the effect is not in the catalogue, or needs what the file does not
+/// say of the rig.
+pub fn known_effects(named: &NamedEffect<'_>) -> Result<Vec<ParameterInfo>, String> {
     let Ok(effect) = EffectId::parse(named.id) else {
         let known = EffectId::ALL.map(EffectId::id).join(" ");
         return Err(format!("no such effect; known are {known}"));
@@ -104,37 +88,37 @@ pub struct RestoredModel<'a> {
 }
 
 impl<'a> RestoredModel<'a> {
-    /// Takes a model that was read by [`read_model`].
+    /// Takes a model that was read with [`known_effects`].
     ///
     /// # Errors
     ///
     /// [`IdentifyError::Model`] for sub-steps, iterations or values of effects that the plant refuses.
     pub fn new(saved: &'a SavedModel) -> Result<Self, IdentifyError> {
-        let rod = saved.rod();
+        let rod = &saved.rod;
         let mut restored = Self {
             parameters: saved
-                .parameters()
+                .parameters
                 .iter()
                 .map(|one| one.info.clone())
                 .collect(),
             base: None,
             slots: Vec::new(),
             fleet: Extended {
-                setting: setting_of_rod(rod, saved.output_unit()),
+                setting: setting_of_rod(rod, &saved.output_unit),
             },
             saved,
         };
         let setting = &mut restored.fleet.setting;
-        setting.rule = saved.rule();
+        setting.rule = saved.rule;
         setting.largest_drive = Some(saved.largest_drive()).filter(|largest| *largest > 0.0);
         let has_cascade = !matches!(
-            saved.model(),
+            &saved.model,
             RigModel::Loop(_) | RigModel::Thermal(_) | RigModel::Antagonist(_)
         );
         if has_cascade && rod.drive_kind != Quantity::Temperature {
             setting.drive = rod.drive()?;
         }
-        let (RigModel::Wiener(base), Some(effects)) = (saved.model(), saved.effects()) else {
+        let (RigModel::Wiener(base), Some(effects)) = (&saved.model, &saved.effects) else {
             return Ok(restored);
         };
         let ids = effects.ids.iter().map(|id| EffectId::parse(id));
@@ -202,7 +186,7 @@ impl<'a> RestoredModel<'a> {
             }
         }
         Some(Member {
-            params: self.saved.model().wiener_params(&point)?,
+            params: self.saved.model.wiener_params(&point)?,
             effects,
             start,
         })
@@ -248,7 +232,7 @@ impl ForwardModel for RestoredModel<'_> {
         visit: &mut dyn FnMut(Block<'_>),
     ) -> Result<(), IdentifyError> {
         let Some(base) = self.base else {
-            return self.saved.model().simulate(points, recording, visit);
+            return self.saved.model.simulate(points, recording, visit);
         };
         let profile = base.profile(recording)?;
         let states: Vec<StateOfRun> = points

@@ -8,11 +8,12 @@
 use std::ops::ControlFlow;
 
 use fixtures::bologna;
-use identify::{Fit, FitConfig, Rod, WienerModel, fit};
+use identify::{Fit, FitConfig, WienerModel, fit};
 use missing_physics::{
     DiagnoseConfig, ScreenConfig, Verdict, diagnose_from, screen, setting_of_rod,
 };
 use recording::{Recording, read_csv};
+use rig_files::rod_file;
 use sma_effects::{EffectId, EffectSet, Setting};
 use wiener::hysteresis::Rule;
 
@@ -27,7 +28,7 @@ struct Bologna {
 /// The fitted baseline; `None` where the recordings are not there.
 fn measured() -> Option<Bologna> {
     let folder = fixtures::shared::path(bologna::FOLDER)?;
-    let rod = Rod::parse("rod.toml", bologna::ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", bologna::ROD).unwrap();
     let read = |name: &str| read_csv(folder.join(name), &rod.read_options()).unwrap();
     let training: Vec<Recording> = bologna::TRAINING.map(read).into();
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();

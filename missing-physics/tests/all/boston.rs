@@ -5,9 +5,10 @@
     reason = "a test fails by panicking wherever it reads its data"
 )]
 
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{DiagnoseConfig, Verdict, diagnose, setting_of_rod};
 use recording::read_csv;
+use rig_files::rod_file;
 use sma_effects::EffectId;
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
@@ -33,7 +34,7 @@ fn the_lag_of_the_thermocouple_is_closest() {
     let Some(path) = fixtures::shared::path("recordings/boston/c1.csv") else {
         return;
     };
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", ROD).unwrap();
     let training = [read_csv(path, &rod.read_options()).unwrap()];
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {

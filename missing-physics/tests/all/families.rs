@@ -9,8 +9,9 @@ use crate::common;
 
 use common::{current_a, diagnosed, found, noisy, output_mm, recording, setting};
 use fixtures::wire::ROD;
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{DiagnoseConfig, LoopFamily, Verdict, diagnose};
+use rig_files::rod_file;
 use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
@@ -62,7 +63,7 @@ fn an_effect_beside_relays_is_named_with_its_size() {
 fn without_another_shape_of_the_loop_no_family_is_tried() {
     let wire = wire(LoopFamily::Kinetics, EffectSet::EMPTY);
     let output = noisy(output_mm(wire, EffectValues::default()));
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", ROD).unwrap();
     let training = [recording("made-up.csv", current_a(), output, 0.2)];
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {

@@ -17,10 +17,11 @@ use identify::{
     RigModel, Rod, SavedModel, WienerModel, fit, predict, validate_at,
 };
 use missing_physics::{
-    Candidate, ExtendedModel, ExtendedStage, LoopFamily, RestoredModel, Stage, parse_model,
+    Candidate, ExtendedModel, ExtendedStage, LoopFamily, RestoredModel, Stage, known_effects,
     saved_effects, setting_of_rod,
 };
 use recording::Recording;
+use rig_files::{model_file, rod_file};
 use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Hypothesis, Setting};
 use wiener::hysteresis::Rule;
 use wiener::{Start, WienerParams};
@@ -97,7 +98,7 @@ fn made(effects: &[EffectId], iterations: usize) -> Made {
 }
 
 fn made_of(loop_family: LoopFamily, effects: &[EffectId], iterations: usize) -> Made {
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", ROD).unwrap();
     let training = vec![
         recorded("a.csv", [2.4, 2.0, 2.3]),
         recorded("b.csv", [2.2, 2.4, 1.9]),
@@ -164,18 +165,18 @@ const FOUND: [EffectId; 2] = [EffectId::LatentHeat, EffectId::ThermalExpansion];
 #[test]
 fn what_is_written_is_read_back() {
     let made = made(&FOUND, 20);
-    let written = made.saved().to_toml().unwrap();
+    let written = model_file::to_toml(&made.saved()).unwrap();
     assert!(
         written.contains("\neffects = [\"latent-heat\", \"thermal-expansion\"]\n"),
         "{written}"
     );
-    let read = parse_model("model.toml", &written).unwrap();
-    assert_eq!(read.to_toml().unwrap(), written);
+    let read = model_file::parse_with("model.toml", &written, &known_effects).unwrap();
+    assert_eq!(model_file::to_toml(&read).unwrap(), written);
     let fit = &made.stage.stage.fit;
-    assert_eq!(read.parameters(), fit.parameters);
-    assert_eq!(read.covariance(), &fit.covariance);
-    assert_eq!(read.effects().unwrap().newton_iterations, 4);
-    let latent = &read.parameters()[read.model().parameters().len()];
+    assert_eq!(read.parameters, fit.parameters);
+    assert_eq!(read.covariance, fit.covariance);
+    assert_eq!(read.effects.as_ref().unwrap().newton_iterations, 4);
+    let latent = &read.parameters[read.model.parameters().len()];
     assert_eq!(latent.info.name, "latent_heat_j_per_kg");
     assert!(latent.intervals[0].is_some());
     let restored = RestoredModel::new(&read).unwrap();
@@ -187,9 +188,9 @@ fn a_model_that_is_read_does_what_the_fitted_one_did() {
     let made = made(&FOUND, 20);
     let Stage { fit, validated, .. } = &made.stage.stage;
     // That of the fit, so that bits can be compared.
-    let text = made.saved().to_toml().unwrap();
+    let text = model_file::to_toml(&made.saved()).unwrap();
     let text = text.replace("newton_iterations = 4", "newton_iterations = 3");
-    let saved = parse_model("model.toml", &text).unwrap();
+    let saved = model_file::parse_with("model.toml", &text, &known_effects).unwrap();
     let restored = RestoredModel::new(&saved).unwrap();
     for (r, recording) in made.training.iter().enumerate() {
         let predicted = predict(&restored, &saved.point(r), recording).unwrap();
@@ -200,7 +201,7 @@ fn a_model_that_is_read_does_what_the_fitted_one_did() {
         let rmse = (squares / recording.len() as f64).sqrt();
         assert!((rmse - fit.recordings[r].rmse).abs() < 1e-9, "{rmse}");
         // The baseline part alone is another model.
-        let plain = predict(saved.model(), &saved.point(r), recording).unwrap();
+        let plain = predict(&saved.model, &saved.point(r), recording).unwrap();
         assert!((plain.output[100] - predicted.output[100]).abs() > 1e-3);
     }
     let unseen = saved
@@ -213,12 +214,12 @@ fn a_model_that_is_read_does_what_the_fitted_one_did() {
 fn a_loop_of_another_family_is_kept() {
     for effects in [&[EffectId::LatentHeat][..], &[]] {
         let made = made_of(LoopFamily::Relays, effects, 5);
-        let text = made.saved().to_toml().unwrap();
+        let text = model_file::to_toml(&made.saved()).unwrap();
         assert!(text.contains("\nloop_family = \"relays\"\n"), "{text}");
         let text = text.replace("newton_iterations = 4", "newton_iterations = 3");
-        let saved = parse_model("model.toml", &text).unwrap();
-        assert_eq!(saved.to_toml().unwrap(), text);
-        let names = saved.effects().unwrap().names().len();
+        let saved = model_file::parse_with("model.toml", &text, &known_effects).unwrap();
+        assert_eq!(model_file::to_toml(&saved).unwrap(), text);
+        let names = saved.effects.as_ref().unwrap().names().len();
         assert_eq!(names, 1 + effects.len());
         let restored = RestoredModel::new(&saved).unwrap();
         let recording = &made.training[0];
@@ -227,10 +228,12 @@ fn a_loop_of_another_family_is_kept() {
         let by_fit = predict(&made.stage.model, &fit.point(0), recording).unwrap();
         assert_eq!(predicted, by_fit);
         // Who reads baseline models alone says so; and no family is guessed.
-        let refused = SavedModel::parse("model.toml", &text.replace("\"latent-heat\"", ""));
+        let refused = model_file::parse("model.toml", &text.replace("\"latent-heat\"", ""));
         assert!(refused.is_err());
         let unknown = text.replace("\"relays\"", "\"duhem\"");
-        let refused = parse_model("model.toml", &unknown).unwrap_err().to_string();
+        let refused = model_file::parse_with("model.toml", &unknown, &known_effects)
+            .unwrap_err()
+            .to_string();
         assert!(
             refused.contains("loop_family = \"duhem\"") && refused.contains("cosine-kinetics"),
             "{refused}"
@@ -253,9 +256,9 @@ fn drifts_stay_with_their_recordings() {
             parameter.values[0] = 0.1;
         }
     }
-    let text = made.saved().to_toml().unwrap();
-    let saved = parse_model("model.toml", &text).unwrap();
-    assert_eq!(saved.to_toml().unwrap(), text);
+    let text = model_file::to_toml(&made.saved()).unwrap();
+    let saved = model_file::parse_with("model.toml", &text, &known_effects).unwrap();
+    assert_eq!(model_file::to_toml(&saved).unwrap(), text);
     let restored = RestoredModel::new(&saved).unwrap();
     assert_eq!(restored.drifts().collect::<Vec<_>>(), drifts);
     let member = restored
@@ -318,11 +321,11 @@ fn a_hypothesis_of_one_s_own_has_no_place_in_a_file() {
 
 #[test]
 fn effects_that_cannot_be_are_named_with_their_place() {
-    let written = made(&FOUND, 0).saved().to_toml().unwrap();
+    let written = model_file::to_toml(&made(&FOUND, 0).saved()).unwrap();
     let said = |from: &str, to: &str| {
         assert!(written.contains(from), "{from}\n{written}");
         let text = written.replacen(from, to, 1);
-        match parse_model("model.toml", &text) {
+        match model_file::parse_with("model.toml", &text, &known_effects) {
             Ok(saved) => {
                 let mut error: &dyn std::error::Error = &RestoredModel::new(&saved).unwrap_err();
                 let mut said = error.to_string();
@@ -439,7 +442,7 @@ fn effects_that_cannot_be_are_named_with_their_place() {
         "{plain}"
     );
     // A reader that knows no effects.
-    let refused = SavedModel::parse("model.toml", &written).unwrap_err();
+    let refused = model_file::parse("model.toml", &written).unwrap_err();
     assert_eq!(
         refused.to_string(),
         format!(

@@ -4,9 +4,10 @@ use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
 use fixtures::wire::ROD;
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{Change, ChangeVerdict, DiagnoseConfig, Reference};
 use recording::Recording;
+use rig_files::rod_file;
 use sma_effects::{EffectId, EffectSet, EffectValues, Extended, Setting};
 use wiener::hysteresis::Rule;
 
@@ -52,7 +53,7 @@ static LAWS: LazyLock<Reference> = LazyLock::new(|| laws(&reference()));
 
 fn laws(reference: &[Recording]) -> Reference {
     let base = WienerModel::new(
-        &Rod::parse("rod.toml", ROD).unwrap(),
+        &rod_file::parse("rod.toml", ROD).unwrap(),
         Rule::LastReversal,
         reference,
     )

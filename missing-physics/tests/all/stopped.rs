@@ -12,9 +12,10 @@ use std::time::Duration;
 
 use common::{DT_S, current_a, noisy, output_mm, recording, setting};
 use fixtures::wire::ROD;
-use identify::{IdentifyError, Rod, WienerModel};
+use identify::{IdentifyError, WienerModel};
 use missing_physics::{DiagnoseConfig, DiagnoseProgress, Effort, Part, diagnose};
 use recording::Recording;
+use rig_files::rod_file;
 use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
 use wiener::hysteresis::Rule;
 
@@ -29,7 +30,7 @@ fn rig() -> ([Recording; 1], WienerModel) {
         EffectValues::typical(EffectId::LatentHeat, 1.0),
     ));
     let training = [recording("made-up.csv", current_a(), output, DT_S)];
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", ROD).unwrap();
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     (training, base)
 }

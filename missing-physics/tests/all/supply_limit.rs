@@ -11,8 +11,9 @@ use std::ops::ControlFlow;
 
 use common::{current_a, found, noisy, params, played, recording, setting};
 use fixtures::wire::ROD;
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{DiagnoseConfig, Verdict, diagnose};
+use rig_files::rod_file;
 use sma_effects::{EffectId, EffectSet, EffectValues, Extended};
 use wiener::hysteresis::Rule;
 
@@ -44,7 +45,7 @@ fn a_limit_of_the_supply_is_found_with_its_place() {
         DT_S,
     ));
     let training = [recording("made-up.csv", asked, output, DT_S)];
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", ROD).unwrap();
     let base = WienerModel::new(&rod, Rule::LastReversal, &training).unwrap();
     let config = DiagnoseConfig {
         setting: setting(),

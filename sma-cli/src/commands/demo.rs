@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use comfy_table::{Cell, Table};
-use identify::{Identification, Provenance, RigModel, Rod, SavedModel, WienerModel};
+use identify::{Identification, Provenance, RigModel, SavedModel, WienerModel};
 use missing_physics::{DiagnoseConfig, Diagnosis, RestoredModel, diagnose, setting_of_rod};
 use pid_tune::{
     ClosedLoop, ClosedLoopParams, CostWeights, Disturbances, Goal, PidGains, Plants, Reference,
     Task, TunerConfig, tune,
 };
+use rig_files::rod_file;
 use truth_plant::{Shape, Traces, TruthPlant};
 
 use crate::commands::diagnose::{Rig as Files, all_predicted, drawn, implausible, show};
@@ -158,7 +159,7 @@ struct Known {
 
 impl Known {
     fn read(paths: &Paths) -> anyhow::Result<Self> {
-        let rod = Rod::read(&paths.rod)?;
+        let rod = rod_file::read(&paths.rod)?;
         let training = read_all(&rod, std::slice::from_ref(&paths.train))?;
         let unseen = read_all(&rod, std::slice::from_ref(&paths.unseen))?;
         Ok(Self {

@@ -13,6 +13,7 @@ use missing_physics::{
     DiagnoseConfig, DiagnoseProgress, Diagnosis, Effort, Stage, Verdict, diagnose, setting_of_rod,
 };
 use recording::Recording;
+use rig_files::{model_file, rod_file};
 use sma_effects::{EffectId, EffectSet, Hypothesis, Setting};
 
 use crate::commands::on_threads;
@@ -200,7 +201,7 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     };
     outputs.reserve_if(args.resume.as_deref())?;
     let unread = Unread::of(&inputs);
-    let mut rod = Rod::read(&args.rod)?;
+    let mut rod = rod_file::read(&args.rod)?;
     let recordings = args.train.iter().chain(&args.validate);
     let recordings: Vec<PathBuf> = recordings.chain(&args.reference).cloned().collect();
     args.used.apply(&mut rod, &recordings)?;
@@ -321,7 +322,7 @@ fn with_time(
     say(args.quiet, &diagnosed.notes())?;
     let mut delivery = Delivery::default();
     if let Some((sink, model)) = places.model.zip(kept.and_then(|kept| kept.model)) {
-        delivery.of(|| sink.write(&model.to_toml()?));
+        delivery.of(|| sink.write(&model_file::to_toml(&model)?));
     }
     if let Some((sink, run)) = places.next.zip(run) {
         delivery.of(|| sink.write(&next_run::csv(run, &rig.rod)));

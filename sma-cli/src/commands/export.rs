@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use identify::{RigModel, SavedModel};
-use missing_physics::{RestoredModel, parse_model};
+use missing_physics::{RestoredModel, known_effects};
 use pid_tune::{AntiWindup, DerivativeOf, PidGains, PidParams};
 use recording::{Quantity, open_regular, read_text};
+use rig_files::model_file;
 use serde::Deserialize;
 use sma_effects::{EffectId, Member};
 use sma_export::{
@@ -103,7 +104,11 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let sink = Outputs::beside(&inputs).open(&args.output)?;
     // Read once: a file that changes meanwhile is one model all the same.
     let model_toml = text_of(&args.model)?;
-    let saved = parse_model(&args.model.display().to_string(), &model_toml)?;
+    let saved = model_file::parse_with(
+        &args.model.display().to_string(),
+        &model_toml,
+        &known_effects,
+    )?;
     let model = RestoredModel::new(&saved)?;
     let exported = exported(args, &saved, &model, sha256_of(model_toml.as_bytes()))?;
     let result = match args.to {
@@ -213,10 +218,10 @@ fn exported(
         Some(path) => Some(TunedFile::read(path)?),
         None => None,
     };
-    let rod = saved.rod();
+    let rod = &saved.rod;
     let file = || args.model.display().to_string();
     let member = member(saved, model).map_err(|kind| ExportError::Kind { file: file(), kind })?;
-    let recorded = saved.recordings().iter().find_map(|one| one.sample_time_s);
+    let recorded = saved.recordings.iter().find_map(|one| one.sample_time_s);
     let of_tuned = tuned.as_ref().map(|tuned| tuned.content.sample_time_s);
     let Some(dt_s) = args.sample_time_s.or(of_tuned).or(recorded) else {
         return Err(ExportError::NoSampleTime { file: file() }.into());
@@ -224,7 +229,7 @@ fn exported(
     let is_turned = member.params.gain < 0.0;
     let controller = match (&tuned, args.gains.as_deref()) {
         (Some(tuned), _) => {
-            let units = [saved.output_unit(), drive_unit(rod.drive_kind)];
+            let units = [&saved.output_unit, drive_unit(rod.drive_kind)];
             Some(tuned.controller(dt_s, is_turned, units)?)
         }
         (None, Some(&[kp, ki, kd])) => {
@@ -237,7 +242,7 @@ fn exported(
         }
         (None, _) => None,
     };
-    let first = saved.recordings().first();
+    let first = saved.recordings.first();
     Ok(Exported {
         setting: model.fleet().setting,
         member,
@@ -250,7 +255,7 @@ fn exported(
             version: env!("CARGO_PKG_VERSION").to_owned(),
             command: call(),
             drive_unit: drive_unit(rod.drive_kind).to_owned(),
-            output_unit: saved.output_unit().to_owned(),
+            output_unit: saved.output_unit.clone(),
             ambient_degc: rod.ambient_degc,
             recording: first.map_or_else(|| "the model".to_owned(), |one| one.name.clone()),
             left_out: left_out(saved, model),
@@ -268,7 +273,7 @@ fn drive_unit(quantity: Quantity) -> &'static str {
 
 /// The rig with the offset and the start of the first training recording; else what the model is.
 fn member(saved: &SavedModel, model: &RestoredModel<'_>) -> Result<Member, &'static str> {
-    let kind = match saved.model() {
+    let kind = match &saved.model {
         RigModel::Wiener(_) | RigModel::Sadeghi(_) => "of a kind without a cascade",
         RigModel::Loop(_) => "a static loop, without a time constant",
         RigModel::Thermal(_) => "a heat balance, whose output is the temperature",
@@ -284,14 +289,14 @@ fn left_out(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
         .map(|id| format!("{id} of the recordings that were fitted"))
         .collect();
     let deviates = |name: &&str| {
-        let of_runs = saved.parameters().iter();
+        let of_runs = saved.parameters.iter();
         of_runs
             .filter(|one| one.info.name == *name)
             .any(|one| one.values.iter().any(|value| value.abs() > 0.0))
     };
     let runs = OF_RUNS.into_iter().filter(deviates);
     left_out.extend(runs.map(|name| format!("{name} of single runs")));
-    if !saved.model().knows_temperature() {
+    if !saved.model.knows_temperature() {
         left_out.push(
             "the scale of temperature, which the model does not know: temperatures are arbitrary, and so is the effect of ambient_degc"
                 .to_owned(),
@@ -307,7 +312,7 @@ fn notes(saved: &SavedModel, exported: &Exported) -> Vec<String> {
         "offset {} {} and start are those of {}; sample time {} s",
         exported.member.params.offset, labels.output_unit, labels.recording, exported.dt_s
     )];
-    if !saved.scores().converged {
+    if !saved.scores.converged {
         notes.push(
             "the model was NOT CONVERGED when it was identified: do not trust this".to_owned(),
         );

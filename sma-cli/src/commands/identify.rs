@@ -21,6 +21,7 @@ use crate::provenance::Unread;
 use crate::resume::Starts;
 use crate::sink::{Delivery, Outputs, deliver};
 use crate::terminal::{bar, say};
+use rig_files::{model_file, rod_file};
 use workbench::figure::Compared;
 use workbench::page;
 use workbench::report::identified::Identified;
@@ -131,7 +132,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let series = outputs.open_if(args.series.as_deref())?;
     outputs.reserve_if(args.resume.as_deref())?;
     let unread = Unread::of(&inputs);
-    let mut rod = Rod::read(&args.rod)?;
+    let mut rod = rod_file::read(&args.rod)?;
     let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
     args.used.apply(&mut rod, &recordings)?;
     let training = read_all(&rod, &args.train)?;
@@ -214,7 +215,10 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
             unseen: &unseen,
             validated: &validated,
         };
-        delivery.of(|| sink.write(&SavedModel::of(&identification, made.clone()).to_toml()?));
+        delivery.of(|| {
+            let model = SavedModel::of(&identification, made.clone());
+            sink.write(&model_file::to_toml(&model)?)
+        });
     }
     let mut text = identified.text();
     if args.pictures.plot || report.is_some() {

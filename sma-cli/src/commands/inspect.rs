@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use identify::Rod;
 use recording::{
     Adaptation, Inspection, Meaning, ReadOptions, Recording, RecordingError, inspect,
     inspect_as_recorded, mended, read_csv, repeat_floor, survey,
 };
+use rig_files::rod_file;
 use serde_json::json;
 
 use crate::commands::used::UseArgs;
@@ -37,8 +37,8 @@ pub(crate) struct InspectArgs {
 /// Runs the command.
 pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
     let mut rod = match &args.rod {
-        Some(path) => Rod::read(path)?,
-        None => Rod::parse("(no rod file)", "")?,
+        Some(path) => rod_file::read(path)?,
+        None => rod_file::parse("(no rod file)", "")?,
     };
     args.used.apply(&mut rod, &args.recordings)?;
     let parts = args
@@ -123,7 +123,7 @@ fn is_of_columns(fault: &RecordingError) -> bool {
 /// enough, either.
 fn guessed(path: &Path, fault: RecordingError) -> anyhow::Result<(Recording, Option<Adaptation>)> {
     let survey = survey(path)?;
-    let rod = Rod::parse("(a guess)", &first_rod(&survey).text)?;
+    let rod = rod_file::parse("(a guess)", &first_rod(&survey).text)?;
     let Ok(recording) = read(path, &rod.read_options()) else {
         return Err(fault.into());
     };

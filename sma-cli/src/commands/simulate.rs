@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use identify::{IdentifyError, RigModel, Role, SavedModel, SavedRecording, predict};
-use missing_physics::{RestoredModel, read_model};
+use missing_physics::{RestoredModel, known_effects};
 use recording::{Quantity, Recording, RecordingParts, Sampling, write_csv};
+use rig_files::model_file;
 use sma_effects::EffectId;
 
 use crate::commands::used::UseArgs;
@@ -42,12 +43,12 @@ pub(crate) struct SimulateArgs {
 /// Runs the command.
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let sink = Outputs::beside(&[&args.model, &args.drive]).open(&args.output)?;
-    let saved = read_model(&args.model)?;
+    let saved = model_file::read_with(&args.model, &known_effects)?;
     let model = RestoredModel::new(&saved)?;
-    let options = saved.rod().read_options();
+    let options = saved.rod.read_options();
     let (recording, has_output) =
         read_perhaps_without_output(&args.drive, &options).map_err(IdentifyError::from)?;
-    let mut rod = saved.rod().clone();
+    let mut rod = saved.rod.clone();
     let is_known = is_input(&saved, &args.drive)?;
     if !is_known {
         // What is kept of a recording of this name is of another one.
@@ -67,7 +68,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
              it to {} {} RMS",
             recording.name(),
             significant((squares / left.len() as f64).sqrt()),
-            saved.output_unit(),
+            &saved.output_unit,
         );
         (point, met)
     } else if has_output {
@@ -76,11 +77,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
             "{} has an output too: the prediction meets it to {} {} RMS",
             recording.name(),
             significant(validated.rmse),
-            saved.output_unit(),
+            &saved.output_unit,
         );
         (validated.point, met)
     } else {
-        let first = saved.recordings().first();
+        let first = saved.recordings.first();
         let met = format!(
             "start and offset are those of {}",
             first.map_or("the model", |one| one.name.as_str())
@@ -101,7 +102,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Outcome> {
             Quantity::Temperature => recording.drive_unit().to_owned(),
             _ => String::new(),
         },
-        output_unit: saved.output_unit().to_owned(),
+        output_unit: saved.output_unit.clone(),
         output: prediction.output,
         temperature_degc: (recording.drive_quantity() != Quantity::Temperature)
             .then_some(prediction.temperature_degc),
@@ -124,7 +125,7 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
     let mut notes: Vec<String> = adaptations
         .map(|adaptation| format!("{}: {adaptation}", recording.name()))
         .collect();
-    if !saved.scores().converged {
+    if !saved.scores.converged {
         notes.push(
             "the model was NOT CONVERGED when it was identified: do not trust this".to_owned(),
         );
@@ -138,7 +139,7 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
             unit = recording.drive_unit(),
         ));
     }
-    if let RigModel::Loop(one) = saved.model()
+    if let RigModel::Loop(one) = &saved.model
         && one.knows_one_branch()
     {
         notes.push(
@@ -147,7 +148,7 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
         );
     }
     notes.push(met);
-    if !saved.model().knows_temperature() {
+    if !saved.model.knows_temperature() {
         notes.push("temperatures are arbitrary: the model does not know their scale".to_owned());
     }
     notes
@@ -156,7 +157,7 @@ fn notes(saved: &SavedModel, recording: &Recording, met: String) -> Vec<String> 
 /// True if a file is, byte for byte, one that the model was made from.
 fn is_input(saved: &SavedModel, path: &Path) -> anyhow::Result<bool> {
     let own = hashed(&[path])?;
-    let inputs = &saved.provenance().input;
+    let inputs = &saved.provenance.input;
     Ok(own
         .iter()
         .any(|own| inputs.iter().any(|input| input.sha256 == own.sha256)))
@@ -167,12 +168,12 @@ fn fitted_to(saved: &SavedModel, recording: &Recording) -> Option<usize> {
     let is_it = |one: &SavedRecording| {
         one.role == Role::Train && one.name == recording.name() && one.n_samples == recording.len()
     };
-    saved.recordings().iter().position(is_it)
+    saved.recordings.iter().position(is_it)
 }
 
 /// Notes on the effects of the model beyond the baseline.
 fn effects(saved: &SavedModel, model: &RestoredModel<'_>) -> Vec<String> {
-    let Some(effects) = saved.effects() else {
+    let Some(effects) = &saved.effects else {
         return Vec::new();
     };
     let mut notes = vec![format!(

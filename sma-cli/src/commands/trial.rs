@@ -8,13 +8,13 @@ use anyhow::bail;
 use blind_trial::scores::Scores;
 use blind_trial::{CaseLine, Family, Like, Plan, Progress, RunConfig, Trial};
 use clap::Args;
-use identify::Rod;
 
 use crate::outcome::{Outcome, with_sources};
 use crate::provenance::call;
 use crate::resume::on_interrupt;
 use crate::sink::{Outputs, deliver};
 use crate::terminal::{bar, say};
+use rig_files::rod_file;
 use workbench::page;
 use workbench::read_perhaps_without_output;
 use workbench::report::trial::Tried;
@@ -145,7 +145,7 @@ impl TrialArgs {
         let (Some(rod), Some(drive)) = (&self.like, &self.drive) else {
             return Ok(None);
         };
-        let rod = Rod::read(rod)?;
+        let rod = rod_file::read(rod)?;
         let options = rod.read_options();
         let (recording, _) = read_perhaps_without_output(drive, &options)?;
         Ok(Some(Like::new(&rod, &recording)?))

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use identify::{SavedModel, Sensor};
-use missing_physics::{RestoredModel, read_model};
+use missing_physics::{RestoredModel, known_effects};
 use pid_tune::{
     Across, AntiWindup, ClosedLoop, CostWeights, DerivativeOf, Goal, InverseRun, OpenLoop, Pace,
     Pid, PidGains, PidParams, PlantResponse, Plants, Reference, Requirements, Screen, Task,
     TuneError, TunerConfig, front, robustness, second_opinion, sensitivities, tune,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
+use rig_files::model_file;
 use sma_effects::{Member, Turned};
 
 use crate::commands::on_threads;
@@ -270,7 +271,7 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
     let html = outputs.open_if(args.report.as_deref())?;
     let script = outputs.open_if(args.test_script.as_deref())?;
     let unread = Unread::of(&inputs);
-    let saved = read_model(&args.model)?;
+    let saved = model_file::read_with(&args.model, &known_effects)?;
     let model = RestoredModel::new(&saved)?;
     let rig = Rig::of(&saved, &model, args.drive_max)?;
     rig.check_set_point(args.step_output)?;
@@ -495,7 +496,7 @@ fn pictures(
 impl TuneArgs {
     /// All of the controller but its gains.
     fn controller(&self, saved: &SavedModel, rig: &Rig) -> Result<PidParams, RigError> {
-        let recorded = saved.recordings().iter().find_map(|one| one.sample_time_s);
+        let recorded = saved.recordings.iter().find_map(|one| one.sample_time_s);
         let Some(dt_s) = self.sample_time_s.or(recorded) else {
             return Err(RigError::Missing {
                 what: "--sample-time-s",
@@ -892,7 +893,7 @@ impl Job<'_> {
     }
 
     fn read_reference(&self, path: &Path) -> Result<ReferenceFile, RecordingError> {
-        let columns = &self.saved.rod().columns;
+        let columns = &self.saved.rod.columns;
         let unit = self.bench.rig.output_unit.as_str();
         // A reference is an input like that of a static loop: a number in a unit of its own.
         let options = ReadOptions {

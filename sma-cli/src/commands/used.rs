@@ -102,6 +102,8 @@ impl UseArgs {
 
 #[cfg(test)]
 mod tests {
+    use rig_files::rod_file;
+
     use super::*;
 
     fn span(text: &str) -> Span {
@@ -132,7 +134,7 @@ mod tests {
 
     #[test]
     fn flags_go_before_the_rod_file_and_name_recordings_of_the_call() {
-        let mut rod = Rod::parse(
+        let mut rod = rod_file::parse(
             "rod.toml",
             "[recordings.\"a.csv\"]\nwindow_s = [1, 9]\nexclude_s = [[8, 10]]\ndecimate = 3\n",
         )

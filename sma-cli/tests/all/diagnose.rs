@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
-use identify::Rod;
-use missing_physics::{parse_model, setting_of_rod};
+use missing_physics::{known_effects, setting_of_rod};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use recording::{Recording, RecordingParts, read_csv, write_csv};
+use rig_files::{model_file, rod_file};
 use serde_json::Value;
 use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
 use wiener::{Plant, Profile, run};
@@ -38,7 +38,7 @@ fn with_latent_heat() -> tempfile::TempDir {
 /// With a row for so many of the bundled ones.
 pub(crate) fn sampled_with_latent_heat(every: usize) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let rod = Rod::read(&bundled("rod.toml")).unwrap();
+    let rod = rod_file::read(&bundled("rod.toml")).unwrap();
     std::fs::copy(bundled("rod.toml"), folder.path().join("rod.toml")).unwrap();
     let setting = Setting {
         active: EffectSet::of(EffectId::LatentHeat),
@@ -544,18 +544,18 @@ fn a_saved_model_has_what_was_found() {
         notes.contains("note: the model with latent-heat is saved\n"),
         "{notes}"
     );
-    let saved = parse_model("model.toml", model).unwrap();
-    assert_eq!(saved.to_toml().unwrap(), *model);
-    assert_eq!(saved.effects().unwrap().ids, ["latent-heat"]);
-    assert!(saved.scores().converged);
-    assert_eq!(saved.provenance().input.len(), 3);
+    let saved = model_file::parse_with("model.toml", model, &known_effects).unwrap();
+    assert_eq!(model_file::to_toml(&saved).unwrap(), *model);
+    assert_eq!(saved.effects.unwrap().ids, ["latent-heat"]);
+    assert!(saved.scores.converged);
+    assert_eq!(saved.provenance.input.len(), 3);
     assert!(
         saved
-            .provenance()
+            .provenance
             .command
             .starts_with("sma diagnose rod.toml")
     );
-    let latent = saved.parameters().last().unwrap();
+    let latent = saved.parameters.last().unwrap();
     assert_eq!(latent.info.name, "latent_heat_j_per_kg");
     let found = &document["findings"][0]["parameters"][0];
     assert_eq!(found["value"], latent.values[0]);
@@ -565,8 +565,8 @@ fn a_saved_model_has_what_was_found() {
         serde_json::json!([interval.lower, interval.upper])
     );
     for (key, rmse) in [
-        ("train_rmse", Some(saved.scores().train_rmse)),
-        ("validate_rmse", saved.scores().validate_rmse),
+        ("train_rmse", Some(saved.scores.train_rmse)),
+        ("validate_rmse", saved.scores.validate_rmse),
     ] {
         assert_eq!(document["extended"][key], serde_json::json!(rmse), "{key}");
     }
@@ -603,11 +603,8 @@ fn a_saved_model_is_simulated_with_what_was_found() {
 fn gains_are_tuned_on_what_was_found() {
     let folder = with_saved_model();
     let model = &diagnosed().model;
-    let saved = parse_model("model.toml", model).unwrap();
-    let latent = format!(
-        "value = {:?}\n",
-        saved.parameters().last().unwrap().values[0]
-    );
+    let saved = model_file::parse_with("model.toml", model, &known_effects).unwrap();
+    let latent = format!("value = {:?}\n", saved.parameters.last().unwrap().values[0]);
     assert_eq!(model.matches(&latent).count(), 1, "{latent}{model}");
     let without = model.replace(&latent, "value = 0.0\n");
     std::fs::write(folder.path().join("without.toml"), without).unwrap();
@@ -708,9 +705,9 @@ fn model_files_with_effects_that_cannot_be_are_refused() {
             format!(
                 "model.toml:{}:1: parameter latent_heat_j_per_kg = -{}: must lie from 0e0 to 6e4 J/kg",
                 line_of("name = \"latent_heat_j_per_kg\"") - 1,
-                parse_model("model.toml", model)
+                model_file::parse_with("model.toml", model, &known_effects)
                     .unwrap()
-                    .parameters()
+                    .parameters
                     .last()
                     .unwrap()
                     .values[0],
@@ -831,9 +828,9 @@ fn no_next_run_is_no_file_and_nothing_found_is_a_plain_model() {
         "{notes}"
     );
     let model = std::fs::read_to_string(folder.path().join("model.toml")).unwrap();
-    let saved = identify::SavedModel::parse("model.toml", &model).unwrap();
-    assert_eq!(saved.effects(), None);
-    assert_eq!(saved.to_toml().unwrap(), model);
+    let saved = model_file::parse("model.toml", &model).unwrap();
+    assert_eq!(saved.effects, None);
+    assert_eq!(model_file::to_toml(&saved).unwrap(), model);
 }
 
 /// A loop under a load: heated and cooled twice between 20 and 110 °C, once in part, and shifted by a kelvin

@@ -7,8 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
-use identify::{ForwardModel, RigModel, Rod};
+use identify::{ForwardModel, RigModel};
 use recording::{Quantity, Recording, RecordingParts};
+use rig_files::rod_file;
 use sma_effects::EffectId;
 use wiener::hysteresis::Rule;
 
@@ -122,7 +123,7 @@ fn the_readme_says_what_the_program_says() {
                 }
             }
             "toml" => {
-                Rod::parse("README.md", block).unwrap();
+                rod_file::parse("README.md", block).unwrap();
             }
             _ => {
                 for line in block.lines() {
@@ -157,7 +158,7 @@ fn every_effect_is_explained_with_its_equation() {
 
 /// Words in backticks behind what an error of the parser of rod files expected; `wrong` is what it refused.
 fn accepted(text: &str, wrong: &str) -> BTreeSet<String> {
-    let error = Rod::parse("rod.toml", text).unwrap_err().to_string();
+    let error = rod_file::parse("rod.toml", text).unwrap_err().to_string();
     assert!(error.contains(wrong), "{error}");
     let (_, expected) = error.split_once(wrong).unwrap();
     let words: BTreeSet<String> = in_backticks(expected).collect();
@@ -183,7 +184,7 @@ fn listed(page: &str, table: &str) -> BTreeSet<String> {
 /// Names of the parameters of every model that a rod file can ask for.
 fn parameters() -> BTreeSet<String> {
     let of = |rod: &str, parts: RecordingParts| {
-        let rod = Rod::parse("rod.toml", rod).unwrap();
+        let rod = rod_file::parse("rod.toml", rod).unwrap();
         let recording = Recording::new(parts).unwrap();
         let model = RigModel::new(&rod, Rule::LastReversal, &[recording]).unwrap();
         let names = model.parameters().iter().map(|info| info.name.to_owned());
@@ -238,7 +239,7 @@ fn every_key_of_a_rod_file_stands_on_its_page() {
         .iter()
         .filter(|(language, _)| *language == "toml")
     {
-        Rod::parse("rod.toml", block).unwrap();
+        rod_file::parse("rod.toml", block).unwrap();
     }
     let field = "unknown field `wrong`, expected ";
     let tables = accepted("wrong = 1", field);

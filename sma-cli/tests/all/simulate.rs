@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use rig_files::model_file;
 
 fn bundled() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("bundled")
@@ -53,10 +54,7 @@ fn a_saved_model_says_how_it_was_made() {
     // The rod file and the recording.
     assert_eq!(model.matches("sha256 = \"").count(), 2);
     assert_eq!(
-        identify::SavedModel::parse("model.toml", &model)
-            .unwrap()
-            .to_toml()
-            .unwrap(),
+        model_file::to_toml(&model_file::parse("model.toml", &model).unwrap()).unwrap(),
         model
     );
 }

@@ -12,8 +12,9 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use identify::predict;
-use missing_physics::{RestoredModel, parse_model};
+use missing_physics::{RestoredModel, known_effects};
 use recording::{Quantity, Recording, RecordingParts, Sampling};
+use rig_files::model_file;
 use sha2::{Digest, Sha256};
 use sma_export::{FmuVariable, fmu_guid};
 use sma_fmu::{
@@ -142,7 +143,7 @@ fn drive() -> Vec<f64> {
 
 /// Prediction of `sma simulate`.
 fn predicted(drive: &[f64]) -> Vec<[u64; 2]> {
-    let saved = parse_model("model.toml", MODEL).unwrap();
+    let saved = model_file::parse_with("model.toml", MODEL, &known_effects).unwrap();
     let model = RestoredModel::new(&saved).unwrap();
     let recording = Recording::new(RecordingParts {
         name: "profile".to_owned(),

@@ -13,12 +13,13 @@ use std::time::Instant;
 use argmin::core::{CostFunction, Executor, SyncAlias};
 use argmin::solver::particleswarm::ParticleSwarm;
 use benches::{Job, ROD_TOML};
-use identify::{Fit, FitConfig, ForwardModel, Rod, SadeghiModel, WienerModel, fit};
+use identify::{Fit, FitConfig, ForwardModel, SadeghiModel, WienerModel, fit};
 use pso::{Boundary, Stop, Swarm, SwarmConfig, Topology};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use recording::Recording;
+use rig_files::rod_file;
 use wiener::hysteresis::Rule;
 
 type Failure = Box<dyn Error + Send + Sync>;
@@ -197,7 +198,7 @@ fn main() -> Result<(), Failure> {
     let begin = Instant::now();
     let job = Job::load()?;
     let training = [job.recording().clone()];
-    let rod = Rod::parse("rod.toml", ROD_TOML)?;
+    let rod = rod_file::parse("rod.toml", ROD_TOML)?;
     let model = WienerModel::new(&rod, Rule::LastReversal, &training)?;
 
     let (fits, fits_s) = all_seeds(|seed| fitted(&model, &training, FitConfig::default(), seed))?;
@@ -229,7 +230,7 @@ fn main() -> Result<(), Failure> {
          |---|---|---|---|---|---|---|"
     );
     print_fits("`FitConfig::default`", &fits, floor_mm2, fits_s);
-    let rod = Rod::parse("rod.toml", SADEGHI_ROD_TOML)?;
+    let rod = rod_file::parse("rod.toml", SADEGHI_ROD_TOML)?;
     let model = SadeghiModel::new(&rod, Rule::LastReversal, &training)?;
     let (fits, fits_s) = all_seeds(|seed| fitted(&model, &training, FitConfig::sadeghi(), seed))?;
     print_fits(

@@ -12,11 +12,12 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use benches::{Job, ROD_TOML};
-use identify::{FitConfig, Rod, WienerModel, fit};
+use identify::{FitConfig, WienerModel, fit};
 use pso::{Stop, Swarm, SwarmConfig};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::ThreadPoolBuilder;
+use rig_files::rod_file;
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Plant, Wiener, WienerParams, run};
 
@@ -124,7 +125,7 @@ fn again<T>(entry: &mut Entry, work: impl FnOnce() -> Result<T, Failure>) -> Res
 fn main() -> Result<(), Failure> {
     let job = Job::load()?;
     let training = [job.recording().clone()];
-    let rod = Rod::parse("rod.toml", ROD_TOML)?;
+    let rod = rod_file::parse("rod.toml", ROD_TOML)?;
     let model = WienerModel::new(&rod, Rule::LastReversal, &training)?;
     let visited = visited(&job)?;
     let points = visited.concat();

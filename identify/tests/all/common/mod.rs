@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, Rod, WienerModel, fit};
 use recording::{Quantity, Recording, RecordingParts};
+use rig_files::rod_file;
 use wiener::hysteresis::{LoopParams, Rule};
 use wiener::thermal::RodParams;
 use wiener::{Drive, Plant, Profile, Wiener, WienerParams, run};
@@ -21,7 +22,7 @@ ambient_degc = 21.0
 ";
 
 pub(crate) fn rod(text: &str) -> Rod {
-    Rod::parse("rod.toml", text).unwrap()
+    rod_file::parse("rod.toml", text).unwrap()
 }
 
 pub(crate) fn truth() -> WienerParams {

@@ -3,12 +3,13 @@
 #![allow(dead_code, reason = "each test uses what it needs")]
 
 use fixtures::wire::{AMBIENT_DEGC, ROD};
-use identify::{Rod, WienerModel};
+use identify::WienerModel;
 use missing_physics::{DiagnoseConfig, Diagnosis, diagnose, setting_of_rod};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use recording::{Recording, RecordingParts};
+use rig_files::rod_file;
 use sma_effects::{EffectValues, Extended, Hypothesis, Member, Setting};
 use std::ops::ControlFlow;
 use wiener::hysteresis::{LoopParams, Rule};
@@ -49,7 +50,7 @@ pub(crate) fn triangles_a(heights_a: &[f64]) -> Vec<f64> {
 
 /// Known properties of the wire.
 pub(crate) fn setting() -> Setting {
-    setting_of_rod(&Rod::parse("rod.toml", ROD).unwrap(), "mm")
+    setting_of_rod(&rod_file::parse("rod.toml", ROD).unwrap(), "mm")
 }
 
 /// The baseline model of the wire.
@@ -185,7 +186,7 @@ pub(crate) fn diagnosed_as(
     unseen: &[Recording],
     config: &DiagnoseConfig,
 ) -> Diagnosis {
-    let rod = Rod::parse("rod.toml", ROD).unwrap();
+    let rod = rod_file::parse("rod.toml", ROD).unwrap();
     let base = WienerModel::new(&rod, Rule::LastReversal, training).unwrap();
     let go_on = &mut |_| ControlFlow::Continue(());
     diagnose(&base, training, unseen, config, go_on).unwrap()

@@ -8,8 +8,9 @@
 use crate::common;
 
 use common::{ROD, rod, truth};
-use identify::{Rod, Supply};
+use identify::Supply;
 use recording::parse_csv;
+use rig_files::rod_file;
 use wiener::Drive;
 
 /// Ω, of the rod of the tests: 200 mm of 1.2 Ω/m.
@@ -20,7 +21,7 @@ fn with_drive(keys: &str) -> String {
 }
 
 fn refused(text: &str) -> String {
-    Rod::parse("rod.toml", text).unwrap_err().to_string()
+    rod_file::parse("rod.toml", text).unwrap_err().to_string()
 }
 
 fn limit(keys: &str) -> f64 {

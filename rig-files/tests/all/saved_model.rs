@@ -13,10 +13,11 @@ use std::ops::ControlFlow;
 
 use common::{ROD, recording, rod, steps, triangles};
 use identify::{
-    Bounds, Fit, FitConfig, Identification, InputFile, ParameterInfo, Provenance, RigModel, Rod,
-    Role, SavedModel, Scale, fit, predict, validate,
+    Bounds, Fit, FitConfig, Identification, InputFile, ParameterInfo, Provenance, RigModel, Role,
+    SavedModel, Scale, fit, predict, validate,
 };
 use recording::Recording;
+use rig_files::{model_file, rod_file};
 use wiener::hysteresis::Rule;
 
 struct Saved {
@@ -85,21 +86,21 @@ fn what_is_written_is_read_back() {
             training,
             model,
         } = saved(text);
-        let written = saved.to_toml().unwrap();
-        let read = SavedModel::parse("model.toml", &written).unwrap();
-        assert_eq!(read.to_toml().unwrap(), written);
-        assert_eq!(read.rod().uses, saved.rod().uses);
-        assert_eq!(read.rod().uses.is_empty(), !text.contains(uses));
-        assert_eq!(read.parameters(), fit.parameters);
-        assert_eq!(read.covariance(), &fit.covariance);
-        assert_eq!(read.rule(), Rule::Nested);
-        assert_eq!(read.model().knows_temperature(), model.knows_temperature());
-        assert_eq!(read.provenance(), saved.provenance());
-        let of_reading: Vec<_> = read.recordings().iter().map(|one| one.role).collect();
+        let written = model_file::to_toml(&saved).unwrap();
+        let read = model_file::parse("model.toml", &written).unwrap();
+        assert_eq!(model_file::to_toml(&read).unwrap(), written);
+        assert_eq!(read.rod.uses, saved.rod.uses);
+        assert_eq!(read.rod.uses.is_empty(), !text.contains(uses));
+        assert_eq!(read.parameters, fit.parameters);
+        assert_eq!(&read.covariance, &fit.covariance);
+        assert_eq!(read.rule, Rule::Nested);
+        assert_eq!(read.model.knows_temperature(), model.knows_temperature());
+        assert_eq!(&read.provenance, &saved.provenance);
+        let of_reading: Vec<_> = read.recordings.iter().map(|one| one.role).collect();
         assert_eq!(of_reading, [Role::Train, Role::Train, Role::Validate]);
         for (r, recording) in training.iter().enumerate() {
             assert_eq!(
-                predict(read.model(), &read.point(r), recording).unwrap(),
+                predict(&read.model, &read.point(r), recording).unwrap(),
                 predict(&model, &fit.point(r), recording).unwrap()
             );
         }
@@ -142,7 +143,7 @@ fn a_saved_model_is_a_start() {
     assert_eq!(again.starts, 2);
     assert!(again.train_rmse <= fit.train_rmse * (1.0 + 1e-6) + 1e-9);
 
-    let other = Rod::parse("rod.toml", "[surroundings]\nambient_degc = 21.0\n").unwrap();
+    let other = rod_file::parse("rod.toml", "[surroundings]\nambient_degc = 21.0\n").unwrap();
     let other = RigModel::new(&other, Rule::Nested, &training).unwrap();
     let names = "tau_s, loop_center_degc, loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, \
                  start_share, ambient_level_k, run_heat_loss, run_gain";
@@ -169,11 +170,11 @@ fn fit_error(model: &RigModel, training: &[Recording], config: &FitConfig) -> St
 
 #[test]
 fn what_a_model_file_may_not_say() {
-    let written = saved(ROD).saved.to_toml().unwrap();
+    let written = model_file::to_toml(&saved(ROD).saved).unwrap();
     let said = |from: &str, to: &str| {
         assert!(written.contains(from), "{from}\n{written}");
         let text = written.replacen(from, to, 1);
-        SavedModel::parse("model.toml", &text)
+        model_file::parse("model.toml", &text)
             .unwrap_err()
             .to_string()
     };
@@ -227,7 +228,7 @@ fn what_a_model_file_may_not_say() {
         assert_eq!(said(from, to), expected);
     }
     let untrained = written.replace("role = \"train\"", "role = \"validate\"");
-    let fault = SavedModel::parse("model.toml", &untrained).unwrap_err();
+    let fault = model_file::parse("model.toml", &untrained).unwrap_err();
     assert_eq!(
         fault.to_string(),
         "model.toml: recording: none has role = \"train\"; expected the recordings that the model was fitted to, as --save-model writes them"
@@ -258,20 +259,20 @@ fn what_a_model_file_may_not_say() {
         stranger.ends_with(": must name its recording: a.csv or b \"2\".csv"),
         "{stranger}"
     );
-    let none = SavedModel::parse("rod.toml", ROD).unwrap_err();
+    let none = model_file::parse("rod.toml", ROD).unwrap_err();
     assert_eq!(
         none.to_string(),
         "rod.toml: no schema_version; a model comes from --save-model of `sma identify` or `sma diagnose`"
     );
-    let absent = SavedModel::read("absent.toml".as_ref()).unwrap_err();
+    let absent = model_file::read("absent.toml".as_ref()).unwrap_err();
     assert_eq!(absent.to_string(), "absent.toml: cannot be read");
 }
 
 #[test]
 fn numbers_that_no_fit_has_are_refused() {
-    let written = saved(ROD).saved.to_toml().unwrap();
+    let written = model_file::to_toml(&saved(ROD).saved).unwrap();
     let refused = |text: &str| {
-        SavedModel::parse("model.toml", text)
+        model_file::parse("model.toml", text)
             .unwrap_err()
             .to_string()
     };
@@ -305,8 +306,8 @@ fn numbers_that_no_fit_has_are_refused() {
     }
     // A parameter that nothing fixes is no fault, nor a draw that is no number.
     let text = format!("{}inf{}", &written[..start], &written[end..]);
-    let open = SavedModel::parse("model.toml", &text).unwrap();
-    assert_eq!(open.to_toml().unwrap(), text);
+    let open = model_file::parse("model.toml", &text).unwrap();
+    assert_eq!(model_file::to_toml(&open).unwrap(), text);
     let drawn = open.draws(8, 1).points;
     assert!(drawn.iter().flatten().all(|value| value.is_finite()));
     let second = end + 2;
@@ -325,19 +326,19 @@ fn numbers_that_no_fit_has_are_refused() {
 
 #[test]
 fn a_file_without_effects_is_that_of_a_plain_model() {
-    let written = saved(ROD).saved.to_toml().unwrap();
+    let written = model_file::to_toml(&saved(ROD).saved).unwrap();
     assert!(written.starts_with("# A model identified by `sma identify`; `sma simulate` and"));
     assert!(written.contains("\neffects = []\n"), "{written}");
     assert!(!written.contains("newton_iterations"), "{written}");
     let older = written.replacen("effects = []\n", "", 1);
-    let read = SavedModel::parse("model.toml", &older).unwrap();
-    assert_eq!(read.effects(), None);
-    assert_eq!(read.to_toml().unwrap(), written);
+    let read = model_file::parse("model.toml", &older).unwrap();
+    assert_eq!(read.effects, None);
+    assert_eq!(model_file::to_toml(&read).unwrap(), written);
 }
 
 #[test]
 fn draws_move_the_parameters_of_effects_within_their_bounds() {
-    let written = noisy_saved().to_toml().unwrap();
+    let written = model_file::to_toml(&noisy_saved()).unwrap();
     let text = written
         .replacen("effects = []", "effects = [\"tide\"]", 1)
         .replacen("substeps = 1", "substeps = 1\nnewton_iterations = 3", 1)
@@ -354,12 +355,12 @@ fn draws_move_the_parameters_of_effects_within_their_bounds() {
         upper: 5.0,
     };
     let known = ParameterInfo::searched("tide_mm", "mm", Scale::Linear, tide);
-    let saved = SavedModel::parse_with("model.toml", &text, &|named| match named.id {
+    let saved = model_file::parse_with("model.toml", &text, &|named| match named.id {
         "tide" => Ok(vec![known.clone()]),
         _ => Err("no tide".to_owned()),
     })
     .unwrap();
-    assert_eq!(saved.effects().unwrap().ids, ["tide"]);
+    assert_eq!(saved.effects.as_ref().unwrap().ids, ["tide"]);
     let drawn: Vec<f64> = saved
         .draws(200, 1)
         .points
@@ -380,7 +381,7 @@ fn draws_have_the_covariance_of_the_estimates() {
     assert_eq!(draws.left_out, Vec::<&str>::new());
     assert_eq!(draws, saved.draws(20_000, 3));
     assert_ne!(draws.points[0], saved.draws(1, 4).points[0]);
-    let covariance = saved.covariance();
+    let covariance = &saved.covariance;
     let n = draws.points.len() as f64;
     // On the scale of the search, from the estimate.
     let moved: Vec<Vec<f64>> = (0..5)
@@ -414,8 +415,8 @@ fn draws_have_the_covariance_of_the_estimates() {
 
 /// Row of the covariance of a parameter of the model.
 fn row(saved: &SavedModel, parameter: usize) -> usize {
-    let name = saved.parameters()[parameter].info.name;
-    let names = &saved.covariance().names;
+    let name = &saved.parameters[parameter].info.name;
+    let names = &saved.covariance.names;
     names.iter().position(|other| other == name).unwrap()
 }
 

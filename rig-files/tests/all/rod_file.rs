@@ -11,12 +11,13 @@ use crate::common;
 use std::path::Path;
 
 use common::{ROD, recording, rod, steps};
-use identify::{RecordingUse, Rod, WienerModel};
+use identify::{RecordingUse, WienerModel};
 use recording::Quantity;
+use rig_files::rod_file;
 use wiener::hysteresis::Rule;
 
 fn refused(text: &str) -> String {
-    Rod::parse("rod.toml", text).unwrap_err().to_string()
+    rod_file::parse("rod.toml", text).unwrap_err().to_string()
 }
 
 #[test]
@@ -211,8 +212,9 @@ fn entries_of_the_model_must_say_one_thing_that_can_be() {
     let training = [recording("a.csv", steps(300), 0.0)];
     let refused = |entry: &str| {
         let text = format!("{ROD}[model]\n{entry}\n");
-        let parsed = Rod::parse("rod.toml", &text);
-        let made = parsed.and_then(|rod| WienerModel::new(&rod, Rule::LastReversal, &training));
+        let parsed = rod_file::parse("rod.toml", &text);
+        let made =
+            parsed.and_then(|rod| Ok(WienerModel::new(&rod, Rule::LastReversal, &training)?));
         made.map(|_| ()).unwrap_err().to_string()
     };
     let one_thing = "must be { fixed = value } or { bounds = [low, high] }";
@@ -266,7 +268,7 @@ fn what_is_missing_for_temperatures_depends_on_the_drive() {
 
 #[test]
 fn a_file_that_is_not_there() {
-    let error = Rod::read(std::path::Path::new("no/such/rod.toml")).unwrap_err();
+    let error = rod_file::read(std::path::Path::new("no/such/rod.toml")).unwrap_err();
     assert_eq!(error.to_string(), "no/such/rod.toml: cannot be read");
 }
 

@@ -2,20 +2,21 @@
 
 use std::path::Path;
 
+use identify::Bounds;
 use recording::read_text;
 use toml::Spanned;
 
-use crate::{Bounds, IdentifyError};
+use crate::RigFileError;
 
 /// Most bytes of a file that somebody writes, or that a model is kept in.
 const MOST_BYTES: u64 = 1 << 24;
 
 /// Name, as errors show it, and text of a file.
-pub(crate) fn read(path: &Path) -> Result<(String, String), IdentifyError> {
+pub(crate) fn read_file(path: &Path) -> Result<(String, String), RigFileError> {
     let file = path.display().to_string();
     match read_text(path, MOST_BYTES) {
         Ok(text) => Ok((file, text)),
-        Err(source) => Err(IdentifyError::Unreadable { file, source }),
+        Err(source) => Err(RigFileError::Unreadable { file, source }),
     }
 }
 
@@ -36,9 +37,9 @@ impl Source<'_> {
         )
     }
 
-    pub(crate) fn toml(&self, error: &toml::de::Error, hint: &str) -> IdentifyError {
+    pub(crate) fn toml(&self, error: &toml::de::Error, hint: &str) -> RigFileError {
         let (line, column) = self.position(error.span().map_or(0, |span| span.start));
-        IdentifyError::Toml {
+        RigFileError::Toml {
             file: self.file.to_owned(),
             line,
             column,
@@ -67,9 +68,9 @@ impl Source<'_> {
         key: &str,
         value: &Spanned<f64>,
         accepted: impl Into<String>,
-    ) -> IdentifyError {
+    ) -> RigFileError {
         let (line, column) = self.position(value.span().start);
-        IdentifyError::Value {
+        RigFileError::Value {
             file: self.file.to_owned(),
             line,
             column,
@@ -83,7 +84,7 @@ impl Source<'_> {
         &self,
         key: &str,
         value: &Option<Spanned<f64>>,
-    ) -> Result<Option<f64>, IdentifyError> {
+    ) -> Result<Option<f64>, RigFileError> {
         match value {
             None => Ok(None),
             Some(spanned) if *spanned.get_ref() > 0.0 && spanned.get_ref().is_finite() => {
@@ -97,7 +98,7 @@ impl Source<'_> {
         &self,
         key: &str,
         value: &Option<Spanned<f64>>,
-    ) -> Result<Option<f64>, IdentifyError> {
+    ) -> Result<Option<f64>, RigFileError> {
         match value {
             Some(spanned) if !spanned.get_ref().is_finite() => {
                 Err(self.value(key, spanned, "must be finite"))
@@ -110,7 +111,7 @@ impl Source<'_> {
         &self,
         key: &str,
         range: &[Spanned<f64>; 2],
-    ) -> Result<Bounds, IdentifyError> {
+    ) -> Result<Bounds, RigFileError> {
         let [lower, upper] = [0, 1].map(|k| *range[k].get_ref());
         for end in range {
             if !end.get_ref().is_finite() {

@@ -5,16 +5,15 @@ use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use wiener::hysteresis::LoopFamily;
 
-use crate::dense::{Matrix, symmetric_eigen};
-use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
-use crate::of_family::is_of_family;
-use crate::saved_model::LOOP_SHAPE;
-use crate::source::Source;
-use crate::wiener_model::{AMBIENT_LEVEL, RUN_PARAMETERS};
-use crate::{
-    Bounds, Enters, FittedParameter, ForwardModel, IdentifyError, ParameterCovariance,
-    ParameterInfo, ParameterState, RigModel, SavedEffects, Scope,
+use identify::dense::{Matrix, symmetric_eigen};
+use identify::{
+    AMBIENT_LEVEL, Bounds, Enters, FittedParameter, ForwardModel, LOOP_SHAPE, ParameterCovariance,
+    ParameterInfo, ParameterState, RUN_PARAMETERS, RigModel, SavedEffects, Scope, is_of_family,
 };
+
+use crate::RigFileError;
+use crate::model_file::{IntegrationTable, ParameterTable, SCHEMA_VERSION, State};
+use crate::source::Source;
 
 /// A file that is read.
 pub(crate) struct Reading<'a> {
@@ -27,9 +26,9 @@ impl Reading<'_> {
         place: Range<usize>,
         what: String,
         accepted: impl Into<String>,
-    ) -> IdentifyError {
+    ) -> RigFileError {
         let (line, column) = self.source.position(place.start);
-        IdentifyError::Saved {
+        RigFileError::Saved {
             file: self.source.file.to_owned(),
             line,
             column,
@@ -38,7 +37,7 @@ impl Reading<'_> {
         }
     }
 
-    pub(crate) fn version(&self, version: &Spanned<i64>) -> Result<(), IdentifyError> {
+    pub(crate) fn version(&self, version: &Spanned<i64>) -> Result<(), RigFileError> {
         if *version.get_ref() == SCHEMA_VERSION {
             return Ok(());
         }
@@ -51,7 +50,7 @@ impl Reading<'_> {
         &self,
         effects: &[Spanned<String>],
         of_effect: &dyn Fn(&str) -> Result<Vec<ParameterInfo>, String>,
-    ) -> Result<Vec<ParameterInfo>, IdentifyError> {
+    ) -> Result<Vec<ParameterInfo>, RigFileError> {
         let mut infos = Vec::new();
         for (k, effect) in effects.iter().enumerate() {
             let id = effect.get_ref();
@@ -72,7 +71,7 @@ impl Reading<'_> {
         &self,
         id: Option<&Spanned<String>>,
         of_effect: &dyn Fn(&str) -> Result<Vec<ParameterInfo>, String>,
-    ) -> Result<LoopFamily, IdentifyError> {
+    ) -> Result<LoopFamily, RigFileError> {
         let Some(id) = id else {
             return Ok(LoopFamily::Proximity);
         };
@@ -94,7 +93,7 @@ impl Reading<'_> {
         ids: Vec<Spanned<String>>,
         loop_family: LoopFamily,
         integration: &Spanned<IntegrationTable>,
-    ) -> Result<Option<SavedEffects>, IdentifyError> {
+    ) -> Result<Option<SavedEffects>, RigFileError> {
         if ids.is_empty() && loop_family == LoopFamily::Proximity {
             return Ok(None);
         }
@@ -123,7 +122,7 @@ impl Reading<'_> {
         (trained, output_unit): (&[&str], &str),
         model: &mut RigModel,
         extra: Vec<ParameterInfo>,
-    ) -> Result<Vec<FittedParameter>, IdentifyError> {
+    ) -> Result<Vec<FittedParameter>, RigFileError> {
         let mut infos = model.parameters().to_vec();
         let n_plain = infos.len();
         infos.extend(extra);
@@ -151,7 +150,7 @@ impl Reading<'_> {
         infos: &mut [ParameterInfo],
         n_plain: usize,
         (trained, output_unit): (&[&str], &str),
-    ) -> Result<(), IdentifyError> {
+    ) -> Result<(), RigFileError> {
         let table = entry.get_ref();
         let fault = |accepted: String| {
             let what = format!("parameter {} = {}", table.name, table.value);
@@ -228,7 +227,7 @@ impl Reading<'_> {
         info: &ParameterInfo,
         entries: &[Spanned<ParameterTable>],
         trained: &[&str],
-    ) -> Result<FittedParameter, IdentifyError> {
+    ) -> Result<FittedParameter, RigFileError> {
         let own: Vec<Option<&str>> = match info.scope {
             Scope::Shared => vec![None],
             Scope::PerRecording => trained.iter().copied().map(Some).collect(),
@@ -271,7 +270,7 @@ impl Reading<'_> {
     pub(crate) fn covariance(
         &self,
         covariance: Spanned<ParameterCovariance>,
-    ) -> Result<ParameterCovariance, IdentifyError> {
+    ) -> Result<ParameterCovariance, RigFileError> {
         let place = covariance.span();
         let covariance = covariance.into_inner();
         let n = covariance.names.len();
