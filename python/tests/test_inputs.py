@@ -36,6 +36,14 @@ def test_every_kind_of_table_gives_the_bytes_of_the_path(columns: Any, rod: Path
         assert found.raw["fit"] == whole.raw["fit"], name
 
 
+def test_a_first_rod_file_names_the_columns(columns: Any, tmp_path: Path, identified: sma.Identified) -> None:
+    text = sma.init({"run": columns})
+    assert 'drive = { name = "current_a" }' in text and "from run" in text
+    path = tmp_path / "rod.toml"
+    path.write_text(text)
+    assert sma.identify(path, train=columns).output_unit == identified.output_unit
+
+
 def test_a_rod_of_dicts_is_the_rod_file(columns: Any, rod: Path, identified: sma.Identified) -> None:
     tables = {
         "rod": {

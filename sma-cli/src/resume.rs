@@ -10,20 +10,28 @@ use identify::{EndedStart, InputFile, Provenance};
 use recording::read_text;
 use serde::{Deserialize, Serialize};
 
-use crate::outcome::INTERRUPTED;
-use crate::terminal::harmless;
-
 /// Most bytes of a file of `--resume`: far more than any search writes.
 const MOST_BYTES: u64 = 1 << 28;
 
 /// At Ctrl-C, and where the machine or the terminal ends the program (SIGTERM, SIGHUP), says how to go on, and ends.
+#[cfg(not(target_family = "wasm"))]
 pub(crate) fn on_interrupt(said: impl Fn() -> String + Send + 'static) -> anyhow::Result<()> {
+    use crate::outcome::INTERRUPTED;
+    use crate::terminal::harmless;
+
     let leave = move || {
         // Nobody is left to tell if stderr is closed too.
         let _ = writeln!(io::stderr(), "\nsma: interrupted; {}", harmless(&said()));
         std::process::exit(i32::from(INTERRUPTED));
     };
     ctrlc::set_handler(leave).context("Ctrl-C cannot be caught")
+}
+
+/// A browser ends the program without asking.
+#[cfg(target_family = "wasm")]
+#[allow(clippy::unnecessary_wraps, reason = "elsewhere it can fail")]
+pub(crate) fn on_interrupt(_: impl Fn() -> String + Send + 'static) -> anyhow::Result<()> {
+    Ok(())
 }
 
 /// Why a file cannot be gone on from.

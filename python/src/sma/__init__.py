@@ -20,6 +20,7 @@ from .diagnose import Diagnosed, Entry, Finding, Stage, diagnose
 from .errors import InputError, MissingExtraError, NoControllerError, ProgramError, SmaError
 from .files import read
 from .identify import Identified, identify
+from .init import init
 from .inspect import Channel, Inspected, Inspection, inspect
 from .program import Progress, program_path
 from .results import Parameter, Series
@@ -70,6 +71,7 @@ __all__ = [
     "demo",
     "diagnose",
     "identify",
+    "init",
     "inspect",
     "program_path",
     "read",

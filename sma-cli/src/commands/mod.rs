@@ -23,6 +23,10 @@ fn on_threads(
     threads: u16,
     command: impl FnOnce() -> anyhow::Result<Outcome> + Send,
 ) -> anyhow::Result<Outcome> {
+    // A browser gives the program the one thread that it is called on.
+    if cfg!(target_family = "wasm") {
+        return command();
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(usize::from(threads))
         .build()?;
