@@ -78,10 +78,12 @@ pub enum TrialError {
         source: io::Error,
     },
     /// Another run writes the same file.
-    #[error("{}: another run is writing it", path.display())]
+    #[error("{}: another run is writing it{}", path.display(), owner.map(|id| format!(", process {id}")).unwrap_or_default())]
     InUse {
         /// Which.
         path: PathBuf,
+        /// Its process, where the system tells.
+        owner: Option<u32>,
     },
     /// A whole line of a file is not one of ours.
     #[error("{}:{line}: not a result", path.display())]

@@ -21,6 +21,28 @@ pub trait Line: Serialize + DeserializeOwned {
     fn key(&self) -> Self::Key;
 }
 
+/// The process that has locked a file; `None` where the system does not tell.
+#[cfg(target_os = "linux")]
+fn owner_of_lock(file: &File) -> Option<u32> {
+    use std::os::unix::fs::MetadataExt;
+
+    let inode = file.metadata().ok()?.ino();
+    // 1: FLOCK  ADVISORY  WRITE 4711 fe:00:393217 0 EOF
+    let locks = fs::read_to_string("/proc/locks").ok()?;
+    locks.lines().find_map(|line| {
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        let of_file = fields.get(5)?.rsplit(':').next()? == inode.to_string();
+        let is_held = *fields.get(1)? == "FLOCK" && of_file;
+        // 0 stands for a process of another container.
+        is_held.then(|| fields[4].parse().ok().filter(|id| *id != 0))?
+    })
+}
+
+#[cfg(not(target_os = "linux"))]
+fn owner_of_lock(_: &File) -> Option<u32> {
+    None
+}
+
 /// Last member of a line: the SHA-256 of the line without it.
 const HASH: &str = ",\"line_sha256\":\"";
 /// End of that member, and of the line.
@@ -61,6 +83,7 @@ impl<L: Line> Journal<L> {
         file.try_lock().map_err(|error| match error {
             TryLockError::WouldBlock => TrialError::InUse {
                 path: path.to_owned(),
+                owner: owner_of_lock(&file),
             },
             TryLockError::Error(source) => failed(source),
         })?;
@@ -329,9 +352,12 @@ mod tests {
         let path = folder.path().join("both.jsonl");
         let _first: Journal<Number> = Journal::open(&path).unwrap();
         let text = Journal::<Number>::open(&path).unwrap_err().to_string();
-        assert!(
-            text.ends_with("both.jsonl: another run is writing it"),
-            "{text}"
-        );
+        let said = "both.jsonl: another run is writing it";
+        if cfg!(target_os = "linux") {
+            let owner = format!("{said}, process {}", std::process::id());
+            assert!(text.ends_with(&owner), "{text}");
+        } else {
+            assert!(text.ends_with(said), "{text}");
+        }
     }
 }

@@ -7,8 +7,9 @@ use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::baseline::run_states::{with_open_runs, with_state_of_runs};
-use crate::baseline::unknowns::with_unknowns;
+use crate::baseline::unknowns::{fitted_from, with_unknowns_of_many};
 use crate::config::DiagnoseConfig;
+use crate::model::coarse::decimated;
 use crate::watch::{Caller, DiagnoseProgress, Watched};
 
 /// A baseline model with what belongs to recordings and runs open as far as it is asked for.
@@ -33,7 +34,7 @@ impl Opened {
     ) -> Result<Self, IdentifyError> {
         let has_converged = plain.converged();
         let repeats = repeat_floor(&[training, unseen].concat());
-        let (base, plain) = with_unknowns(base, plain, training, config, caller)?;
+        let (base, plain) = with_unknowns_of_many(base, plain, training, config, caller)?;
         let (base, plain) =
             with_state_of_runs(&base, plain, training, repeats.as_ref(), (config, caller))?;
         Ok(Self {
@@ -64,8 +65,34 @@ impl Opened {
     }
 }
 
-/// The baseline model fitted as it is.
+/// Shortest time constant that decimated recordings tell, over the distance of their samples.
+const SHORTEST: f64 = 8.0;
+
+/// The baseline model fitted as it is. Of many samples it is searched on means of some, and fitted to all from where that ended.
 pub(crate) fn plain_fit(
+    base: &WienerModel,
+    training: &[Recording],
+    config: &DiagnoseConfig,
+    caller: &Caller<'_>,
+) -> Result<Fit, IdentifyError> {
+    let Some(few) = decimated(training)? else {
+        return searched(base, training, config, caller);
+    };
+    let of_few = searched(base, &few, config, caller)?;
+    let steps = few.iter().filter_map(|one| one.sampling().usual_dt_s());
+    if of_few.tau_s() < SHORTEST * steps.fold(0.0, f64::max) {
+        return searched(base, training, config, caller);
+    }
+    let n_effective = of_few.noise.n_effective;
+    let fitted = fitted_from((&of_few, n_effective), base, training, (config, caller))?;
+    Ok(Fit {
+        other_minima: of_few.other_minima,
+        ..fitted
+    })
+}
+
+/// The baseline model fitted from many places.
+fn searched(
     base: &WienerModel,
     training: &[Recording],
     config: &DiagnoseConfig,

@@ -1,15 +1,13 @@
 //! The baseline model with what differs from run to run left open.
 
-use std::ops::ControlFlow;
-
 use identify::{
-    Enters, Fit, FitConfig, ForwardModel, IdentifyError, OfRig, ParameterState, ParameterVector,
-    RefineConfig, Scope, WienerModel, fit, predict, refine,
+    Enters, Fit, ForwardModel, IdentifyError, OfRig, ParameterState, ParameterVector, RefineConfig,
+    Scope, WienerModel, predict, refine,
 };
 use recording::{Recording, RepeatFloor, RepeatedDrive};
 
+use crate::baseline::unknowns::fitted_from;
 use crate::config::DiagnoseConfig;
-use crate::model::case::prior;
 use crate::watch::{Caller, Watched};
 
 /// Least share of the mean square difference between runs of the same drive that run states must explain before they are opened.
@@ -50,27 +48,12 @@ pub(crate) fn with_open_runs(
     (config, caller): (&DiagnoseConfig, &Caller<'_>),
 ) -> Result<(WienerModel, Fit), IdentifyError> {
     let open = base.with_unknowns(training).with_state_of_runs();
-    let watched = Watched {
-        model: &open,
-        watch: caller,
-    };
-    let vector = ParameterVector::new(open.parameters(), training.len());
-    let fit_config = FitConfig {
-        seed: config.seed,
-        from: vec![plain.coordinates(&vector)],
-        starts: 0,
-        prior: prior(&open, plain.noise.n_effective),
-        ended: Vec::new(),
-        ..config.baseline.clone()
-    };
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let fitted = fit(&watched, training, &fit_config, go_on)?;
-    let fitted = Fit {
-        agreeing_starts: plain.agreeing_starts,
-        starts: plain.starts,
-        simulations: plain.simulations + fitted.simulations,
-        ..fitted
-    };
+    let fitted = fitted_from(
+        (plain, plain.noise.n_effective),
+        &open,
+        training,
+        (config, caller),
+    )?;
     Ok((open, fitted))
 }
 

@@ -1,5 +1,7 @@
 //! Decision on a finished population of models: nothing here simulates or fits.
 
+#[cfg(test)]
+mod any;
 mod known;
 mod leading;
 mod names;

@@ -14,10 +14,10 @@ use super::verdict::Decided;
 use crate::evidence::{Anonymous, Audit, Evidence, Model, Population};
 use crate::{CandidateSet, EffectId, LoopFamily};
 
-const N: usize = 1600;
+pub(super) const N: usize = 1600;
 const BLOCKS: usize = 16;
 
-fn noise(deviation: f64, seed: u64) -> Vec<f64> {
+pub(super) fn noise(deviation: f64, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     (0..N)
         .map(|_| {
@@ -28,7 +28,7 @@ fn noise(deviation: f64, seed: u64) -> Vec<f64> {
 }
 
 /// A trace of mean square `size`², and of another shape for another seed.
-fn trace(size: f64, seed: u64) -> Vec<f64> {
+pub(super) fn trace(size: f64, seed: u64) -> Vec<f64> {
     let mut smooth = noise(1.0, 100 + seed);
     for k in 1..N {
         smooth[k] = 0.95 * smooth[k - 1] + (1.0_f64 - 0.95 * 0.95).sqrt() * smooth[k];
@@ -37,7 +37,7 @@ fn trace(size: f64, seed: u64) -> Vec<f64> {
     smooth.iter().map(|s| s * size / square.sqrt()).collect()
 }
 
-fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+pub(super) fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
@@ -56,7 +56,7 @@ fn evidence(residual: Vec<f64>) -> Evidence {
     }
 }
 
-fn model(names: &[EffectId], residual: Vec<f64>, with_curve: Vec<f64>) -> Model {
+pub(super) fn model(names: &[EffectId], residual: Vec<f64>, with_curve: Vec<f64>) -> Model {
     let names: CandidateSet = names.iter().map(|&name| name.into()).collect();
     let (evidence, curve) = (evidence(residual), evidence(with_curve));
     let left = |evidence: &Evidence| evidence.squares()[0];
@@ -87,7 +87,7 @@ const NOISE: Oddness = Oddness {
     slowness: 1.0,
 };
 
-fn known() -> Known {
+pub(super) fn known() -> Known {
     Known {
         segments: std::iter::once(0..N).collect(),
         output_squares: 1e4 * N as f64,

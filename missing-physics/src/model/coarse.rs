@@ -80,6 +80,27 @@ pub(crate) fn judged<'r>(
     ])
 }
 
+/// Recordings with as many samples as models are judged on, each the mean of those around it, before a model is known; `None` where there
+/// are not many more.
+///
+/// # Errors
+///
+/// As [`Recording::decimated`].
+pub(crate) fn decimated(recordings: &[Recording]) -> Result<Option<Vec<Recording>>, IdentifyError> {
+    let n = samples(recordings);
+    if n < 2 * ENOUGH {
+        return Ok(None);
+    }
+    let few = recordings.iter().map(|one| {
+        let every = (n / ENOUGH).min(one.len() / FEWEST);
+        Ok(match every {
+            0..=1 => one.clone(),
+            _ => one.decimated(every)?,
+        })
+    });
+    Ok(Some(few.collect::<Result<_, IdentifyError>>()?))
+}
+
 /// Samples of all recordings together.
 fn samples(recordings: &[Recording]) -> usize {
     recordings.iter().map(Recording::len).sum()

@@ -29,6 +29,20 @@ fn recorded_of(
     seed: u64,
     beside_mm: impl Fn(f64) -> f64,
 ) -> Recording {
+    recorded_at(name, share, (active, effects), seed, beside_mm, 0.0)
+}
+
+/// [`recorded_of`] in surroundings that are so much cooler, K: what the rod does there is what one does whose loop lies as much higher.
+fn recorded_at(
+    name: &str,
+    share: f64,
+    (active, effects): (EffectSet, EffectValues),
+    seed: u64,
+    beside_mm: impl Fn(f64) -> f64,
+    cooler_k: f64,
+) -> Recording {
+    let mut params = params();
+    params.limiting_loop.loop_center_degc += cooler_k;
     let often = |current_a: f64| std::iter::repeat_n(share * current_a, OFTEN);
     let drive: Vec<f64> = current_a().into_iter().flat_map(often).collect();
     let setting = Setting {
@@ -36,7 +50,7 @@ fn recorded_of(
         ..setting()
     };
     let dt_s = DT_S / OFTEN as f64;
-    let mut output = played(&Extended { setting }, params(), effects, &drive, dt_s);
+    let mut output = played(&Extended { setting }, params, effects, &drive, dt_s);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     for (k, value) in output.iter_mut().enumerate() {
         let normal: f64 = StandardNormal.sample(&mut rng);
@@ -116,4 +130,23 @@ fn a_name_its_interval_and_the_errors_are_those_of_all_samples() {
     let [first, last] = [&found_in.ladder[0], &found_in.ladder[1]];
     assert_eq!(first.train_rmse.to_bits(), plain.fit.train_rmse.to_bits());
     assert!(is_noise(last.train_rmse) && is_noise(last.unseen_rmse.unwrap()));
+}
+
+#[test]
+fn the_baseline_model_is_at_the_minimum_of_all_samples() {
+    let plain = (EffectSet::EMPTY, EffectValues::default());
+    let run = |name: &str, seed: u64, cooler_k: f64| {
+        recorded_at(name, 1.0, plain, seed, |_| 0.0, cooler_k)
+    };
+    let training = [run("monday.csv", 5, 0.0), run("tuesday.csv", 6, 0.3)];
+    let diagnosis = diagnosed_as(&training, &[], &config());
+    assert_eq!(diagnosis.verdict, Verdict::Adequate);
+    let fit = &diagnosis.baseline.fit;
+    assert!(fit.converged() && fit.starts > 1);
+    let level_k = fit.parameter("ambient_level_k").unwrap();
+    let interval = level_k.intervals[1].unwrap();
+    assert!((level_k.values[1] + 0.3).abs() < 0.01, "{level_k:?}");
+    // As of 80,000 samples, not of the 16,000 on which it was searched.
+    assert!(interval.upper - interval.lower < 0.01, "{interval:?}");
+    assert!((fit.train_rmse / NOISE_MM - 1.0).abs() < 0.01);
 }

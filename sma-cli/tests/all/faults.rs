@@ -100,6 +100,35 @@ fn a_report_that_cannot_be_written_loses_no_other_result() {
     assert!(json.ends_with("}\n"));
 }
 
+/// As on a full disk: writing fails within a file, beyond 8 KB of it.
+#[test]
+fn a_full_disk_costs_what_does_not_fit_and_nothing_else() {
+    let folder = folder();
+    let call = "identify rod.toml --train train.csv --json out.json --save-model model.toml --report page.html --quiet";
+    sma(folder.path(), call).assert().success();
+    let results = ["out.json", "model.toml", "page.html"];
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    let whole = results.map(read);
+    assert!(whole[1].len() < 8192 && whole[2].len() > 8192);
+    std::fs::remove_file(folder.path().join("model.toml")).unwrap();
+    let limited = "trap '' XFSZ; ulimit -f 16; exec \"$@\"";
+    let output = Command::new("sh")
+        .current_dir(folder.path())
+        .args(["-c", limited, "sh"])
+        .arg(assert_cmd::cargo::cargo_bin("sma"))
+        .args(call.split(' '))
+        .timeout(Duration::from_secs(60))
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("page.html: "), "{said}");
+    // The page of the call before is whole, what fits is there, and nothing half-written.
+    assert!(results.map(read) == whole);
+    let names = std::fs::read_dir(folder.path()).unwrap();
+    assert_eq!(names.count(), 6);
+}
+
 #[test]
 fn pipes_devices_and_folders_are_no_inputs() {
     let folder = folder();
