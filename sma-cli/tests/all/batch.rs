@@ -385,6 +385,7 @@ fn calls_that_would_harm_or_cannot_be_are_refused() {
 }
 
 /// A process that has ended, whose folder in /proc nobody can list.
+#[cfg(unix)]
 fn ended() -> Child {
     let child = Command::new("true").spawn().unwrap();
     let state = || fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
@@ -394,6 +395,7 @@ fn ended() -> Child {
     child
 }
 
+#[cfg(unix)]
 #[test]
 fn a_rig_that_cannot_be_read_now_is_open_until_it_can() {
     use std::os::unix::fs::symlink;
@@ -458,6 +460,7 @@ fn a_rig_that_cannot_be_read_now_is_open_until_it_can() {
     succeeds(place, call);
 }
 
+#[cfg(unix)]
 #[test]
 fn another_build_of_the_program_makes_other_units() {
     let folder = fleet(2, 0);
