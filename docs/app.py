@@ -54,6 +54,8 @@ def _(Path, mo, sma, tempfile, training, unseen):
         kept = []
         for file in files:
             place = folder / role / Path(file.name).name
+            # Files of several folders may have the same name.
+            place = place.with_name(f"{len(kept)}-{place.name}") if place in kept else place
             place.parent.mkdir(exist_ok=True)
             place.write_bytes(file.contents)
             kept.append(place)

@@ -163,11 +163,14 @@ pub fn fit(
                 (ended.seed, ended.start) == (config.seed, number)
                     && ended.minimum.point.len() == problem.vector().len()
             };
-            match config.ended.iter().find(is_it) {
-                // A file may have been changed: a start whose cost is not that of its point is made again.
-                Some(known) if is_of(&problem, &known.minimum)? => Ok(known.clone()),
-                _ => start.search(number, &problem, few.as_ref(), config),
+            // A file may have been changed, and have starts of a search on fewer samples: one whose cost is not that of its point is made
+            // again.
+            for known in config.ended.iter().filter(is_it) {
+                if is_of(&problem, &known.minimum)? {
+                    return Ok(known.clone());
+                }
             }
+            start.search(number, &problem, few.as_ref(), config)
         })?;
         for ((_, start), ended) in group.iter().zip(ended) {
             search.take(&ended);

@@ -38,7 +38,7 @@ pub const NITI_RANGE_OHM_M: Bounds = Bounds {
 pub struct Rod {
     /// Name of the file, as errors name it.
     pub file: String,
-    /// Text of the file, whose tables a saved model keeps.
+    /// Text of the file, whose tables a saved model keeps; empty for a rod that is in no file.
     pub text: String,
     /// Physical quantity of the drive.
     pub drive_kind: Quantity,

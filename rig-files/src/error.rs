@@ -80,6 +80,14 @@ pub enum RigFileError {
         #[source]
         source: toml::ser::Error,
     },
+    /// The text of a model's rod says something else than its fields.
+    #[error(
+        "model of {file}: its rod is not what the text of {file} says; expected a rod as it was read"
+    )]
+    OtherRod {
+        /// The rod file.
+        file: String,
+    },
     /// A rig or a model cannot be as the file says.
     #[error(transparent)]
     Model(#[from] IdentifyError),

@@ -18,7 +18,8 @@ use crate::RigFileError;
 use crate::model_entries::Reading;
 use crate::recording_table::RecordingTable;
 use crate::rod_file::{
-    self, DriveTable, LimitsTable, LoadTable, RodFile, RodTable, Surroundings, tables,
+    self, DriveTable, LimitsTable, LoadTable, RodFile, RodTable, Surroundings,
+    is_what_its_text_says, tables,
 };
 use crate::source::{Source, read_file};
 
@@ -209,8 +210,8 @@ pub fn parse(file: &str, text: &str) -> Result<SavedModel, RigFileError> {
 ///
 /// # Errors
 ///
-/// [`RigFileError::Toml`] for what is not such a file, [`RigFileError::Value`] and
-/// [`RigFileError::Saved`] for what cannot be, each with line and column; [`RigFileError::Untrained`].
+/// [`RigFileError::NoModel`] and [`RigFileError::Toml`] for what is not such a file, [`RigFileError::Value`] and [`RigFileError::Saved`] for
+/// what cannot be, each with line and column; [`RigFileError::Untrained`]; [`RigFileError::Model`] for a rig that its kind of model cannot be of.
 pub fn parse_with(
     file: &str,
     text: &str,
@@ -293,7 +294,12 @@ pub fn parse_with(
 ///
 /// # Errors
 ///
-/// [`RigFileError::Unwritable`] if a value has no form in TOML: an integer beyond its range.
+/// [`RigFileError::Unwritable`] if a value has no form in TOML: an integer beyond its range. [`RigFileError::OtherRod`] if the rod was made or
+/// changed without its text, whose tables the file takes over; what is used of recordings may have changed.
+///
+/// # Panics
+///
+/// If a parameter that each recording has its own of has more values than there are recordings, or not as many intervals as values.
 pub fn to_toml(saved: &SavedModel) -> Result<String, RigFileError> {
     let head = Head {
         schema_version: SCHEMA_VERSION,
@@ -332,6 +338,11 @@ pub fn to_toml(saved: &SavedModel) -> Result<String, RigFileError> {
         recording: &saved.recordings,
         provenance: &saved.provenance,
     };
+    if !is_what_its_text_says(&saved.rod) {
+        return Err(RigFileError::OtherRod {
+            file: saved.rod.file.clone(),
+        });
+    }
     let parts = [
         toml::to_string(&head),
         toml::to_string(&tables(&saved.rod)),

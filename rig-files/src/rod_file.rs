@@ -146,8 +146,9 @@ pub fn read(path: &Path) -> Result<Rod, RigFileError> {
 ///
 /// # Errors
 ///
-/// [`RigFileError::Toml`] for what is not such a file, [`RigFileError::Value`] for a value out of
-/// range, each with line and column.
+/// [`RigFileError::Toml`] for what is not such a file, [`RigFileError::Value`] for a value out of range, and [`RigFileError::Model`] for an
+/// entry of `[model]` that says nothing or too much, each with line and column; [`RigFileError::Model`] for a supply whose rod lacks length
+/// or resistance.
 pub fn parse(file: &str, text: &str) -> Result<Rod, RigFileError> {
     let source = Source { file, text };
     let parsed: RodFile =
@@ -247,6 +248,24 @@ pub(crate) fn tables(rod: &Rod) -> toml::Table {
     let mut tables: toml::Table = toml::from_str(&rod.text).unwrap_or_default();
     tables.retain(|key, _| TABLES.contains(&key));
     tables
+}
+
+/// True if the tables of a rod's text say what its fields say. What is used of recordings flags may have changed, and what is to be done with
+/// the model is not among the tables.
+pub(crate) fn is_what_its_text_says(rod: &Rod) -> bool {
+    let Ok(text) = toml::to_string(&tables(rod)) else {
+        return false;
+    };
+    let said = parse(&rod.file, &text);
+    said.is_ok_and(|said| {
+        let said = Rod {
+            text: rod.text.clone(),
+            uses: rod.uses.clone(),
+            model: rod.model.clone(),
+            ..said
+        };
+        said == *rod
+    })
 }
 
 /// Temperatures that surround a rig, °C: from a cold chamber to an oven; kelvins are not among them.

@@ -56,6 +56,16 @@ impl Workplace {
     }
 }
 
+impl Drop for Workplace {
+    /// Looks once more for what a call has left that was killed just before this one began: until the process that it was starting runs a
+    /// program of its own, that process holds its locks. What cannot be removed now, the next call removes.
+    fn drop(&mut self) {
+        if let Some(out) = self.path().parent() {
+            let _ = remove_left(out);
+        }
+    }
+}
+
 impl Leaving {
     /// Removes the folder; again, if somebody has put a file into it meanwhile. What cannot be removed now, the next call removes.
     pub(crate) fn leave(&self) {
@@ -129,8 +139,11 @@ mod tests {
         assert!(opening.exists(), "of a call that has just begun");
         assert!(held.path().is_dir() && next.path().is_dir());
         let gone = next.path().to_owned();
+        let late = out.path().join(".run-late");
+        fs::create_dir(&late).unwrap();
+        fs::write(late.join(LOCK), machine()).unwrap();
         drop(next);
-        assert!(!gone.exists());
+        assert!(!gone.exists() && !late.exists());
         held.leaving().leave();
         assert!(!held.path().exists());
     }

@@ -1,5 +1,8 @@
 // The page: recordings in, verdict and report out. Nothing leaves the machine.
 
+/** Files that a diagnosis leaves. */
+const RESULTS = ["report.html", "model.toml", "diagnosis.json"];
+
 const $ = (id) => document.getElementById(id);
 const text = (bytes) => new TextDecoder().decode(bytes);
 const bytesOf = (string) => new TextEncoder().encode(string);
@@ -7,7 +10,7 @@ const bytesOf = (string) => new TextEncoder().encode(string);
 /** Recordings by name, with their role: "train", "validate" or "none". */
 const recordings = new Map();
 let program;
-let worker;
+let is_busy = false;
 
 /** The program, unpacked from the page on first use. */
 async function theProgram() {
@@ -21,14 +24,13 @@ async function theProgram() {
 
 /** One call of the program; `null` if it was stopped. */
 async function call(args, files) {
-    const module = await theProgram();
-    worker = new Worker(URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" })));
     busy(true);
-    const ended = await new Promise((resolve, reject) => {
-        const notes = [];
+    const worker = new Worker(URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" })));
+    const notes = [];
+    const running = new Promise((resolve, reject) => {
         worker.onmessage = ({ data }) => {
             if (data.fault) {
-                reject(new Error(data.fault));
+                reject(new Error([data.fault, ...notes].join("\n")));
             } else if (data.ended) {
                 resolve({ ...data.ended, notes });
             } else if (data.line.startsWith("progress: ")) {
@@ -39,15 +41,19 @@ async function call(args, files) {
         };
         worker.onerror = (event) => reject(new Error(event.message));
         $("stop").onclick = () => resolve(null);
-        worker.postMessage({ module, args, files });
-    }).finally(() => {
-        worker.terminate();
-        busy(false);
+        theProgram().then((module) => worker.postMessage({ module, args, files }), reject);
     });
-    return ended;
+    return running
+        .then((ended) => ended && { ...ended, given: [...files.keys()] })
+        .finally(() => {
+            worker.terminate();
+            busy(false);
+        });
 }
 
 function busy(is) {
+    is_busy = is;
+    $("choose").disabled = is;
     for (const id of ["look", "diagnose", "demo"]) {
         $(id).disabled = is;
     }
@@ -69,7 +75,8 @@ function named(role) {
 /** What the program said, with the names that the files have here. */
 function said(ended) {
     const notes = ended.notes.filter((note) => note !== "").join("\n");
-    return [ended.stdout.trimEnd(), notes].filter((part) => part !== "").join("\n\n").replaceAll(/(?<![\w./])\/(?=[^\s/])/g, "");
+    const words = [ended.stdout.trimEnd(), notes].filter((part) => part !== "").join("\n\n");
+    return [...ended.given, ...RESULTS].reduce((text, name) => text.replaceAll(`/${name}`, name), words);
 }
 
 function show(words, is_fault) {
@@ -85,7 +92,7 @@ async function guarded(work) {
     try {
         await work();
     } catch (error) {
-        show(`The program ended by a fault: ${error.message}`, true);
+        show(`This did not work: ${error.message}`, true);
     }
 }
 
@@ -102,12 +109,21 @@ async function propose_rod() {
     show(said(ended), ended.code !== 0);
 }
 
+/** A name that no recording has yet: files of several folders may have the same one. */
+function free(name) {
+    let other = name;
+    for (let k = 2; recordings.has(other); k += 1) {
+        other = `${k}-${name}`;
+    }
+    return other;
+}
+
 async function take(files) {
     for (const file of files) {
         if (file.name.endsWith(".toml")) {
             $("rod").value = await file.text();
         } else {
-            recordings.set(file.name, { bytes: new Uint8Array(await file.arrayBuffer()), role: "train" });
+            recordings.set(free(file.name), { bytes: new Uint8Array(await file.arrayBuffer()), role: "train" });
         }
     }
     // The last of several tests the fit of the others.
@@ -117,7 +133,7 @@ async function take(files) {
     }
     list();
     if ($("rod").value.trim() === "" && recordings.size > 0) {
-        await guarded(propose_rod);
+        await propose_rod();
     }
 }
 
@@ -199,7 +215,7 @@ async function demo() {
     show("A simulated wire, with physics that the program is not told. Next: say what is missing.", false);
 }
 
-$("choose").onchange = (event) => take(event.target.files);
+$("choose").onchange = (event) => guarded(() => take(event.target.files));
 const place = $("place");
 place.ondragover = (event) => {
     event.preventDefault();
@@ -209,7 +225,9 @@ place.ondragleave = () => place.classList.remove("over");
 place.ondrop = (event) => {
     event.preventDefault();
     place.classList.remove("over");
-    take(event.dataTransfer.files);
+    if (!is_busy) {
+        guarded(() => take(event.dataTransfer.files));
+    }
 };
 $("look").onclick = () => guarded(look);
 $("diagnose").onclick = () => guarded(diagnose);

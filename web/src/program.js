@@ -29,6 +29,14 @@ export async function run(module, args, files, said) {
         ],
         { debug: false },
     );
+    // The library counts characters, and writes bytes.
+    const n_bytes = ["sma", ...args].reduce((sum, arg) => sum + new TextEncoder().encode(arg).length + 1, 0);
+    wasi.wasiImport.args_sizes_get = (count, size) => {
+        const memory = new DataView(wasi.inst.exports.memory.buffer);
+        memory.setUint32(count, args.length + 1, true);
+        memory.setUint32(size, n_bytes, true);
+        return 0;
+    };
     const instance = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: wasi.wasiImport });
     const code = wasi.start(instance);
     const left = [...root.dir.contents].filter(([, inode]) => inode instanceof File);

@@ -7,7 +7,7 @@ use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::baseline::run_states::{with_open_runs, with_state_of_runs};
-use crate::baseline::unknowns::{fitted_from, with_unknowns_of_many};
+use crate::baseline::unknowns::{fitted_to_all, with_unknowns};
 use crate::config::DiagnoseConfig;
 use crate::model::coarse::decimated;
 use crate::watch::{Caller, DiagnoseProgress, Watched};
@@ -34,7 +34,7 @@ impl Opened {
     ) -> Result<Self, IdentifyError> {
         let has_converged = plain.converged();
         let repeats = repeat_floor(&[training, unseen].concat());
-        let (base, plain) = with_unknowns_of_many(base, plain, training, config, caller)?;
+        let (base, plain) = with_unknowns(base, plain, training, config, caller)?;
         let (base, plain) =
             with_state_of_runs(&base, plain, training, repeats.as_ref(), (config, caller))?;
         Ok(Self {
@@ -83,12 +83,8 @@ pub(crate) fn plain_fit(
     if of_few.tau_s() < SHORTEST * steps.fold(0.0, f64::max) {
         return searched(base, training, config, caller);
     }
-    let n_effective = of_few.noise.n_effective;
-    let fitted = fitted_from((&of_few, n_effective), base, training, (config, caller))?;
-    Ok(Fit {
-        other_minima: of_few.other_minima,
-        ..fitted
-    })
+    let prior = config.baseline.prior;
+    fitted_to_all(of_few, base, [training, &few], prior, (config, caller))
 }
 
 /// The baseline model fitted from many places.

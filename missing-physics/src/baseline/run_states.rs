@@ -8,6 +8,7 @@ use recording::{Recording, RepeatFloor, RepeatedDrive};
 
 use crate::baseline::unknowns::fitted_from;
 use crate::config::DiagnoseConfig;
+use crate::model::case::prior;
 use crate::watch::{Caller, Watched};
 
 /// Least share of the mean square difference between runs of the same drive that run states must explain before they are opened.
@@ -49,9 +50,10 @@ pub(crate) fn with_open_runs(
 ) -> Result<(WienerModel, Fit), IdentifyError> {
     let open = base.with_unknowns(training).with_state_of_runs();
     let fitted = fitted_from(
-        (plain, plain.noise.n_effective),
+        plain,
         &open,
         training,
+        prior(&open, plain.noise.n_effective),
         (config, caller),
     )?;
     Ok((open, fitted))

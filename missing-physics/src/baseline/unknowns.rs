@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, WienerModel, fit};
+use identify::{
+    Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, Prior, WienerModel, fit,
+};
 use recording::Recording;
 
 use crate::agreed::agreed;
@@ -23,6 +25,8 @@ const FEW_STARTS: u64 = 4;
 ///
 /// The level of the surroundings is open even where the baseline model does not ask for it: a misfit may hide it, and then what is
 /// found of the misfit would be blamed for it, too. A warm start and the scale, of which nothing is known before, are asked for.
+///
+/// Many samples are searched on those on which models are judged, and the end is fitted once more to all.
 pub(crate) fn with_unknowns(
     base: &WienerModel,
     plain: Fit,
@@ -30,9 +34,37 @@ pub(crate) fn with_unknowns(
     config: &DiagnoseConfig,
     caller: &Caller<'_>,
 ) -> Result<(WienerModel, Fit), IdentifyError> {
+    let [few, _] = judged(base, &plain, [training, &[]])?;
+    let Cow::Owned(few) = few else {
+        return opened(base, plain, [training; 2], 0.0, (config, caller));
+    };
+    let prior_of_plain = config.baseline.prior;
+    let of_few = fitted_from(&plain, base, &few, prior_of_plain, (config, caller))?;
+    // That of the samples about their means, which no model changes.
+    let between = (plain.train_rmse.powi(2) - of_few.train_rmse.powi(2)).max(0.0);
+    let n_effective = plain.noise.n_effective;
+    let (open, of_few) = opened(base, of_few, [training, &few], between, (config, caller))?;
+    if open.parameters() == base.parameters() {
+        return Ok((open, plain));
+    }
+    let prior = prior(&open, n_effective);
+    let fitted = fitted_to_all(of_few, &open, [training, &few], prior, (config, caller))?;
+    Ok((open, fitted))
+}
+
+/// The model with what its training asks for, fitted to the second recordings, which are the same or fewer samples of them; `between` is the
+/// mean square of the samples that these leave out about them.
+fn opened(
+    base: &WienerModel,
+    plain: Fit,
+    [training, fitted]: [&[Recording]; 2],
+    between: f64,
+    (config, caller): (&DiagnoseConfig, &Caller<'_>),
+) -> Result<(WienerModel, Fit), IdentifyError> {
+    let of_all = |fit: &Fit| (fit.train_rmse.powi(2) + between).sqrt();
     let taken = |(base, plain): (WienerModel, Fit), open: WienerModel, is_asked: bool| {
-        let with = refitted(&base, &open, plain.clone(), training, (config, caller))?;
-        let is_taken = !is_asked || with.train_rmse < ASKED_FOR * plain.train_rmse;
+        let with = refitted(&base, &open, plain.clone(), fitted, (config, caller))?;
+        let is_taken = !is_asked || of_all(&with) < ASKED_FOR * of_all(&plain);
         Ok(if is_taken {
             (open, with)
         } else {
@@ -47,34 +79,33 @@ pub(crate) fn with_unknowns(
     taken((base, plain), scaled, true)
 }
 
-/// [`with_unknowns`], but where there are many samples what is open is decided and searched on those on which models are judged, and the
-/// end is fitted once more to all.
-pub(crate) fn with_unknowns_of_many(
-    base: &WienerModel,
-    plain: Fit,
-    training: &[Recording],
-    config: &DiagnoseConfig,
-    caller: &Caller<'_>,
-) -> Result<(WienerModel, Fit), IdentifyError> {
-    let [few, _] = judged(base, &plain, [training, &[]])?;
-    let Cow::Owned(few) = few else {
-        return with_unknowns(base, plain, training, config, caller);
-    };
-    let n_effective = plain.noise.n_effective;
-    let of_few = fitted_from((&plain, n_effective), base, &few, (config, caller))?;
-    let (open, of_few) = with_unknowns(base, of_few, &few, config, caller)?;
-    if open.parameters() == base.parameters() {
-        return Ok((open, plain));
-    }
-    let fitted = fitted_from((&of_few, n_effective), &open, training, (config, caller))?;
-    Ok((open, fitted))
+/// The fit of a model to all samples, from where its search on fewer of them ended. It has the starts and the other minima of the search; simulations of
+/// fewer samples count as their share.
+pub(crate) fn fitted_to_all(
+    of_few: Fit,
+    model: &WienerModel,
+    [training, few]: [&[Recording]; 2],
+    prior: Prior,
+    (config, caller): (&DiagnoseConfig, &Caller<'_>),
+) -> Result<Fit, IdentifyError> {
+    let n = |recordings: &[Recording]| recordings.iter().map(Recording::len).sum::<usize>() as f64;
+    let share = n(few) / n(training);
+    let fitted = fitted_from(&of_few, model, training, prior, (config, caller))?;
+    let alone = fitted.simulations - of_few.simulations;
+    Ok(Fit {
+        simulations: alone + (share * of_few.simulations as f64).ceil() as u64,
+        rejected_costs: of_few.rejected_costs + fitted.rejected_costs,
+        other_minima: of_few.other_minima,
+        ..fitted
+    })
 }
 
-/// The fit of a model from where another one ended alone, whose starts it carries on; `n_effective` samples count against priors.
+/// The fit of a model from where another one ended alone, whose starts and simulations it carries on.
 pub(crate) fn fitted_from(
-    (other, n_effective): (&Fit, f64),
+    other: &Fit,
     model: &WienerModel,
     training: &[Recording],
+    prior: Prior,
     (config, caller): (&DiagnoseConfig, &Caller<'_>),
 ) -> Result<Fit, IdentifyError> {
     let watched = Watched {
@@ -86,7 +117,7 @@ pub(crate) fn fitted_from(
         seed: config.seed,
         from: vec![other.coordinates(&vector)],
         starts: 0,
-        prior: prior(model, n_effective),
+        prior,
         ended: Vec::new(),
         ..config.baseline.clone()
     };

@@ -269,6 +269,16 @@ fn what_a_model_file_may_not_say() {
 }
 
 #[test]
+fn a_rod_that_its_text_does_not_say_is_not_written() {
+    let mut saved = saved(ROD).saved;
+    saved.rod.ambient_degc = Some(24.0);
+    assert_eq!(
+        model_file::to_toml(&saved).unwrap_err().to_string(),
+        "model of rod.toml: its rod is not what the text of rod.toml says; expected a rod as it was read"
+    );
+}
+
+#[test]
 fn numbers_that_no_fit_has_are_refused() {
     let written = model_file::to_toml(&saved(ROD).saved).unwrap();
     let refused = |text: &str| {

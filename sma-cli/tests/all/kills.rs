@@ -77,7 +77,7 @@ const COMMANDS: [Killed; 6] = [
     Killed {
         call: "trial --seed kills --family clean-outliers --cases 2 --jobs 1 --out t --json out.json --quiet",
         meanwhile: &[],
-        of_times: &["t/times.csv", "t/runs.csv"],
+        of_times: &["t/times.csv", "t/runs.csv", "out.json"],
         in_a_hundred: 3,
         is_short: false,
     },
