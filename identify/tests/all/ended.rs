@@ -45,16 +45,42 @@ fn it_ends_as_one_that_was_not_interrupted() {
     assert_eq!(resumed, whole);
 }
 
+/// A start with other values of some keys.
+fn edited(one: &EndedStart, edits: &[(&str, &str)]) -> EndedStart {
+    let text = toml::to_string(one).unwrap();
+    let lines = text.lines().map(|line| {
+        let key = line.split(" = ").next().unwrap();
+        let edit = edits.iter().find(|(other, _)| *other == key);
+        edit.map_or(format!("{line}\n"), |(key, value)| {
+            format!("{key} = {value}\n")
+        })
+    });
+    let edited: String = lines.collect();
+    assert_ne!(edited, text);
+    toml::from_str(&edited).unwrap()
+}
+
 #[test]
 fn what_has_ended_is_not_made_again() {
     let (_, mut ended) = fitted(Vec::new(), 1, None);
     // Starts that were made again would not end where these pretend to have.
-    let text = toml::to_string(&ended[0]).unwrap();
-    let marked = text.replace("rejected_costs = 0", "rejected_costs = 12345");
-    assert_ne!(marked, text);
-    ended[0] = toml::from_str(&marked).unwrap();
+    ended[0] = edited(&ended[0], &[("rejected_costs", "12345")]);
     let (resumed, _) = fitted(ended.clone(), 1, None);
     assert_eq!(resumed.rejected_costs, 12345);
     let (other_seed, _) = fitted(ended, 2, None);
     assert_eq!(other_seed.rejected_costs, 0);
+}
+
+#[test]
+fn of_two_searches_with_one_seed_each_finds_its_own_starts() {
+    let (_, mut own) = fitted(Vec::new(), 1, None);
+    // As of a search on fewer samples, which comes first: the cost of its points is another one here.
+    let others = own.iter().map(|one| {
+        let costs = [("sum_of_squares", "1e9"), ("rejected_costs", "12345")];
+        edited(one, &costs)
+    });
+    let others: Vec<EndedStart> = others.collect();
+    own[0] = edited(&own[0], &[("rejected_costs", "7")]);
+    let (resumed, _) = fitted([others, own].concat(), 1, None);
+    assert_eq!(resumed.rejected_costs, 7);
 }

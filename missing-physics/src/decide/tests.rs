@@ -457,3 +457,15 @@ fn each_rule_has_one_row_and_there_are_fifteen_at_most() {
         assert!(!row.passes(f64::NAN));
     }
 }
+
+#[test]
+fn names_that_were_tried_beside_others_are_all_but_these_and_those_that_could_not_be() {
+    let of = |effect: EffectId| -> CandidateSet { std::iter::once(effect.into()).collect() };
+    let known = Known {
+        untried: of(EffectId::DeadTime),
+        ..known()
+    };
+    let all = EffectId::ALL.len();
+    assert_eq!(known.tried_beside(of(EffectId::OutputLag)), all - 2);
+    assert_eq!(known.tried_beside(of(EffectId::DeadTime)), all - 1);
+}
