@@ -92,5 +92,6 @@ pub use static_effects::{
 pub use supply::Supply;
 pub use tasks::{in_order_of, in_parallel, try_in_parallel};
 pub use thermal_model::ThermalModel;
+pub use thinned::tell_time_constant;
 pub use validate::{OffsetSource, Validated, validate, validate_at};
 pub use wiener_model::{AMBIENT_LEVEL, RUN_PARAMETERS, WienerModel, may_begin_warm};

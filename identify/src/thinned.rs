@@ -36,6 +36,15 @@ pub(crate) fn thinned(training: &[Recording]) -> Result<Option<Vec<Recording>>, 
     Ok(Some(few.collect::<Result<_, _>>()?))
 }
 
+/// True if recordings have samples near enough to one another to tell a time constant, s.
+#[must_use]
+pub fn tell_time_constant(recordings: &[Recording], tau_s: f64) -> bool {
+    let steps = recordings
+        .iter()
+        .filter_map(|one| one.sampling().usual_dt_s());
+    tau_s > SHORTEST * steps.fold(0.0, f64::max)
+}
+
 /// Where a search on thinned recordings ends; `None` where its time constant is too short for what they have.
 pub(crate) fn basin(
     few: &Problem<'_>,
@@ -44,11 +53,8 @@ pub(crate) fn basin(
 ) -> Result<Option<Vec<f64>>, IdentifyError> {
     let end: Minimum = minimize(few, few.bounds(), start, &NEAR)?;
     let end = own_anew(few, end, &NEAR)?;
-    let steps = recordings
-        .iter()
-        .filter_map(|one| one.sampling().usual_dt_s());
-    let longest_s = steps.fold(0.0, f64::max);
-    let is_told = tau_s(few.vector(), &end.point).is_none_or(|tau_s| tau_s > SHORTEST * longest_s);
+    let tau_s = tau_s(few.vector(), &end.point);
+    let is_told = tau_s.is_none_or(|tau_s| tell_time_constant(recordings, tau_s));
     Ok(is_told.then_some(end.point))
 }
 

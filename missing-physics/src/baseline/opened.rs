@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, IdentifyError, WienerModel};
+use identify::{Fit, FitConfig, IdentifyError, WienerModel, tell_time_constant};
 use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
@@ -65,9 +65,6 @@ impl Opened {
     }
 }
 
-/// Shortest time constant that decimated recordings tell, over the distance of their samples.
-const SHORTEST: f64 = 8.0;
-
 /// The baseline model fitted as it is. Of many samples it is searched on means of some, and fitted to all from where that ended.
 pub(crate) fn plain_fit(
     base: &WienerModel,
@@ -79,8 +76,7 @@ pub(crate) fn plain_fit(
         return searched(base, training, config, caller);
     };
     let of_few = searched(base, &few, config, caller)?;
-    let steps = few.iter().filter_map(|one| one.sampling().usual_dt_s());
-    if of_few.tau_s() < SHORTEST * steps.fold(0.0, f64::max) {
+    if !tell_time_constant(&few, of_few.tau_s()) {
         return searched(base, training, config, caller);
     }
     let prior = config.baseline.prior;
