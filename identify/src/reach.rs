@@ -193,33 +193,37 @@ pub(crate) fn held_within(
     if beyond_reach(problem, &lowest.point)?.is_empty() {
         return Ok(None);
     }
-    let wall = WithinReach::held(problem, lowest.sum_of_squares);
     let found = try_in_parallel(ends, |end| {
-        let pressed = minimize(&wall, problem.bounds(), &end.point, config)?;
-        let free = minimize(problem, problem.bounds(), &pressed.point, config)?;
-        let is_pressed = !beyond_reach(problem, &free.point)?.is_empty();
+        // Of its own: what one task has solved last is nothing to the others, so that all of them count the same on any
+        // number of threads.
+        let own = problem.apart();
+        let wall = WithinReach::held(&own, lowest.sum_of_squares);
+        let pressed = minimize(&wall, own.bounds(), &end.point, config)?;
+        let free = minimize(&own, own.bounds(), &pressed.point, config)?;
+        let is_pressed = !beyond_reach(&own, &free.point)?.is_empty();
         let end = if is_pressed { pressed } else { free };
-        let sum_of_squares = problem.sums(std::slice::from_ref(&end.point))?[0];
+        let sum_of_squares = own.sums(std::slice::from_ref(&end.point))?[0];
         let minimum = Minimum {
             sum_of_squares,
             ..end
         };
-        Ok((minimum, is_pressed))
+        Ok((minimum, is_pressed, own.simulations()))
     })?;
-    let sums = found.iter().map(|(minimum, _)| minimum.sum_of_squares);
+    problem.count(found.iter().map(|(.., simulations)| simulations).sum());
+    let sums = found.iter().map(|(minimum, ..)| minimum.sum_of_squares);
     let least = sums.clone().fold(f64::INFINITY, f64::min);
     let agreeing = sums.filter(|sum| *sum <= 1.01 * least).count() as u64;
     let nearest = found
         .into_iter()
-        .find(|(minimum, _)| minimum.sum_of_squares <= least);
+        .find(|(minimum, ..)| minimum.sum_of_squares <= least);
     let solved = problem.solve_one(&lowest.point)?;
     let residuals = problem.residuals(&lowest.point, &solved)?;
     let outputs: Vec<&[f64]> = residuals.iter().map(|one| one.values.as_slice()).collect();
     let n_effective = ResidualNoise::of(&outputs).n_effective;
     let most = NEAR.min((VERY_STRONG / n_effective.max(1.0)).exp());
     Ok(nearest
-        .filter(|(minimum, _)| minimum.sum_of_squares <= most * lowest.sum_of_squares)
-        .map(|(minimum, is_pressed)| Held {
+        .filter(|(minimum, ..)| minimum.sum_of_squares <= most * lowest.sum_of_squares)
+        .map(|(minimum, is_pressed, _)| Held {
             minimum,
             agreeing,
             is_pressed,
