@@ -428,7 +428,7 @@ fn kinetics_of_skew(zeta: f64) {
 #[test]
 fn families_by_name() {
     for family in LoopFamily::ALL {
-        assert_eq!(LoopFamily::parse(family.id()), Some(family));
+        assert_eq!(LoopFamily::parse(&family.to_string()), Some(family));
     }
     assert_eq!(LoopFamily::parse("duhem"), None);
 }
@@ -446,5 +446,31 @@ fn no_number_and_infinity() {
         assert!((hot - 1.0).abs() < ROUNDING, "{family}: {hot}");
         let cold = walk(&material, &mut memory, &[f64::NEG_INFINITY]);
         assert!(cold.abs() < ROUNDING, "{family}: {cold}");
+    }
+}
+
+#[test]
+fn a_start_on_a_limiting_curve_goes_on_along_it() {
+    for family in [LoopFamily::Relays, LoopFamily::Kinetics] {
+        let material = of_family(family, (8.0, 4.0, 0.7), Rule::Nested);
+        let mut heated = material.between_limiting_curves([-200.0], [0.0]);
+        let heating = walk(&material, &mut heated, &[9.0]);
+        let mut begun = material.at([9.0], [heating]).unwrap();
+        let mut cooled = begun.clone();
+        for degc in [10.0, 14.0] {
+            let [expected, found] =
+                [&mut heated, &mut begun].map(|one| walk(&material, one, &[degc]));
+            assert!(
+                (found - expected).abs() < 1e-9,
+                "{family} {found} {expected}"
+            );
+        }
+        // On the heating curve, and not on that of cooling, where it would fall at once.
+        let back = walk(&material, &mut cooled, &[4.0]);
+        assert!(heating - back < 0.2 * heating, "{family} {heating} {back}");
+        assert!(material.at([9.0], [heating - 0.01]).is_err());
+        // Where both curves are one there is one fraction.
+        assert!(material.at([1e5], [1.0]).is_ok());
+        assert!(material.at([1e5], [0.5]).is_err());
     }
 }

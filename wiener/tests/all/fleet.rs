@@ -1,6 +1,9 @@
 //! Any plant in lockstep: here a lag without hysteresis.
 
-use wiener::{Fleet, Input, Lanes, NARROW, Output, Plant, Profile, Started, WIDE, lockstep, run};
+use wiener::{
+    Drives, Fleet, Input, Lanes, NARROW, Output, Plant, Profile, Shown, Started, Stretch, WIDE,
+    lockstep, run,
+};
 
 /// A displacement that follows the drive, each lane with its own time constant.
 struct Lag<const L: usize> {
@@ -102,4 +105,89 @@ fn an_error_of_a_fleet_is_passed_on() {
     let members = [(1.0, 0.0), (f64::NAN, 0.0)];
     let refused = lockstep(&Lags, &members, &profile(&[1.0]), &mut |_| {});
     assert_eq!(refused, Err("tau_s = NaN".to_owned()));
+}
+
+/// A fleet that has no wide lanes.
+struct Narrow;
+
+impl Fleet for Narrow {
+    type Member = (f64, f64);
+    type Error = String;
+
+    fn narrow(
+        &self,
+        members: &[(f64, f64); NARROW],
+    ) -> Result<Box<dyn Lanes<NARROW> + Send>, String> {
+        Lags.narrow(members)
+    }
+
+    fn wide(&self, _: &[(f64, f64); WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, String> {
+        Err("wide".to_owned())
+    }
+}
+
+#[test]
+fn few_members_take_narrow_lanes_and_more_take_wide_ones() {
+    let members = [(1.0, 0.0); NARROW + 1];
+    let of = |n: usize| lockstep(&Narrow, &members[..n], &profile(&[1.0]), &mut |_| {});
+    assert_eq!(of(NARROW), Ok(()));
+    assert_eq!(of(NARROW + 1), Err("wide".to_owned()));
+}
+
+/// Lanes that have no step of their own.
+struct ByRun(Started<1, Lag<1>>);
+
+impl Lanes<1> for ByRun {
+    fn output(&self) -> Output<1> {
+        self.0.output()
+    }
+
+    fn run(&mut self, stretch: &Stretch<'_, 1>, shown: &mut Shown<'_, 1>) {
+        self.0.run(stretch, shown);
+    }
+}
+
+#[test]
+fn a_step_is_a_run_of_one_sample_whoever_makes_it() {
+    let input = Input {
+        drive: [2.0],
+        ambient_degc: 20.0,
+    };
+    let lag = || Lag { tau_s: [0.3] };
+    let by_reference = lag();
+    let started = Started {
+        plant: lag(),
+        state: [0.5],
+    };
+    let mut all: [Box<dyn Lanes<1>>; 4] = [
+        Box::new(ByRun(Started {
+            plant: lag(),
+            state: [0.5],
+        })),
+        started.boxed(),
+        Box::new(Started {
+            plant: lag(),
+            state: [0.5],
+        }),
+        Box::new(Started {
+            plant: &by_reference,
+            state: [0.5],
+        }),
+    ];
+    let expected = 0.5 + (2.0 - 0.5) * 0.1 / (0.1 + 0.3);
+    for lanes in &mut all {
+        lanes.step(&input, 0.1);
+        assert_eq!(lanes.output().displacement, [expected]);
+    }
+    let mut shown = Shown {
+        displacement: &mut [[0.0]],
+        temperature_degc: &mut [[0.0]],
+    };
+    let stretch = Stretch {
+        drive: Drives::Common(&[2.0]),
+        ambient_degc: &[20.0],
+        dt_s: &[0.1],
+    };
+    all[0].run(&stretch, &mut shown);
+    assert_eq!(shown.displacement, &[[expected]]);
 }
