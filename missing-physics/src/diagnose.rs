@@ -15,7 +15,7 @@ use crate::model::coarse::{coarse, judged};
 use crate::noise::floor::of_both;
 use crate::report::{Baseline, Diagnosis, Reporting, Simulations};
 use crate::search::{Survey, at, families, promoted, testable};
-use crate::watch::{Caller, DiagnoseProgress};
+use crate::watch::{Caller, DiagnoseProgress, SearchStep};
 
 /// Says which physics the baseline model of a rig leaves out.
 ///
@@ -81,7 +81,7 @@ pub(crate) fn diagnosed(
         config,
         caller,
     };
-    caller.tell(DiagnoseProgress::Search { simulations: 0 })?;
+    caller.begin(SearchStep::Effects)?;
 
     // At few samples.
     let few = coarse(&base, &plain, training)?;
@@ -97,19 +97,20 @@ pub(crate) fn diagnosed(
     }
     let catalogue = testable(&case, &case.baseline()?, all)?;
     let mut survey = Survey::begun(&few_case, &few_blocks, catalogue, config)?;
-    caller.tell_of_search()?;
+    caller.begin(SearchStep::OtherLoops)?;
     let loops = survey.loops(stand_ins)?;
+    caller.begin(SearchStep::MoreEffects)?;
     let few_cases = families::cases(&few_case, &loops.fits);
     survey.go_on(&few_cases, &loops)?;
 
     // At the judged samples.
+    caller.begin(SearchStep::Judged)?;
     let of_families = families::cases(&case, &loops.fits);
     let cases: Vec<&Case<'_>> = std::iter::once(&case).chain(&of_families).collect();
-    let highest = reporting.noise[0].highest();
-    let (searches, population) = promoted(&cases, &mut survey, &all_blocks, highest)?;
+    let noise = reporting.noise[0].highest();
+    let (searches, population) = promoted(&cases, &mut survey, &all_blocks, noise)?;
 
     // Judged, and told.
-    caller.tell(DiagnoseProgress::Refit)?;
     let leader = at(&searches, leading(&population));
     if !is_found && leader.0 == 0 {
         return Ok(reporting.not_converged());

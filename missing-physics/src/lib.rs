@@ -45,5 +45,5 @@ pub(crate) use sma_effects::{
     ExtendedPlant, FamilyShape, Hypothesis, Member, Need, Occurrence, PhysicsError, Role, Setting,
     Sign, Smoothness,
 };
-pub use watch::DiagnoseProgress;
+pub use watch::{DiagnoseProgress, SearchStep};
 pub use wiener::hysteresis::LoopFamily;

@@ -17,8 +17,10 @@ use crate::config::{DiagnoseConfig, Effort, Part};
 pub enum DiagnoseProgress {
     /// The baseline is being fitted.
     Baseline(FitProgress),
-    /// Effects are being tried; told several times a second.
+    /// Models are being searched; told several times a second.
     Search {
+        /// Step of the search.
+        step: SearchStep,
         /// Points that were simulated so far, the baseline's not counted.
         simulations: u64,
     },
@@ -26,6 +28,19 @@ pub enum DiagnoseProgress {
     Refit,
     /// The mismatch is being located.
     Locate,
+}
+
+/// Step of a search, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SearchStep {
+    /// Single effects beside the baseline model's loop.
+    Effects,
+    /// Loops of other families.
+    OtherLoops,
+    /// More effects than one, and effects beside other loops.
+    MoreEffects,
+    /// The models that could lead, on all the samples that judge.
+    Judged,
 }
 
 /// Callback that is told how far a diagnosis is, and says whether it goes on. Any thread may call it, one at a time.
@@ -59,7 +74,7 @@ impl Watch for Unwatched {
 pub(crate) struct Caller<'p> {
     told: Mutex<Told<'p>>,
     has_ended: AtomicBool,
-    /// True while effects are tried: other stages tell themselves how far they are.
+    /// True while models are searched: other stages tell themselves how far they are.
     is_searching: AtomicBool,
     simulations: AtomicU64,
     effort: Effort,
@@ -72,6 +87,8 @@ pub(crate) struct Caller<'p> {
 struct Told<'p> {
     progress: &'p mut Progress<'p>,
     last: Instant,
+    /// Step of the search that is under way.
+    step: SearchStep,
 }
 
 impl<'p> Caller<'p> {
@@ -85,6 +102,7 @@ impl<'p> Caller<'p> {
             told: Mutex::new(Told {
                 progress,
                 last: Instant::now(),
+                step: SearchStep::Effects,
             }),
             has_ended: AtomicBool::new(false),
             is_searching: AtomicBool::new(false),
@@ -106,14 +124,14 @@ impl<'p> Caller<'p> {
         stopped(goes_on)
     }
 
-    /// Tells the caller how far the search is.
+    /// Tells the caller that a step of the search begins.
     ///
     /// # Errors
     ///
     /// [`IdentifyError::Stopped`] if the caller ends it, or did.
-    pub(crate) fn tell_of_search(&self) -> Result<(), IdentifyError> {
+    pub(crate) fn begin(&self, step: SearchStep) -> Result<(), IdentifyError> {
         let simulations = self.simulations.load(Ordering::Relaxed);
-        self.tell(DiagnoseProgress::Search { simulations })
+        self.tell(DiagnoseProgress::Search { step, simulations })
     }
 
     /// Parts that were left out so far.
@@ -124,6 +142,9 @@ impl<'p> Caller<'p> {
     }
 
     fn ask(&self, told: &mut Told<'_>, progress: DiagnoseProgress) -> ControlFlow<()> {
+        if let DiagnoseProgress::Search { step, .. } = progress {
+            told.step = step;
+        }
         let is_search = matches!(progress, DiagnoseProgress::Search { .. });
         self.is_searching.store(is_search, Ordering::Relaxed);
         let goes_on = (told.progress)(progress);
@@ -147,8 +168,9 @@ impl Watch for Caller<'_> {
         // Where another thread tells, this one need not.
         match self.told.try_lock() {
             Ok(mut told) if told.last.elapsed() >= APART => {
+                let step = told.step;
                 let simulations = before + points as u64;
-                self.ask(&mut told, DiagnoseProgress::Search { simulations })
+                self.ask(&mut told, DiagnoseProgress::Search { step, simulations })
             }
             _ => ControlFlow::Continue(()),
         }

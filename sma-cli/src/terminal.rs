@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
 
@@ -46,6 +46,9 @@ pub(crate) struct Progress {
     quiet: bool,
     /// Stages that were said.
     said: Vec<&'static str>,
+    begun: Instant,
+    /// The stage that goes on, and when it began.
+    stage: (&'static str, Duration),
 }
 
 impl Progress {
@@ -54,7 +57,20 @@ impl Progress {
             bar: bar(quiet, length, template),
             quiet,
             said: Vec::new(),
+            begun: Instant::now(),
+            stage: ("", Duration::ZERO),
         }
+    }
+
+    /// [`Self::show`] of a stage before which usually such a share of the whole time is over: with a word on how long the rest may take.
+    pub(crate) fn show_timed(&mut self, stage: &'static str, usual_share: f64, how_far: &str) {
+        let elapsed = self.begun.elapsed();
+        if self.stage.0 != stage {
+            self.stage = (stage, elapsed);
+        }
+        let left = left(self.stage.1, elapsed, usual_share).and_then(about);
+        let left = left.map_or(String::new(), |left| format!(", about {left} left"));
+        self.show(stage, None, &format!("{how_far}{left}"));
     }
 
     /// A stage has begun or goes on, with so many of its parts done and a word on how far it is.
@@ -74,6 +90,25 @@ impl Progress {
     pub(crate) fn end(&self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// Time that is left, if a stage began when this share of the whole is usually over; `None` where it takes longer than that.
+fn left(begun: Duration, elapsed: Duration, usual_share: f64) -> Option<Duration> {
+    let whole = begun.as_secs_f64() / usual_share;
+    Duration::try_from_secs_f64(whole - elapsed.as_secs_f64()).ok()
+}
+
+/// A time as roughly as it is known: 1, 2 or 5 of a decade of seconds or minutes; `None` below two seconds.
+fn about(time: Duration) -> Option<String> {
+    const SECONDS: [u64; 6] = [2, 5, 10, 20, 30, 45];
+    const MINUTES: [u64; 7] = [1, 2, 5, 10, 20, 30, 60];
+    let seconds = time.as_secs();
+    let minutes = MINUTES.into_iter().rev().find(|one| 60 * one <= seconds);
+    if let Some(minutes) = minutes {
+        return Some(format!("{minutes} min"));
+    }
+    let seconds = SECONDS.into_iter().rev().find(|one| *one <= seconds);
+    seconds.map(|seconds| format!("{seconds} s"))
 }
 
 /// Progress as lines on stderr, each that differs from the one before.
@@ -162,7 +197,20 @@ pub(crate) fn write_stdout(text: &str) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::harmless;
+    use super::{about, harmless, left};
+    use std::time::Duration;
+
+    #[test]
+    fn what_is_left_goes_by_the_usual_share_and_is_said_roughly() {
+        let seconds = Duration::from_secs;
+        // Begun after 6 s, which is usually 0.6 of the whole.
+        assert_eq!(left(seconds(6), seconds(6), 0.6), Some(seconds(4)));
+        assert_eq!(left(seconds(6), seconds(9), 0.6), Some(seconds(1)));
+        assert_eq!(left(seconds(6), seconds(11), 0.6), None);
+        let said = [1, 4, 19, 59, 60, 299, 86_400].map(|time| about(seconds(time)));
+        let expected = ["", "2 s", "10 s", "45 s", "1 min", "2 min", "60 min"];
+        assert_eq!(said.map(Option::unwrap_or_default), expected);
+    }
 
     #[test]
     fn escape_sequences_do_not_reach_a_terminal() {

@@ -97,6 +97,7 @@ impl Reporting<'_, '_> {
         (place, effects): (usize, CandidateSet),
         simulations: Simulations,
     ) -> Result<Diagnosis, IdentifyError> {
+        self.caller.tell(DiagnoseProgress::Refit)?;
         let Baseline {
             model,
             stage: baseline,

@@ -72,13 +72,29 @@ fn it_ends_while_the_baseline_is_fitted() {
 #[test]
 fn it_ends_while_effects_are_tried_and_nothing_more_is_told() {
     let (told, found) = told_until(
-        |progress| matches!(progress, DiagnoseProgress::Search { simulations } if *simulations > 0),
+        |progress| matches!(progress, DiagnoseProgress::Search { simulations, .. } if *simulations > 0),
     );
-    let Some(DiagnoseProgress::Search { simulations }) = told.last() else {
+    let Some(DiagnoseProgress::Search { simulations, .. }) = told.last() else {
         unreachable!("{:?}", told.last());
     };
     assert!(*simulations > 0);
     assert!(matches!(found, Err(IdentifyError::Stopped)));
+}
+
+#[test]
+fn stages_are_told_in_their_order() {
+    let (told, found) = told_until(|_| false);
+    assert!(found.is_ok());
+    let rank = |progress: &DiagnoseProgress| match progress {
+        DiagnoseProgress::Baseline(_) => 0,
+        DiagnoseProgress::Search { step, .. } => 1 + *step as usize,
+        DiagnoseProgress::Refit => 5,
+        DiagnoseProgress::Locate => 6,
+    };
+    let mut ranks: Vec<usize> = told.iter().map(rank).collect();
+    assert!(ranks.is_sorted(), "{ranks:?}");
+    ranks.dedup();
+    assert_eq!(ranks, [0, 1, 2, 3, 4, 5, 6]);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use drawn::{any_path, any_rule, any_shape};
 use proptest::prelude::*;
 use sma_hysteresis::{
     Branch, ExponentialProximity, Hysteresis, LimitingLoop, LoopParams, Memory, NESTING_CAPACITY,
-    Rule, SineProximity,
+    Proximity, Rule, SineProximity,
 };
 
 /// Rounding of a few operations on temperatures of some ten degrees, carried to the fraction.
@@ -432,4 +432,21 @@ fn a_start_between_the_curves_is_a_reversal_if_left_by_heating() {
     let mut memory = material.between_limiting_curves([0.0], [0.0]);
     walk(&material, &mut memory, &[30.0]);
     assert_eq!(memory.depth()[0], 0);
+}
+
+#[test]
+fn slopes_of_proximities_are_those_of_their_differences() {
+    let exponential = ExponentialProximity::new([0.3]).unwrap();
+    let sine = SineProximity::new([0.8]).unwrap();
+    let all: [&dyn Proximity; 2] = [&exponential, &sine];
+    for proximity in all {
+        for x in [0.1, 0.5, 1.2, 1.7] {
+            let [after, before] = [1e-5, -1e-5].map(|step| proximity.decay(0, x + step));
+            let slope = proximity.decay_slope(0, x);
+            assert!(
+                (slope - (after - before) / 2e-5).abs() < 1e-8,
+                "{x} {slope}"
+            );
+        }
+    }
 }

@@ -174,10 +174,11 @@ fn a_step_is_a_run_of_one_sample_whoever_makes_it() {
             state: [0.5],
         }),
     ];
-    let expected = 0.5 + (2.0 - 0.5) * 0.1 / (0.1 + 0.3);
+    let expected: f64 = 0.5 + (2.0 - 0.5) * 0.1 / (0.1 + 0.3);
     for lanes in &mut all {
         lanes.step(&input, 0.1);
-        assert_eq!(lanes.output().displacement, [expected]);
+        let [displacement] = lanes.output().displacement;
+        assert_eq!(displacement.to_bits(), expected.to_bits());
     }
     let mut shown = Shown {
         displacement: &mut [[0.0]],
