@@ -49,6 +49,8 @@ pub(crate) struct Progress {
     begun: Instant,
     /// The stage that goes on, and when it began.
     stage: (&'static str, Duration),
+    /// True if it says how long the rest may take.
+    says_left: bool,
 }
 
 impl Progress {
@@ -59,6 +61,15 @@ impl Progress {
             said: Vec::new(),
             begun: Instant::now(),
             stage: ("", Duration::ZERO),
+            says_left: true,
+        }
+    }
+
+    /// Progress of a search that is a part of something longer: it does not say how long the rest may take.
+    pub(crate) fn of_a_part(self) -> Self {
+        Self {
+            says_left: false,
+            ..self
         }
     }
 
@@ -68,8 +79,10 @@ impl Progress {
         if self.stage.0 != stage {
             self.stage = (stage, elapsed);
         }
-        let left = left(self.stage.1, elapsed, usual_share).and_then(about);
-        let left = left.map_or(String::new(), |left| format!(", about {left} left"));
+        let left = left(self.stage.1, elapsed, usual_share).filter(|_| self.says_left);
+        let left = left
+            .and_then(about)
+            .map_or(String::new(), |left| format!(", about {left} left"));
         self.show(stage, None, &format!("{how_far}{left}"));
     }
 

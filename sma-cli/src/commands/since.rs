@@ -41,7 +41,8 @@ pub(crate) fn since_reference(
         args.quiet,
         config.baseline.starts,
         "reference {bar:20}  {msg}",
-    );
+    )
+    .of_a_part();
     let healthy = Reference::of(plain, &reference, &config, &mut |progress| {
         show(&mut shown, &progress);
         ControlFlow::Continue(())
