@@ -450,6 +450,30 @@ fn no_number_and_infinity() {
 }
 
 #[test]
+fn tails_and_bends_are_those_of_both_populations() {
+    let relays = of_family(LoopFamily::Relays, (8.0, 4.0, 0.7), Rule::Nested);
+    let alike = SecondPopulation {
+        share: 0.4,
+        ..SecondPopulation::default()
+    };
+    let shaped = |relays: Hysteresis<1>| {
+        let relays = relays.with_tails([0.8]).unwrap();
+        relays.with_bends([[0.2], [0.1], [-0.1]]).unwrap()
+    };
+    let one = shaped(relays);
+    let two = shaped(relays.with_second_population([alike]).unwrap());
+    let [mut of_one, mut of_two] =
+        [&one, &two].map(|one| one.between_limiting_curves([-50.0], [0.0]));
+    for degc in [3.0, 12.0, -2.0, 6.0, -9.0, 30.0] {
+        let fraction = walk(&one, &mut of_one, &[degc]);
+        assert!((walk(&two, &mut of_two, &[degc]) - fraction).abs() < 1e-9);
+        let is_heating = of_one.branch(0) == Some(Branch::Heating);
+        assert_eq!(is_heating, [3.0, 12.0, 6.0, 30.0].contains(&degc));
+    }
+    assert_eq!(of_one.branch(1), None);
+}
+
+#[test]
 fn a_start_on_a_limiting_curve_goes_on_along_it() {
     for family in [LoopFamily::Relays, LoopFamily::Kinetics] {
         let material = of_family(family, (8.0, 4.0, 0.7), Rule::Nested);
