@@ -34,7 +34,11 @@ impl<const L: usize> Plant<L> for Lag<L> {
 }
 
 /// Members: time constant and first displacement.
-struct Lags;
+struct Lags {
+    has_wide: bool,
+}
+
+const LAGS: Lags = Lags { has_wide: true };
 
 impl Fleet for Lags {
     type Member = (f64, f64);
@@ -48,6 +52,9 @@ impl Fleet for Lags {
     }
 
     fn wide(&self, members: &[(f64, f64); WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, String> {
+        if !self.has_wide {
+            return Err("wide".to_owned());
+        }
         Ok(started(members)?.boxed())
     }
 }
@@ -77,7 +84,7 @@ fn members_of_any_fleet_have_the_bits_of_a_run_alone() {
             .map(|k| (0.1 + 0.3 * f64::from(k), f64::from(k)))
             .collect();
         let mut traces = vec![Vec::new(); members.len()];
-        lockstep(&Lags, &members, &profile, &mut |block| {
+        lockstep(&LAGS, &members, &profile, &mut |block| {
             for row in block.displacement.chunks(block.stride) {
                 for column in 0..block.members {
                     traces[block.first_member + column].push(row[column].to_bits());
@@ -103,33 +110,15 @@ fn members_of_any_fleet_have_the_bits_of_a_run_alone() {
 #[test]
 fn an_error_of_a_fleet_is_passed_on() {
     let members = [(1.0, 0.0), (f64::NAN, 0.0)];
-    let refused = lockstep(&Lags, &members, &profile(&[1.0]), &mut |_| {});
+    let refused = lockstep(&LAGS, &members, &profile(&[1.0]), &mut |_| {});
     assert_eq!(refused, Err("tau_s = NaN".to_owned()));
-}
-
-/// A fleet that has no wide lanes.
-struct Narrow;
-
-impl Fleet for Narrow {
-    type Member = (f64, f64);
-    type Error = String;
-
-    fn narrow(
-        &self,
-        members: &[(f64, f64); NARROW],
-    ) -> Result<Box<dyn Lanes<NARROW> + Send>, String> {
-        Lags.narrow(members)
-    }
-
-    fn wide(&self, _: &[(f64, f64); WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, String> {
-        Err("wide".to_owned())
-    }
 }
 
 #[test]
 fn few_members_take_narrow_lanes_and_more_take_wide_ones() {
     let members = [(1.0, 0.0); NARROW + 1];
-    let of = |n: usize| lockstep(&Narrow, &members[..n], &profile(&[1.0]), &mut |_| {});
+    let narrow = Lags { has_wide: false };
+    let of = |n: usize| lockstep(&narrow, &members[..n], &profile(&[1.0]), &mut |_| {});
     assert_eq!(of(NARROW), Ok(()));
     assert_eq!(of(NARROW + 1), Err("wide".to_owned()));
 }
