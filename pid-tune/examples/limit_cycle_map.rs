@@ -65,6 +65,7 @@ impl Cell {
                 derivative_of: DerivativeOf::Measurement,
                 derivative_filter_s: 0.0,
                 setpoint_weight: 1.0,
+                gain_schedule: None,
             },
             // 200 and 0.01, whatever the unit: ki/kp stays.
             gains: PidGains {

@@ -124,6 +124,7 @@ fn task(
         derivative_of: DerivativeOf::Measurement,
         derivative_filter_s: 0.0,
         setpoint_weight: 1.0,
+        gain_schedule: None,
     };
     Ok(Task::new(rods, closed_loop, params)?)
 }

@@ -66,6 +66,38 @@ pub enum TuneError {
         /// Rejected value.
         value: f64,
     },
+    /// Levels of a gain schedule leave nothing between them.
+    #[error(
+        "a gain schedule from an output of {lower} to {upper}: both must be finite, the first below the second"
+    )]
+    ScheduleOutputs {
+        /// First level.
+        lower: f64,
+        /// Last level.
+        upper: f64,
+    },
+    /// A factor of a gain schedule is below 1, infinite or NaN.
+    #[error("{branch}[{index}] = {value}: a factor of a gain schedule must be finite and >= 1")]
+    ScheduleFactor {
+        /// Its branch.
+        branch: &'static str,
+        /// Number of its level, from 0.
+        index: usize,
+        /// Rejected value.
+        value: f64,
+    },
+    /// No exponent of a gain schedule.
+    #[error("exponent of a gain schedule = {value}: must lie in 0 .. 1")]
+    Exponent {
+        /// Rejected value.
+        value: f64,
+    },
+    /// No limit of the factors of a gain schedule.
+    #[error("largest factor of a gain schedule = {value}: must be finite and > 1")]
+    ScheduleLimit {
+        /// Rejected value.
+        value: f64,
+    },
     /// A series has no values.
     #[error("{name} has no values; at least 1 is needed")]
     Empty {

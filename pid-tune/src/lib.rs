@@ -19,6 +19,7 @@ mod feed_forward;
 mod fraction_response;
 #[cfg(feature = "std")]
 mod front;
+mod gain_schedule;
 #[cfg(feature = "std")]
 mod goal;
 #[cfg(feature = "std")]
@@ -49,6 +50,8 @@ mod robustness;
 mod rod_loop;
 #[cfg(feature = "std")]
 mod rules;
+#[cfg(feature = "std")]
+mod schedule_shape;
 #[cfg(feature = "std")]
 mod screen;
 #[cfg(feature = "std")]
@@ -81,6 +84,7 @@ pub use fraction_response::{
 };
 #[cfg(feature = "std")]
 pub use front::{FrontPoint, front};
+pub use gain_schedule::{GainSchedule, GainScheduleParams, SCHEDULE_LEVELS};
 #[cfg(feature = "std")]
 pub use goal::{Across, Goal};
 #[cfg(feature = "std")]
@@ -117,11 +121,13 @@ pub use rod_loop::{Approach, RodLoop, RodLoopParams};
 #[cfg(feature = "std")]
 pub use rules::{RelayCycle, RelayTest};
 #[cfg(feature = "std")]
+pub use schedule_shape::ScheduleShape;
+#[cfg(feature = "std")]
 pub use screen::{Requirements, Screen};
 #[cfg(feature = "std")]
 pub use second_opinion::{Opinion, SecondOpinion, Verdict, second_opinion};
 #[cfg(feature = "std")]
-pub use small_changes::SmallChanges;
+pub use small_changes::{Answer, Answers, SmallChanges};
 pub use step_response::StepTerms;
 #[cfg(feature = "std")]
 pub use task::{Response, Task, TaskError};

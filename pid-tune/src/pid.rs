@@ -1,5 +1,5 @@
-use crate::TuneError;
 use crate::error::{all_finite, finite, not_negative, positive};
+use crate::{GainSchedule, TuneError};
 
 /// Gains of one controller in parallel form; each finite and ≥ 0.
 ///
@@ -78,6 +78,8 @@ pub struct PidParams {
     /// Share b of the reference that the proportional term sees, 0 to 1: below 1, a step of the reference kicks less and
     /// the response overshoots less, while disturbances are met as before.
     pub setpoint_weight: f64,
+    /// Factor on all gains by the output's level and branch; `None` for gains that stay.
+    pub gain_schedule: Option<GainSchedule>,
 }
 
 /// PID controller as it is deployed: sampled, saturated, `L` of them side by side, each with its gains.
@@ -103,6 +105,14 @@ pub struct PidParams {
 /// is held, nothing else is remembered but the count, and the next derivative is over the time since the last
 /// sound sample. A sensor that is gone for good holds the heating on: watch [`PidState::missed`].
 ///
+/// With a [`GainSchedule`] and its factor φ_k:
+///
+/// ```text
+/// v_k = kp (φ_k e_k - (1 - b) r_k) + I_k + D_k + f_k,   φ_k ki and φ_k kd in the place of ki and kd
+/// ```
+///
+/// I and D are drives that were summed with the factors of their time: where e is 0, a change of the factor moves nothing.
+///
 /// # Differs from the source
 ///
 /// The derivative's filter is exact for a signal that is straight between samples, not a backward difference.
@@ -120,6 +130,9 @@ pub struct Pid<const L: usize = 1> {
     per_dt_s: f64,
 }
 
+/// Middle of a play before the first sample, whose output then counts as one that has come from below: a rod is cold at first.
+const FROM_BELOW: f64 = f64::NEG_INFINITY;
+
 /// State of a [`Pid`] between samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PidState<const L: usize = 1> {
@@ -132,6 +145,18 @@ pub struct PidState<const L: usize = 1> {
     /// Last command.
     unsaturated: [f64; L],
     missed: [u64; L],
+    /// Middle of the schedule's play.
+    middle: [f64; L],
+}
+
+/// What one sample is multiplied with.
+struct Weights<const L: usize> {
+    /// What kp is multiplied with: b r - y, or φ e - (1 - b) r.
+    weighed: [f64; L],
+    ki_dt: [f64; L],
+    kd_new: [f64; L],
+    /// Middle of the schedule's play after the sample.
+    middle: [f64; L],
 }
 
 impl<const L: usize> PidState<L> {
@@ -244,8 +269,9 @@ impl<const L: usize> Pid<L> {
         let drive = self.params.limits.saturate(drive);
         let error = sample.error();
         let mut integral = [0.0; L];
+        let Weights { weighed, .. } = self.weights(&[FROM_BELOW; L], sample, &error);
         for l in 0..L {
-            integral[l] = drive[l] - self.kp[l] * self.weighed(sample, l) - sample.feed_forward;
+            integral[l] = drive[l] - self.kp[l] * weighed[l] - sample.feed_forward;
         }
         all_finite("integral", &integral)?;
         let watched = self.watched(&error, &sample.measured);
@@ -260,6 +286,7 @@ impl<const L: usize> Pid<L> {
             per_elapsed_s: [self.per_dt_s; L],
             unsaturated: drive,
             missed: [0; L],
+            middle: [FROM_BELOW; L],
         }
     }
 
@@ -268,17 +295,18 @@ impl<const L: usize> Pid<L> {
     pub fn step(&self, state: &mut PidState<L>, sample: &Sample<L>) -> Command<L> {
         let error = sample.error();
         let watched = self.watched(&error, &sample.measured);
+        let weights = self.weights(&state.middle, sample, &error);
         let mut derivative = [0.0; L];
         let mut unsaturated = [0.0; L];
         for l in 0..L {
             let rate = (watched[l] - state.watched[l]) * state.per_elapsed_s[l];
-            derivative[l] = self.retained * state.derivative[l] + self.kd_new[l] * rate;
-            unsaturated[l] = self.kp[l] * self.weighed(sample, l)
+            derivative[l] = self.retained * state.derivative[l] + weights.kd_new[l] * rate;
+            unsaturated[l] = self.kp[l] * weights.weighed[l]
                 + state.integral[l]
                 + derivative[l]
                 + sample.feed_forward;
         }
-        let integral = self.integrated(&state.integral, &error, &unsaturated);
+        let integral = self.integrated(&state.integral, &weights.ki_dt, &error, &unsaturated);
         // Nothing infinite or NaN is in a finite sum. Looked at once for all lanes: few samples are missed.
         let mut all_sound = true;
         for l in 0..L {
@@ -290,6 +318,7 @@ impl<const L: usize> Pid<L> {
             state.watched = watched;
             state.per_elapsed_s = [self.per_dt_s; L];
             state.unsaturated = unsaturated;
+            state.middle = weights.middle;
         } else {
             for l in 0..L {
                 if unsaturated[l].is_finite() && integral[l].is_finite() {
@@ -298,6 +327,7 @@ impl<const L: usize> Pid<L> {
                     state.watched[l] = watched[l];
                     state.per_elapsed_s[l] = self.per_dt_s;
                     state.unsaturated[l] = unsaturated[l];
+                    state.middle[l] = weights.middle[l];
                 } else {
                     state.per_elapsed_s[l] =
                         1.0 / (1.0 / state.per_elapsed_s[l] + self.params.dt_s);
@@ -317,10 +347,29 @@ impl<const L: usize> Pid<L> {
         self.params.limits.saturate(state.unsaturated)
     }
 
-    /// b r - y; for b = 1 the same bits as the error.
+    /// Weights of a sample, after a play whose middle was `before`.
     #[inline(always)]
-    fn weighed(&self, sample: &Sample<L>, l: usize) -> f64 {
-        self.params.setpoint_weight * sample.setpoint - sample.measured[l]
+    fn weights(&self, before: &[f64; L], sample: &Sample<L>, error: &[f64; L]) -> Weights<L> {
+        let mut weights = Weights {
+            weighed: [0.0; L],
+            ki_dt: self.ki_dt,
+            kd_new: self.kd_new,
+            middle: *before,
+        };
+        for l in 0..L {
+            // For b = 1 the same bits as the error.
+            weights.weighed[l] = self.params.setpoint_weight * sample.setpoint - sample.measured[l];
+        }
+        if let Some(schedule) = &self.params.gain_schedule {
+            for l in 0..L {
+                weights.middle[l] = schedule.middle(before[l], sample.measured[l]);
+                let factor = schedule.factor(sample.measured[l], weights.middle[l]);
+                weights.weighed[l] += (factor - 1.0) * error[l];
+                weights.ki_dt[l] *= factor;
+                weights.kd_new[l] *= factor;
+            }
+        }
+        weights
     }
 
     /// x: what the derivative looks at.
@@ -343,12 +392,13 @@ impl<const L: usize> Pid<L> {
     fn integrated(
         &self,
         integral: &[f64; L],
+        ki_dt: &[f64; L],
         error: &[f64; L],
         unsaturated: &[f64; L],
     ) -> [f64; L] {
         let mut next = [0.0; L];
         for l in 0..L {
-            next[l] = integral[l] + self.ki_dt[l] * error[l];
+            next[l] = integral[l] + ki_dt[l] * error[l];
         }
         // The choice stands outside the lanes' loops.
         match self.params.anti_windup {

@@ -1,7 +1,10 @@
 use crate::complex::Complex;
 use crate::error::{not_negative, positive};
 use crate::open_loop::controller_parts;
-use crate::{Margins, OpenLoop, Passage, PidGains, PidParams, PlantResponse, TuneError};
+use crate::{
+    Answers, GainSchedule, Margins, OpenLoop, Passage, PidGains, PidParams, PlantResponse,
+    TuneError,
+};
 
 /// Of the frequencies of a plant's response a search looks at every so many.
 const THINNED: usize = 3;
@@ -27,6 +30,10 @@ pub struct Screen {
     requirements: Requirements,
     controller: PidParams,
     plants: Vec<PlantResponse>,
+    /// For each plant the factor that the gains have there, at most; 1 without a schedule.
+    factors: Vec<f64>,
+    /// The largest factor that the gains have anywhere.
+    largest_factor: f64,
     /// For each plant its frequencies, rad/s.
     frequencies: Vec<Vec<f64>>,
     /// For each plant and frequency: P, and P times integral and derivative at gains of 1.
@@ -34,7 +41,8 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// For a controller, and answers of the plant to small changes at the controller's sample time.
+    /// For a controller, and answers of the plant to small changes at the controller's sample time. Nothing is known of where
+    /// they are: a gain schedule counts with its largest factor.
     ///
     /// # Errors
     ///
@@ -57,6 +65,8 @@ impl Screen {
             kept
         };
         let swept: Vec<_> = plants.iter().map(thinned).collect();
+        let schedule = controller.gain_schedule.as_ref();
+        let largest_factor = schedule.map_or(1.0, GainSchedule::largest);
         let of_plant = |swept: &Vec<(f64, Complex)>| {
             let parts = swept.iter().map(|&(omega, plant)| {
                 let [integral, derivative] = controller_parts(&controller, omega);
@@ -72,8 +82,34 @@ impl Screen {
                 .map(|swept| swept.iter().map(|&(omega, _)| omega).collect())
                 .collect(),
             parts: swept.iter().map(of_plant).collect(),
+            factors: vec![largest_factor; plants.len()],
+            largest_factor,
             plants,
         })
+    }
+
+    /// For a controller with a gain schedule: at every output and branch where the plant answers, with the largest factor that
+    /// the schedule has at that output, whatever branch the controller takes it for.
+    ///
+    /// # Errors
+    ///
+    /// As [`Screen::new`].
+    pub fn everywhere(
+        requirements: Requirements,
+        controller: PidParams,
+        answers: &Answers,
+    ) -> Result<Self, TuneError> {
+        let all = answers.heating.iter().chain(&answers.cooling);
+        let rising: Vec<_> = all.filter(|answer| answer.plant.gain() > 0.0).collect();
+        let plants = rising.iter().map(|answer| answer.plant.clone()).collect();
+        let mut screen = Self::new(requirements, controller, plants)?;
+        if let Some(schedule) = &controller.gain_schedule {
+            let factors = rising
+                .iter()
+                .map(|answer| schedule.largest_at(answer.output));
+            screen.factors = factors.collect();
+        }
+        Ok(screen)
     }
 
     /// The requirements.
@@ -88,7 +124,8 @@ impl Screen {
         &self.plants
     }
 
-    /// Share of the drive's range by which one jump of the sensor moves the drive at once.
+    /// Share of the drive's range by which one jump of the sensor moves the drive at once; with a schedule, where its factor is
+    /// largest.
     #[must_use]
     pub fn kick(&self, gains: &PidGains) -> f64 {
         let PidParams {
@@ -99,7 +136,8 @@ impl Screen {
         } = self.controller;
         let new = 1.0 - libm::exp(-dt_s / derivative_filter_s);
         let per_step = gains.kp + gains.ki * dt_s + gains.kd * new / dt_s;
-        per_step * self.requirements.sensor_step / (limits.upper - limits.lower)
+        self.largest_factor * per_step * self.requirements.sensor_step
+            / (limits.upper - limits.lower)
     }
 
     /// The largest gains that move the drive little enough, each by itself; ∞ for an ideal sensor.
@@ -137,11 +175,16 @@ impl Screen {
             })
     }
 
-    fn loops(&self, gains: &PidGains) -> impl Iterator<Item = OpenLoop<'_>> {
-        self.plants.iter().map(|plant| OpenLoop {
-            controller: self.controller,
-            gains: *gains,
-            plant,
+    /// The loop around each plant, with the factor that its gains have there.
+    pub fn loops(&self, gains: &PidGains) -> impl Iterator<Item = OpenLoop<'_>> {
+        let around = self.plants.iter().zip(&self.factors);
+        around.map(|(plant, &factor)| {
+            let (controller, gains) = self.controller.frozen(gains, factor);
+            OpenLoop {
+                controller,
+                gains,
+                plant,
+            }
         })
     }
 
@@ -152,7 +195,9 @@ impl Screen {
         let over = |value: f64| if value > 1.0 { value.ln() } else { 0.0 };
         let mut shortfall = over(self.kick(gains) / required.largest_kick);
         let mut responses = Vec::new();
-        for (omegas, parts) in self.frequencies.iter().zip(&self.parts) {
+        let plants = self.frequencies.iter().zip(&self.parts);
+        for ((omegas, parts), &factor) in plants.zip(&self.factors) {
+            let (_, gains) = self.controller.frozen(gains, factor);
             responses.clear();
             responses.extend(parts.iter().map(|&[plant, integral, derivative]| {
                 plant * gains.kp + integral * gains.ki + derivative * gains.kd

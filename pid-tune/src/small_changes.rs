@@ -1,3 +1,4 @@
+use rayon::prelude::*;
 use wiener::{Fleet, Input, Lanes, NARROW};
 
 use crate::{DriveLimits, PlantResponse, TaskError, TuneError};
@@ -38,6 +39,28 @@ pub struct SmallChanges {
     pub dead_time_samples: usize,
 }
 
+/// How a plant answers a small change of its drive at one output, on one branch of its hysteresis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// The output that is held.
+    pub output: f64,
+    /// Its change a fifth of a time constant after the change, per change of the drive.
+    pub slope: f64,
+    /// The whole answer.
+    pub plant: PlantResponse,
+}
+
+/// How a plant answers small changes of its drive, from output to output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answers {
+    /// Outputs from which to which.
+    pub outputs: [f64; 2],
+    /// On the way up.
+    pub heating: Vec<Answer>,
+    /// On the way down.
+    pub cooling: Vec<Answer>,
+}
+
 /// Which way the drive goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
@@ -69,8 +92,8 @@ impl SmallChanges {
         for way in [Way::Heating, Way::Cooling] {
             let held = self.held(fleet, member, way)?;
             let answers = self.answers(fleet, member, way, &held)?;
-            let early = (self.tau_s / EARLY / self.dt_s) as usize;
-            for place in [early, usize::MAX] {
+            let answers: Vec<Vec<f64>> = answers.into_iter().map(|(_, answer)| answer).collect();
+            for place in [self.early(), usize::MAX] {
                 let at = |answer: &[f64]| answer[place.min(answer.len() - 1)];
                 let most = answers.iter().max_by(|a, b| at(a).total_cmp(&at(b)));
                 let rising = most.filter(|answer| answer[answer.len() - 1] > 0.0);
@@ -84,6 +107,41 @@ impl SmallChanges {
         let of = |answer: &Vec<f64>| PlantResponse::new(self.dt_s, self.dead_time_samples, answer);
         let steepest: Result<Vec<_>, TuneError> = chosen.iter().map(of).collect();
         Ok(steepest?)
+    }
+
+    /// How a plant answers at all of those outputs, on its way up and on its way down again.
+    ///
+    /// # Errors
+    ///
+    /// As [`SmallChanges::steepest`].
+    pub fn everywhere<F: Fleet>(
+        &self,
+        fleet: &F,
+        member: F::Member,
+    ) -> Result<Answers, TaskError<F::Error>> {
+        let on = |way| {
+            let held = self.held(fleet, member, way)?;
+            let answers = self.answers(fleet, member, way, &held)?;
+            let of = |(output, answer): &(f64, Vec<f64>)| {
+                Ok(Answer {
+                    output: *output,
+                    slope: answer[self.early().min(answer.len() - 1)],
+                    plant: PlantResponse::new(self.dt_s, self.dead_time_samples, answer)?,
+                })
+            };
+            let answers: Result<Vec<Answer>, TuneError> = answers.par_iter().map(of).collect();
+            Ok::<_, TaskError<F::Error>>(answers?)
+        };
+        Ok(Answers {
+            outputs: self.outputs,
+            heating: on(Way::Heating)?,
+            cooling: on(Way::Cooling)?,
+        })
+    }
+
+    /// Samples to where an answer counts as an early one.
+    fn early(&self) -> usize {
+        (self.tau_s / EARLY / self.dt_s) as usize
     }
 
     /// Drives that hold outputs at even distances, with the outputs.
@@ -140,20 +198,20 @@ impl SmallChanges {
         hold(drives);
     }
 
-    /// Changes of the outputs per change of the drive, sample by sample, where plants are held.
+    /// Outputs where plants are held, and their changes per change of the drive, sample by sample.
     fn answers<F: Fleet>(
         &self,
         fleet: &F,
         member: F::Member,
         way: Way,
         held: &[(f64, f64); NARROW],
-    ) -> Result<Vec<Vec<f64>>, TaskError<F::Error>> {
+    ) -> Result<Vec<(f64, Vec<f64>)>, TaskError<F::Error>> {
         let DriveLimits { lower, upper } = self.limits;
         let sign = match way {
             Way::Heating => 1.0,
             Way::Cooling => -1.0,
         };
-        let drives = held.map(|(drive, _)| drive);
+        let [drives, outputs] = [held.map(|(drive, _)| drive), held.map(|(_, output)| output)];
         // Less where the output is steep.
         let changes: [f64; NARROW] = core::array::from_fn(|l| {
             let neighbor = if l + 1 < NARROW { l + 1 } else { l - 1 };
@@ -187,8 +245,10 @@ impl SmallChanges {
                 series[l].push((after[l] - before[l]) / changes[l]);
             }
         }
-        series.retain(|series| series.iter().all(|value| value.is_finite()));
-        Ok(series)
+        let answers = outputs.into_iter().zip(series);
+        Ok(answers
+            .filter(|(_, series)| series.iter().all(|value| value.is_finite()))
+            .collect())
     }
 }
 

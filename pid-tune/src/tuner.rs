@@ -115,6 +115,7 @@ pub struct Tuned {
 ///     derivative_of: DerivativeOf::Measurement,
 ///     derivative_filter_s: 0.0,
 ///     setpoint_weight: 1.0,
+///     gain_schedule: None,
 /// };
 /// let rods = Ensemble { drive: Drive::Current, rule: Rule::Nested };
 /// let task = Task::new(rods, closed_loop, params)?;

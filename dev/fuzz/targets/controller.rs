@@ -37,6 +37,7 @@ fuzz_target!(|drawn: Drawn| {
         },
         derivative_filter_s: drawn.filter_s,
         setpoint_weight: f64::from(drawn.weight) / 255.0,
+        gain_schedule: None,
     };
     let Ok(pid) = Pid::new(params, &[PidGains { kp, ki, kd }]) else {
         return;

@@ -272,6 +272,7 @@ fn lanes_give_equal_bits() {
                 derivative_of,
                 derivative_filter_s: 0.6,
                 setpoint_weight: 1.0,
+                gain_schedule: None,
             };
             let alone = lanes::<1>(params, loop_params);
             assert_eq!(alone.len(), 32);

@@ -38,6 +38,7 @@ fn task() -> Task<'static, Ensemble> {
         derivative_of: DerivativeOf::Measurement,
         derivative_filter_s: 0.0,
         setpoint_weight: 1.0,
+        gain_schedule: None,
     };
     let closed_loop = ClosedLoop::new(undisturbed(reference, 200)).unwrap();
     Task::new(rods, closed_loop, pid).unwrap()

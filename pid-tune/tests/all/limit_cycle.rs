@@ -44,6 +44,7 @@ fn paper_like() -> RodLoopParams {
             derivative_of: DerivativeOf::Measurement,
             derivative_filter_s: 0.0,
             setpoint_weight: 1.0,
+            gain_schedule: None,
         },
         gains: PidGains {
             kp: 200.0,

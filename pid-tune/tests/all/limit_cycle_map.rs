@@ -38,6 +38,7 @@ fn analyzed(kp: f64, tau_s: f64, setpoint: f64, dead_time_samples: usize) -> Loo
             derivative_of: DerivativeOf::Measurement,
             derivative_filter_s: 0.0,
             setpoint_weight: 1.0,
+            gain_schedule: None,
         },
         gains: PidGains {
             kp,

@@ -16,6 +16,7 @@ const CONTROLLER: PidParams = PidParams {
     derivative_of: DerivativeOf::Error,
     derivative_filter_s: 0.0,
     setpoint_weight: 1.0,
+    gain_schedule: None,
 };
 
 const LOOP: LinearLoop = LinearLoop {

@@ -34,6 +34,7 @@ fn params() -> PidParams {
         derivative_of: DerivativeOf::Error,
         derivative_filter_s: 0.0,
         setpoint_weight: 1.0,
+        gain_schedule: None,
     }
 }
 

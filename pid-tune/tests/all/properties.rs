@@ -43,6 +43,7 @@ fn any_params() -> impl Strategy<Value = PidParams> {
                 derivative_of,
                 derivative_filter_s,
                 setpoint_weight: 1.0,
+                gain_schedule: None,
             },
         )
 }

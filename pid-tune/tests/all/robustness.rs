@@ -25,6 +25,7 @@ const PID: PidParams = PidParams {
     derivative_of: DerivativeOf::Measurement,
     derivative_filter_s: 0.0,
     setpoint_weight: 1.0,
+    gain_schedule: None,
 };
 const PAPER: PidGains = PidGains {
     kp: 200.0,

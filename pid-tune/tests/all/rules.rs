@@ -21,6 +21,7 @@ const CONTROLLER: PidParams = PidParams {
     derivative_of: DerivativeOf::Measurement,
     derivative_filter_s: 0.0,
     setpoint_weight: 1.0,
+    gain_schedule: None,
 };
 
 fn lag(gain: f64, tau_s: f64, dead_time_samples: usize) -> PlantResponse {

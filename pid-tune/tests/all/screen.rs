@@ -25,6 +25,7 @@ const CONTROLLER: PidParams = PidParams {
     derivative_of: DerivativeOf::Measurement,
     derivative_filter_s: 1.2,
     setpoint_weight: 1.0,
+    gain_schedule: None,
 };
 const TAU_S: f64 = 6.0;
 const RODS: Ensemble = Ensemble {

@@ -38,6 +38,7 @@ const PID: PidParams = PidParams {
     derivative_of: DerivativeOf::Measurement,
     derivative_filter_s: 0.0,
     setpoint_weight: 1.0,
+    gain_schedule: None,
 };
 const PAPER: PidGains = gains(200.0, 0.01, 0.0);
 const NO_WEIGHTS: CostWeights = CostWeights {

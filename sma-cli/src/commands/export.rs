@@ -472,6 +472,7 @@ impl TunedFile {
                 derivative_of,
                 derivative_filter_s: controller.derivative_filter_s,
                 setpoint_weight: controller.setpoint_weight,
+                gain_schedule: None,
             },
             gains: PidGains { kp, ki, kd },
             is_turned,

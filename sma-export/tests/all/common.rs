@@ -160,6 +160,7 @@ pub(crate) fn controller(anti_windup: AntiWindup, derivative_of: DerivativeOf) -
             derivative_of,
             derivative_filter_s: 4.0 * DT_S,
             setpoint_weight: 0.8,
+            gain_schedule: None,
         },
         gains: PidGains {
             kp: 1.7,

@@ -35,5 +35,6 @@ pub fn controller(rig: &Rig, dt_s: f64) -> PidParams {
         derivative_of: DerivativeOf::Measurement,
         derivative_filter_s: FILTER_SAMPLES * dt_s,
         setpoint_weight: 1.0,
+        gain_schedule: None,
     }
 }

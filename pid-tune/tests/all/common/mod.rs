@@ -33,6 +33,7 @@ pub(crate) const PARAMS: PidParams = PidParams {
     derivative_of: DerivativeOf::Error,
     derivative_filter_s: 0.0,
     setpoint_weight: 1.0,
+    gain_schedule: None,
 };
 
 pub(crate) const ALL_ANTI_WINDUP: [AntiWindup; 3] = [
