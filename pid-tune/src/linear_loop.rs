@@ -16,7 +16,7 @@ use crate::{MAX_DEAD_TIME_SAMPLES, Margins, Pid, PidGains, PidParams, TuneError}
 /// [`Pid`]: nothing is approximated between samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearLoop {
-    /// The controller; its limits and anti-windup do not count.
+    /// The controller; its limits, anti-windup and gain schedule do not count.
     pub controller: PidParams,
     /// Its gains.
     pub gains: PidGains,

@@ -13,7 +13,7 @@ use crate::{DerivativeOf, Margins, PidGains, PidParams, PlantResponse};
 /// with the dead time n beyond the hold.
 #[derive(Debug, Clone, Copy)]
 pub struct OpenLoop<'a> {
-    /// The controller; its limits and anti-windup do not count. Its sample time is that of the plant's response.
+    /// The controller; its limits, anti-windup and gain schedule do not count. Its sample time is that of the plant's response.
     pub controller: PidParams,
     /// Its gains.
     pub gains: PidGains,

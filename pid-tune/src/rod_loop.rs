@@ -19,7 +19,8 @@ pub struct RodLoopParams {
     pub drive: Drive,
     /// Memory rule of its hysteresis.
     pub rule: Rule,
-    /// The controller; its lower limit is ≥ 0, because a drive below 0 heats like one above, or would have to cool.
+    /// The controller; its lower limit is ≥ 0, because a drive below 0 heats like one above, or would have to cool. With a
+    /// gain schedule its gains are those at the set point, on the branch where they are larger.
     pub controller: PidParams,
     /// Its gains.
     pub gains: PidGains,
@@ -67,6 +68,14 @@ impl RodLoop {
     /// [`TuneError::Rod`] for the rod and its drive, those of [`Pid::new`], [`TuneError::Negative`] for the lower
     /// limit or the converter's step, [`TuneError::NotFinite`], [`TuneError::DeadTime`].
     pub fn new(params: RodLoopParams) -> Result<Self, TuneError> {
+        let schedule = params.controller.gain_schedule;
+        let factor = schedule.map_or(1.0, |schedule| schedule.largest_at(params.setpoint));
+        let (controller, gains) = params.controller.frozen(&params.gains, factor);
+        let params = RodLoopParams {
+            controller,
+            gains,
+            ..params
+        };
         let plant = Wiener::new(params.drive, params.rule, &[params.rod])?;
         let pid = Pid::new(params.controller, &[params.gains])?;
         not_negative("lower", params.controller.limits.lower)?;
@@ -91,7 +100,7 @@ impl RodLoop {
         })
     }
 
-    /// Parameters of the loop.
+    /// Parameters of the loop; its controller has no gain schedule.
     #[must_use]
     pub fn params(&self) -> &RodLoopParams {
         &self.params

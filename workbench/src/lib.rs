@@ -32,5 +32,6 @@ pub use recordings::{
 pub use rig::{BEYOND, Rig, RigError};
 pub use track::{Followed, Track, track};
 pub use tuning::{
-    Approaches, Bench, CHATTER, End, FILTER_SAMPLES, Kept, PAPER, Promise, Rest, Side, controller,
+    Approaches, Bench, CHATTER, End, FILTER_SAMPLES, Kept, PAPER, Promise, Rest, Scheduled, Side,
+    TriedSchedule, controller,
 };

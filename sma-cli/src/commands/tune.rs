@@ -1,15 +1,17 @@
 //! `sma tune`: a controller for an identified model.
 
-use std::ops::ControlFlow;
+mod results;
+mod search;
+mod step;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use identify::{SavedModel, Sensor};
+use identify::{Provenance, SavedModel, Sensor};
 use missing_physics::{RestoredModel, known_effects};
 use pid_tune::{
-    Across, AntiWindup, ClosedLoop, CostWeights, DerivativeOf, Goal, InverseRun, OpenLoop, Pace,
-    Pid, PidGains, PidParams, PlantResponse, Plants, Reference, Requirements, Screen, Task,
-    TuneError, TunerConfig, front, robustness, second_opinion, sensitivities, tune,
+    Answers, AntiWindup, ClosedLoop, CostWeights, DerivativeOf, InverseRun, Pace, Pid, PidGains,
+    PidParams, Reference, Requirements, Screen, Task, TuneError, TunerConfig,
 };
 use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
 use rig_files::model_file;
@@ -18,12 +20,15 @@ use sma_effects::{Member, Turned};
 use crate::commands::on_threads;
 use crate::outcome::Outcome;
 use crate::provenance::Unread;
-use crate::sink::{Delivery, Outputs, deliver};
-use crate::terminal::{bar, say};
+use crate::sink::{Delivery, Outputs, Sink, deliver};
+use crate::terminal::say;
+use results::{Named, Results};
+use search::{Problem, Structured};
+use step::Step;
 use workbench::page;
-use workbench::report::tuned::{Candidate, Checked, LoopPicture, TunedReport};
+use workbench::report::tuned::{Checked, TunedReport};
 use workbench::{
-    Bench, Followed, PAPER, Promise, Rig, RigError, Track, WorkbenchError, controller,
+    Bench, Followed, PAPER, Promise, Rig, RigError, Scheduled, Track, WorkbenchError, controller,
     read_perhaps_without_output, track,
 };
 
@@ -43,13 +48,6 @@ const RESTING_RODS: usize = 50;
 const STEPS: [f64; 6] = [0.0, 1.0, 0.5, 1.0, 0.25, 0.75];
 /// See [`STEPS`].
 const STEP_TAUS: f64 = 15.0;
-
-/// A controller that does nothing.
-const NO_GAINS: PidGains = PidGains {
-    kp: 0.0,
-    ki: 0.0,
-    kd: 0.0,
-};
 
 /// Periods of a sine that are followed; the errors of the last one count.
 const SINE_PERIODS: f64 = 3.0;
@@ -175,6 +173,17 @@ struct Structure {
     /// Add the inverse of the baseline model to the drive: loop and heat balance turned around.
     #[arg(long)]
     feed_forward: bool,
+    /// Try gains that are larger where the rig is flatter, by the output's level and branch, by at most this factor; they stay where that
+    /// saves less than 1 % of the cost.
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "4",
+        allow_negative_numbers = true
+    )]
+    gain_schedule: Option<f64>,
 }
 
 /// Requirements that gains have to meet.
@@ -266,231 +275,126 @@ fn tuned(args: &TuneArgs) -> anyhow::Result<Outcome> {
             .map(PathBuf::as_path),
     );
     let mut outputs = Outputs::beside(&inputs);
-    let json = outputs.open_if(args.json.as_deref())?;
-    let responses = outputs.open_if(args.responses.as_deref())?;
-    let html = outputs.open_if(args.report.as_deref())?;
-    let script = outputs.open_if(args.test_script.as_deref())?;
+    let files = Files {
+        json: outputs.open_if(args.json.as_deref())?,
+        responses: outputs.open_if(args.responses.as_deref())?,
+        html: outputs.open_if(args.report.as_deref())?,
+        script: outputs.open_if(args.test_script.as_deref())?,
+    };
     let unread = Unread::of(&inputs);
     let saved = model_file::read_with(&args.model, &known_effects)?;
     let model = RestoredModel::new(&saved)?;
     let rig = Rig::of(&saved, &model, args.drive_max)?;
-    rig.check_set_point(args.step_output)?;
-    let job = Job {
-        args,
-        saved: &saved,
-        bench: Bench {
-            rig: &rig,
-            pid: args.controller(&saved, &rig)?,
-            sensor: args.sensor(&saved)?,
-            dead_time_samples: args.dead_time_samples(),
-            drive_step: args.real.drive_step,
-            drive_dead_zone: args.real.drive_dead_zone,
-            seed: args.seed,
-        },
-    };
-    let pid = job.bench.pid;
-    // A sample time that is none would also make a run of no length.
-    Pid::new(pid, &[PAPER])?;
-    // Before the long run: what is wrong with files and numbers is found out now.
-    if let Some(gains) = args.own_gains() {
-        Pid::new(pid, &[gains])?;
-    }
+    let job = Job::new(args, &saved, &rig)?;
     let highest = job.highest()?;
-    let reference = job.step()?;
-    let n_samples = job.step_samples()?;
-    let noise = job.bench.noise(n_samples);
-    let forward = job.forward(&rig, &reference, n_samples)?;
-    let closed_loop = job
-        .bench
-        .closed_loop(reference, n_samples, &noise, forward.as_ref())?;
-    let task = job.bench.task(closed_loop)?;
-    // Gains are found without the feed-forward: beside an exact inverse the best ones are none at all.
-    let fed_back = job.bench.closed_loop(reference, n_samples, &noise, None)?;
-    let fed_back = job.bench.task(fed_back)?;
-    let screen = job.screen(highest)?;
-    let compared = job.compared(&fed_back, &screen)?;
-    // Fixed beforehand: each term of the response to the controller that is compared with counts one.
-    let before = fed_back.response(rig.member, compared[0].1)?;
-    let balanced = args.weights(&CostWeights::balancing(&before.terms));
-    let is_paper = args.preset == Preset::Sadeghi;
+    let step = Step::of(&job)?;
+    let fed_back = step.fed_back(&job.bench)?;
+    let answers = job.answers(highest)?;
+    let screen = job.screen(highest, answers.as_ref())?;
+    let staying = Structured {
+        bench: job.bench,
+        screen: &screen,
+    };
+    let compared = job.compared(&job.bench.task(fed_back)?, &screen)?;
     let set_point = rig.signed(args.step_output);
     let approaches = job.bench.approaches(set_point)?;
     let approaching = job.bench.approaching(&approaches)?;
     let [_, from_hot, from_near] = approaching;
-    let loops = [from_hot, from_near];
-    let weights = Pace::new(args.pace)?.weigh(&balanced);
-    let goal = if is_paper {
-        Goal::of(weights)
-    } else {
-        job.bench.goal(weights, &screen, &loops, set_point)?
+    let rods = Rods::of(&job, &model);
+    let problem = Problem {
+        fed_back,
+        resting: [from_hot, from_near],
+        set_point,
+        weights: job.weights(fed_back, compared[0].1)?,
+        rods: &rods.judged,
+        likely: &rods.likely,
     };
-    let goal = Goal {
-        across: match args.across {
-            Counts::Worst => Across::Worst,
-            Counts::Mean => Across::Mean,
-        },
-        ..goal
+    let scheduled = job.scheduled(answers.as_ref(), &screen)?;
+    let searched = problem.search(&job, staying, &scheduled)?;
+    let compared = compared.into_iter().map(|(name, gains)| Named {
+        name,
+        gains,
+        structured: staying,
+    });
+    let named = searched.beside(compared.collect(), job.own(staying));
+    let found = Results {
+        job: &job,
+        step: &step,
+        approaching,
+        rods: &rods,
+        problem: &problem,
+        searched: &searched,
+        named: &named,
     };
-    let config = job.search(&fed_back, &screen)?;
-    let mut members = vec![rig.member];
-    let n_others = usize::from(args.rods) - 1;
-    // Not those that the gains are tried on afterwards.
-    members.extend(rig.draws(&saved, &model, n_others, !args.seed));
-    let template = "tune {bar:20} move {pos}/{len}  {eta} left";
-    let bar = bar(args.quiet, config.moves, template);
-    let resting = rig.draws(&saved, &model, RESTING_RODS, args.seed.wrapping_add(1));
-    let plants = Plants {
-        judged: &members,
-        resting: &resting,
-    };
-    let found = tune(&fed_back, &plants, &goal, &config, |progress| {
-        bar.set_position(progress.moves);
-        ControlFlow::Continue(())
-    })?;
-    bar.finish_and_clear();
-    let opinion = second_opinion(&fed_back, &members, &goal, &config, &found)?;
-    let mut named = vec![compared[0], ("tuned", found.gains)];
-    named.extend(&compared[1..]);
-    named.extend(args.own_gains().map(|gains| ("yours", gains)));
-    let mut candidates = Vec::with_capacity(named.len());
-    for &(name, gains) in &named {
-        candidates.push(candidate(name, gains, rig.member, &task, &screen, &goal)?);
-    }
-    let draws = rig.draws(&saved, &model, args.draws, args.seed);
-    let both = [compared[0].1, found.gains];
-    let [of_compared, of_tuned] = both.map(|gains| job.bench.rod_loop(gains, set_point));
-    let (of_compared, of_tuned) = (of_compared?, of_tuned?);
-    let rods = resting.iter().map(|&rod| rig.of_rod(rod));
-    let rods: Vec<Rig> = rods.collect::<Result<_, _>>()?;
-    let promise = match script {
-        Some(_) => Some(job.promise(&rig, &job.steps()?, found.gains, &rods)?),
+    let promise = match files.script {
+        Some(_) => Some(found.promise()?),
         None => None,
     };
-    let checked = match &args.check {
-        Some(path) => Some(job.checked(path, found.gains, &rods)?),
-        None => None,
-    };
-    let report = TunedReport {
-        rig: &rig,
-        set_point: args.step_output,
-        pid,
-        sensor: job.bench.sensor,
-        dead_time_samples: job.bench.dead_time_samples,
-        requirements: (!is_paper).then(|| *screen.requirements()),
-        feed_forward: args.structure.feed_forward,
-        n_rods: members.len(),
-        duration_s: n_samples as f64 * pid.dt_s,
-        weights: goal.weights,
-        wear: goal.wear,
-        found,
-        opinion,
-        rests: [
-            job.bench.rests(both[0], set_point, approaching)?,
-            job.bench.rests(both[1], set_point, approaching)?,
-        ],
-        analyses: [of_compared.analyzed()?, of_tuned.analyzed()?],
-        loops: pictures(&screen, pid, &named[..2]),
-        describing_curve: of_tuned.describing_curve(),
-        robust: if draws.is_empty() {
-            None
-        } else {
-            Some(robustness(&task, found.gains, &draws)?)
-        },
-        restless_share: if draws.is_empty() {
-            0.0
-        } else {
-            job.bench
-                .restless_share(found.gains, set_point, approaching, &draws)?
-        },
-        varied: sensitivities(&task, found.gains, &rig.variations(&saved, &model))?,
-        front: if args.front {
-            front(&fed_back, &members, &goal, &config)?
-        } else {
-            Vec::new()
-        },
-        tracks: job.tracks(&closed_loop, &named[..2])?,
-        checked,
-        candidates,
-    };
+    let report = found.report(&model)?;
     say(args.quiet, &job.notes())?;
     say(args.quiet, &report.notes())?;
-    let mut delivery = Delivery::default();
-    delivery.of(|| deliver(&report.text(), &report.json(), json));
-    if let Some((sink, promise)) = script.zip(promise) {
-        delivery.of(|| sink.write(&promise.csv(&rig.output_unit)));
-    }
-    if let Some(sink) = responses {
-        delivery.of(|| sink.write(&report.responses()));
-    }
-    if let Some(sink) = html {
-        delivery.of(|| {
-            let made = unread.read(args.seed, &inputs)?;
-            sink.write(&page::tuned(&report)?.made_by(&made))
-        });
-    }
-    delivery.end()?;
+    files.write(&report, promise.as_ref(), || {
+        unread.read(args.seed, &inputs)
+    })?;
     Ok(match &report.checked {
         Some(checked) if !checked.kept.is_kept() => Outcome::NotAsPromised,
         _ => Outcome::Done,
     })
 }
 
-/// Gains with their response, their margins and their cost.
-fn candidate(
-    name: &'static str,
-    gains: PidGains,
-    member: Member,
-    task: &Task<'_, Turned>,
-    screen: &Screen,
-    goal: &Goal<'_>,
-) -> anyhow::Result<Candidate> {
-    let response = task.response(member, gains)?;
-    Ok(Candidate {
-        name,
-        gains,
-        terms: response.terms,
-        ending: response.ending,
-        cost: goal.cost(&response),
-        margins: screen.margins(&gains),
-        passage: screen.passage(&gains),
-        kick: screen.kick(&gains),
-    })
+/// Files that the result goes to.
+struct Files {
+    json: Option<Sink>,
+    responses: Option<Sink>,
+    html: Option<Sink>,
+    script: Option<Sink>,
 }
 
-/// Loops over frequencies where the phase margin of the last controller is least.
-fn pictures(
-    screen: &Screen,
-    controller: PidParams,
-    named: &[(&'static str, PidGains)],
-) -> Vec<LoopPicture> {
-    let tuned = named.last().map_or(NO_GAINS, |&(_, gains)| gains);
-    let lag_rad = |plant: &PlantResponse| {
-        let open = OpenLoop {
-            controller,
-            gains: tuned,
-            plant,
-        };
-        open.margins().phase_margin_rad
-    };
-    let plants = screen.plants().iter();
-    let Some(plant) = plants.min_by(|a, b| lag_rad(a).total_cmp(&lag_rad(b))) else {
-        return Vec::new();
-    };
-    let picture = |&(name, gains): &(&'static str, PidGains)| LoopPicture {
-        name,
-        response: plant
-            .swept()
-            .map(|(omega, _)| {
-                let open = OpenLoop {
-                    controller,
-                    gains,
-                    plant,
-                };
-                (omega / std::f64::consts::TAU, open.response(omega))
-            })
-            .collect(),
-    };
-    named.iter().map(picture).collect()
+impl Files {
+    fn write(
+        self,
+        report: &TunedReport<'_>,
+        promise: Option<&Promise>,
+        made: impl FnOnce() -> Result<Provenance, WorkbenchError>,
+    ) -> anyhow::Result<()> {
+        let mut delivery = Delivery::default();
+        delivery.of(|| deliver(&report.text(), &report.json(), self.json));
+        if let Some((sink, promise)) = self.script.zip(promise) {
+            delivery.of(|| sink.write(&promise.csv(&report.rig.output_unit)));
+        }
+        if let Some(sink) = self.responses {
+            delivery.of(|| sink.write(&report.responses()));
+        }
+        if let Some(sink) = self.html {
+            delivery.of(|| sink.write(&page::tuned(report)?.made_by(&made()?)));
+        }
+        delivery.end()
+    }
+}
+
+/// Rods besides the identified one, as likely as it is.
+struct Rods {
+    /// Those whose responses count; the first is the identified one.
+    judged: Vec<Member>,
+    /// Those on which the loop has to rest as well.
+    likely: Vec<Member>,
+    /// Those on which the gains are tried in the end.
+    draws: Vec<Member>,
+}
+
+impl Rods {
+    fn of(job: &Job<'_>, model: &RestoredModel<'_>) -> Self {
+        let (args, rig) = (job.args, job.bench.rig);
+        let draws = |n, seed| rig.draws(job.saved, model, n, seed);
+        let mut judged = vec![rig.member];
+        // Not those that the gains are tried on afterwards.
+        judged.extend(draws(usize::from(args.rods) - 1, !args.seed));
+        Self {
+            judged,
+            likely: draws(RESTING_RODS, args.seed.wrapping_add(1)),
+            draws: draws(args.draws, args.seed),
+        }
+    }
 }
 
 impl TuneArgs {
@@ -523,6 +427,27 @@ impl TuneArgs {
             setpoint_weight: structure.setpoint_weight,
             ..usual
         })
+    }
+
+    /// Accepts a largest factor of a gain schedule, and the paper's search without one.
+    fn check_schedule(&self) -> Result<(), RigError> {
+        let Some(value) = self.structure.gain_schedule else {
+            return Ok(());
+        };
+        if !(value > 1.0 && value.is_finite()) {
+            return Err(RigError::Value {
+                name: "--gain-schedule",
+                value,
+                accepted: "must be finite and > 1; it is the largest factor on the gains",
+            });
+        }
+        if self.preset == Preset::Sadeghi {
+            return Err(RigError::Missing {
+                what: "a requirement for --gain-schedule",
+                why: "--preset sadeghi requires nothing of gains; leave one of both out",
+            });
+        }
+        Ok(())
     }
 
     /// Gains that the user gave.
@@ -585,13 +510,78 @@ impl TuneArgs {
 }
 
 /// Rig and options of a call.
+#[derive(Clone, Copy)]
 struct Job<'a> {
     args: &'a TuneArgs,
     saved: &'a SavedModel,
     bench: Bench<'a>,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// Rig and options, after what can be refused before the long run is.
+    fn new(args: &'a TuneArgs, saved: &'a SavedModel, rig: &'a Rig) -> anyhow::Result<Self> {
+        rig.check_set_point(args.step_output)?;
+        args.check_schedule()?;
+        let pid = args.controller(saved, rig)?;
+        let job = Self {
+            args,
+            saved,
+            bench: Bench {
+                rig,
+                pid,
+                sensor: args.sensor(saved)?,
+                dead_time_samples: args.dead_time_samples(),
+                drive_step: args.real.drive_step,
+                drive_dead_zone: args.real.drive_dead_zone,
+                seed: args.seed,
+            },
+        };
+        // A sample time that is none would also make a run of no length.
+        Pid::new(pid, &[PAPER])?;
+        if let Some(gains) = args.own_gains() {
+            Pid::new(pid, &[gains])?;
+        }
+        Ok(job)
+    }
+
+    /// Weights of the terms, fixed beforehand: each term of the response to the controller that is compared with counts one.
+    fn weights(&self, fed_back: ClosedLoop<'_>, compared: PidGains) -> anyhow::Result<CostWeights> {
+        let before = self
+            .bench
+            .task(fed_back)?
+            .response(self.bench.rig.member, compared)?;
+        let balanced = self.args.weights(&CostWeights::balancing(&before.terms));
+        Ok(Pace::new(self.args.pace)?.weigh(&balanced))
+    }
+
+    /// How the rig answers everywhere; `None` unless a gain schedule is asked for.
+    fn answers(&self, highest: f64) -> Result<Option<Answers>, WorkbenchError> {
+        let schedule = self.args.structure.gain_schedule;
+        schedule.map(|_| self.bench.answers(highest)).transpose()
+    }
+
+    /// Gain schedules that are tried; none unless asked for.
+    fn scheduled(
+        &self,
+        answers: Option<&Answers>,
+        screen: &Screen,
+    ) -> Result<Vec<Scheduled<'a>>, WorkbenchError> {
+        let asked = answers.zip(self.args.structure.gain_schedule);
+        asked.map_or(Ok(Vec::new()), |(answers, largest_factor)| {
+            self.bench
+                .scheduled(answers, largest_factor, *screen.requirements())
+        })
+    }
+
+    /// Gains that the user gave.
+    fn own<'s>(&self, structured: Structured<'s>) -> Option<Named<'s>> {
+        Some(Named {
+            name: "yours",
+            gains: self.args.own_gains()?,
+            structured,
+        })
+    }
+
     /// The step.
     fn step(&self) -> anyhow::Result<Reference<'static>> {
         Ok(Reference::Step {
@@ -647,8 +637,8 @@ impl Job<'_> {
         Ok(highest)
     }
 
-    /// Requirements, wherever the rig is steepest up to the highest output that is asked for.
-    fn screen(&self, highest: f64) -> anyhow::Result<Screen> {
+    /// Requirements, wherever the rig is steepest up to the highest output that is asked for; beside gain schedules everywhere.
+    fn screen(&self, highest: f64, answers: Option<&Answers>) -> anyhow::Result<Screen> {
         let args = self.args;
         let requirements = Requirements {
             gain_margin: args.required.gain_margin,
@@ -656,6 +646,9 @@ impl Job<'_> {
             sensor_step: self.bench.sensor.jump(),
             largest_kick: args.required.kick,
         };
+        if let Some(answers) = answers {
+            return Ok(Screen::everywhere(requirements, self.bench.pid, answers)?);
+        }
         let steepest = self.bench.steepest(highest)?;
         Ok(Screen::new(requirements, self.bench.pid, steepest)?)
     }
@@ -748,11 +741,7 @@ impl Job<'_> {
     }
 
     /// All that is followed, by two controllers.
-    fn tracks(
-        &self,
-        step: &ClosedLoop<'_>,
-        two: &[(&'static str, PidGains)],
-    ) -> anyhow::Result<Vec<Track>> {
+    fn tracks(&self, step: &ClosedLoop<'_>, two: &[Named<'_>]) -> anyhow::Result<Vec<Track>> {
         let mut tracks = self.both("step", self.bench.rig, step, two)?;
         tracks.extend(self.sine(two)?);
         for path in &self.args.reference {
@@ -766,16 +755,16 @@ impl Job<'_> {
         name: &str,
         rig: &Rig,
         closed_loop: &ClosedLoop<'_>,
-        two: &[(&'static str, PidGains)],
+        two: &[Named<'_>],
     ) -> Result<Vec<Track>, WorkbenchError> {
         two.iter()
-            .map(|&(controller, gains)| {
+            .map(|one| {
                 let followed = Followed {
                     name,
-                    controller,
+                    controller: one.name,
                     closed_loop,
-                    pid: self.bench.pid,
-                    gains,
+                    pid: one.structured.bench.pid,
+                    gains: one.gains,
                 };
                 track(rig, &followed)
             })
@@ -788,7 +777,7 @@ impl Job<'_> {
         name: &str,
         rig: &Rig,
         (reference, n_samples): (Reference<'_>, usize),
-        two: &[(&'static str, PidGains)],
+        two: &[Named<'_>],
     ) -> anyhow::Result<Vec<Track>> {
         let noise = self.bench.noise(n_samples);
         let forward = self.forward(rig, &reference, n_samples)?;
@@ -798,7 +787,7 @@ impl Job<'_> {
         Ok(self.both(name, rig, &closed_loop, two)?)
     }
 
-    fn sine(&self, two: &[(&'static str, PidGains)]) -> anyhow::Result<Vec<Track>> {
+    fn sine(&self, two: &[Named<'_>]) -> anyhow::Result<Vec<Track>> {
         let args = self.args;
         let (Some(frequency_hz), Some(amplitude), Some(bias)) =
             (args.sine_hz, args.sine_amplitude, args.sine_bias)
@@ -871,11 +860,7 @@ impl Job<'_> {
 
     /// A reference from a file. Where the rig's output was recorded beside it, the rod starts from the same
     /// rest position.
-    fn recorded(
-        &self,
-        path: &Path,
-        two: &[(&'static str, PidGains)],
-    ) -> anyhow::Result<Vec<Track>> {
+    fn recorded(&self, path: &Path, two: &[Named<'_>]) -> anyhow::Result<Vec<Track>> {
         let file = self.read_reference(path)?;
         let held = self.held(&file.recording)?;
         let rig = if file.has_output {

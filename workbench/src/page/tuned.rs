@@ -22,9 +22,19 @@ pub fn tuned(tuned: &TunedReport<'_>) -> Result<Page, WorkbenchError> {
     page.table(&tuned.terms_table());
     page.section("Rest at the set point");
     page.table(&tuned.rest_table());
-    page.section("How near the loop is to instability, where it is steepest");
+    page.section(match tuned.schedules {
+        None => "How near the loop is to instability, where it is steepest",
+        Some(_) => "How near the loop is to instability, at the worst level and branch",
+    });
     for figure in loops(tuned) {
         page.figure(&figure)?;
+    }
+    if let Some(schedules) = tuned.schedules_table() {
+        page.section("Gains by the output's level and branch");
+        if let Some(factors) = tuned.schedule_table() {
+            page.table(&factors);
+        }
+        page.table(&schedules);
     }
     page.section("What the gains stand");
     page.table(&tuned.robust_table());

@@ -134,16 +134,21 @@ impl<'a> Bench<'a> {
     ///
     /// [`WorkbenchError`] naming what is refused.
     pub fn steepest(&self, highest: f64) -> Result<Vec<PlantResponse>, WorkbenchError> {
+        let changes = self.small_changes(highest)?;
+        Ok(changes.steepest(&self.rig.fleet, self.rig.member)?)
+    }
+
+    /// Small changes of the drive, between rest and the highest output that is asked for, as the controller sees it.
+    pub(super) fn small_changes(&self, highest: f64) -> Result<SmallChanges, WorkbenchError> {
         let rest = self.rig.rest_output()?;
-        let changes = SmallChanges {
+        Ok(SmallChanges {
             limits: self.pid.limits,
             ambient_degc: self.rig.ambient_degc,
             dt_s: self.pid.dt_s,
             tau_s: self.rig.tau_s(),
             outputs: [rest, highest + OVERSHOOT * (highest - rest)],
             dead_time_samples: self.dead_time_samples,
-        };
-        Ok(changes.steepest(&self.rig.fleet, self.rig.member)?)
+        })
     }
 
     /// Goal of a search: the least cost of gains that pass a screen, and rest from each side. `loops` are those of

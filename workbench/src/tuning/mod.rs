@@ -3,10 +3,12 @@
 mod bench;
 mod promise;
 mod rest;
+mod schedule;
 
 pub use bench::Bench;
 pub use promise::{Kept, Promise};
 pub use rest::{Approaches, CHATTER, End, Rest, Side};
+pub use schedule::{Scheduled, TriedSchedule};
 
 use pid_tune::{AntiWindup, DerivativeOf, DriveLimits, PidGains, PidParams};
 

@@ -35,7 +35,7 @@ impl TunedReport<'_> {
                 "ratio": finite(one.ratio).filter(|ratio| *ratio < MISSES),
             })
         });
-        json!({
+        let mut document = json!({
             "schema_version": 1,
             "command": "tune",
             "version": env!("CARGO_PKG_VERSION"),
@@ -122,7 +122,9 @@ impl TunedReport<'_> {
                 "saturated_share": track.saturated_share(),
                 "recorded_rmse": track.recorded_rmse,
             })).collect::<Vec<_>>(),
-        })
+        });
+        self.put_schedules(&mut document);
+        document
     }
 }
 

@@ -1,6 +1,7 @@
 //! Report of `sma tune`: text for people, JSON for programs.
 
 mod json;
+mod schedule;
 mod tables;
 mod verdict;
 
@@ -11,6 +12,8 @@ use pid_tune::{
     BoundEnd, Complex, CostWeights, Ending, FrontPoint, LoopAnalysis, Margins, Passage, PidGains,
     PidParams, Requirements, Robustness, SecondOpinion, Sensitivity, Terms, Tuned, Verdict,
 };
+
+pub use schedule::Schedules;
 
 use super::number::significant;
 use super::table::unpadded;
@@ -41,6 +44,8 @@ pub struct TunedReport<'a> {
     pub requirements: Option<Requirements>,
     /// True if the inverse of the baseline model is added to the drive.
     pub feed_forward: bool,
+    /// Gain schedules that were tried; `None` if that was not asked for.
+    pub schedules: Option<Schedules>,
     /// Rods over which the worst response counts, the identified one among them.
     pub n_rods: usize,
     /// Length of the response that is judged, s.
@@ -141,6 +146,10 @@ impl TunedReport<'_> {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = self.verdict();
+        let scheduled = [self.schedule_table(), self.schedules_table()]
+            .into_iter()
+            .flatten();
+        let scheduled: Vec<String> = scheduled.map(|table| table.to_string()).collect();
         let front = self.front_table().map(|table| table.to_string());
         for part in [
             self.terms_table().to_string(),
@@ -149,6 +158,7 @@ impl TunedReport<'_> {
             self.robust_table().to_string(),
         ]
         .into_iter()
+        .chain(scheduled)
         .chain(front)
         {
             let _ = write!(text, "\n{part}\n");

@@ -45,6 +45,9 @@ impl TunedReport<'_> {
         }
         let _ = writeln!(text, "{}", gains.join(", "));
         let _ = writeln!(text, "{}", self.form());
+        if let Some(schedule) = self.schedule_sentence() {
+            let _ = writeln!(text, "{schedule}");
+        }
         if let Some(step) = self.tuned().terms.step {
             let left_s = self.duration_s - self.pid.dt_s;
             let within = |verb: &str, time_s: f64| {
@@ -118,11 +121,15 @@ impl TunedReport<'_> {
             return "The output does not answer small changes of the drive: there are no margins."
                 .to_owned();
         };
+        let place = match self.schedules {
+            None => "Where the loop is steepest",
+            Some(_) => "At the worst level and branch",
+        };
         if !margins.stable {
-            return "Where the loop is steepest, small swings GROW: there is no margin.".to_owned();
+            return format!("{place}, small swings GROW: there is no margin.");
         }
         format!(
-            "Where the loop is steepest: gain margin {}, phase margin {}°, delay margin {} s, peak sensitivity {}.",
+            "{place}: gain margin {}, phase margin {}°, delay margin {} s, peak sensitivity {}.",
             endless(margins.gain_margin),
             endless(margins.phase_margin_rad.to_degrees()),
             endless(margins.delay_margin_s),
