@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2, FRAC_PI_8, LOG2_E};
 
-use pid_tune::{AntiWindup, DerivativeOf};
+use pid_tune::{AntiWindup, DerivativeOf, GainSchedule, GainScheduleParams, SCHEDULE_LEVELS};
 use sma_effects::EffectId;
 use wiener::Drive;
 use wiener::hysteresis::{NESTING_CAPACITY, REVERSAL_DEAD_BAND_K, Rule, TAN_FRAC_PI_8};
@@ -343,6 +343,7 @@ impl Constants {
                 "back_calculation",
                 is(|one| matches!(one.params.anti_windup, AntiWindup::BackCalculation { .. })),
             ),
+            ("scheduled", is(|one| one.params.gain_schedule.is_some())),
         ] {
             self.flags.insert(name, value);
         }
@@ -365,6 +366,20 @@ impl Constants {
         if let AntiWindup::BackCalculation { tracking_s } = params.anti_windup {
             self.number("pid_tracking_share", params.dt_s / tracking_s);
         }
+        if let Some(schedule) = &params.gain_schedule {
+            self.schedule(schedule);
+        }
+    }
+
+    fn schedule(&mut self, schedule: &GainSchedule) {
+        let GainScheduleParams { outputs, turn, .. } = schedule.params();
+        let [lower, upper] = outputs;
+        let last = SCHEDULE_LEVELS - 1;
+        self.counts.insert("schedule_last", last);
+        self.number("schedule_first", *lower);
+        self.number("schedule_per_level", last as f64 / (upper - lower));
+        self.number("schedule_half_turn", 0.5 * turn);
+        self.number("schedule_per_turn", 1.0 / turn);
     }
 }
 

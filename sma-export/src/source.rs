@@ -56,6 +56,17 @@ impl Source<'_> {
             filling.put(name, lines.trim_end().to_owned());
             filling.put(count, coefficients.len().to_string());
         }
+        let controller = exported.controller.as_ref();
+        if let Some(schedule) = controller.and_then(|one| one.params.gain_schedule) {
+            for (name, factors) in [
+                ("schedule_heating", schedule.params().heating),
+                ("schedule_cooling", schedule.params().cooling),
+            ] {
+                let line = |&value: &f64| (self.coefficient)(&self.constant(name, value)) + ",\n";
+                let lines: String = factors.iter().map(line).collect();
+                filling.put(name, lines.trim_end().to_owned());
+            }
+        }
         for (name, text) in texts(exported) {
             filling.put(name, (self.harmless)(&text));
         }
@@ -164,8 +175,19 @@ fn controller_text(controller: &Controller, labels: &Labels) -> String {
         DerivativeOf::Error => "error",
         DerivativeOf::Measurement => "measurement",
     };
+    let scheduled = params.gain_schedule.map_or_else(String::new, |schedule| {
+        let [lower, upper] = schedule.params().outputs;
+        let sign = if controller.is_turned { -1.0 } else { 1.0 };
+        format!(
+            "; gains by level and branch of the output, {} to {} {}, times 1 to {}",
+            sign * lower,
+            sign * upper,
+            labels.output_unit,
+            schedule.largest()
+        )
+    });
     format!(
-        "kp {}, ki {}, kd {} ({} per {}, s); drive {} to {}; derivative of the {watched}, filter {} s; anti-windup {windup}; set-point weight {}",
+        "kp {}, ki {}, kd {} ({} per {}, s); drive {} to {}; derivative of the {watched}, filter {} s; anti-windup {windup}; set-point weight {}{scheduled}",
         gains.kp,
         gains.ki,
         gains.kd,

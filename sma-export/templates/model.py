@@ -656,6 +656,17 @@ class Plant:
         self._recorded_degc = self._thermocouple.follow(middle_degc, end_degc)
 #@end
 #@if pid
+#@if scheduled
+
+
+# Factors on kp, ki and kd, from level to level of the output: 1 where the rig is steepest.
+_HEATING = (
+{{schedule_heating}}
+)
+_COOLING = (
+{{schedule_cooling}}
+)
+#@end
 
 
 class Pid:
@@ -680,6 +691,25 @@ class Pid:
         self.unsaturated = 0.0
         # Samples with an input that was no finite number.
         self.missed = 0
+#@if scheduled
+        # Middle of the play that tells the branch: as if the output had come from below, since a rod is cold at first.
+        self.middle = -math.inf
+
+    @staticmethod
+    def _factor(measured, middle):
+        branch = (measured - middle) * {{schedule_per_turn}} + 0.5
+        branch = branch if branch > 0.0 else 0.0
+        branch = branch if branch < 1.0 else 1.0
+        place = (measured - {{schedule_first}}) * {{schedule_per_level}}
+        place = place if place > 0.0 else 0.0
+        place = place if place < {{schedule_last}} else {{schedule_last}}
+        below = min(int(place), {{schedule_last}} - 1)
+        share = place - below
+        on_heating, on_cooling = (
+            factors[below] + share * (factors[below + 1] - factors[below]) for factors in (_HEATING, _COOLING)
+        )
+        return on_cooling + branch * (on_heating - on_cooling)
+#@end
 
     def _saturated(self, drive):
         drive = drive if drive > self.DRIVE_LOWER else self.DRIVE_LOWER
@@ -698,6 +728,21 @@ class Pid:
 #@else
         watched = -measured
 #@end
+#@if scheduled
+        rate = (watched - self.watched) * self.per_elapsed_s if math.isfinite(self.watched) else 0.0
+        lower, upper = measured - {{schedule_half_turn}}, measured + {{schedule_half_turn}}
+        middle = self.middle if self.middle > lower else lower
+        middle = middle if middle < upper else upper
+        factor = self._factor(measured, middle)
+        derivative = {{pid_retained}} * self.derivative + {{pid_kd_new}} * factor * rate
+        unsaturated = (
+            {{pid_kp}} * ({{pid_setpoint_weight}} * setpoint - measured + (factor - 1.0) * error)
+            + self.integral
+            + derivative
+            + feed_forward
+        )
+        integral = self.integral + {{pid_ki_dt}} * factor * error
+#@else
         derivative = {{pid_retained}} * self.derivative + {{pid_kd_new}} * (
             (watched - self.watched) * self.per_elapsed_s if math.isfinite(self.watched) else 0.0
         )
@@ -705,6 +750,7 @@ class Pid:
             {{pid_kp}} * ({{pid_setpoint_weight}} * setpoint - measured) + self.integral + derivative + feed_forward
         )
         integral = self.integral + {{pid_ki_dt}} * error
+#@end
 #@if clamping
         # No summand that drives a saturated command further out.
         if (unsaturated - self._saturated(unsaturated)) * error > 0.0:
@@ -718,6 +764,9 @@ class Pid:
             self.integral, self.derivative, self.watched = integral, derivative, watched
             self.per_elapsed_s = {{pid_per_dt_s}}
             self.unsaturated = unsaturated
+#@if scheduled
+            self.middle = middle
+#@end
         else:
             self.per_elapsed_s = 1.0 / (1.0 / self.per_elapsed_s + DT_S)
             self.missed += 1

@@ -1034,6 +1034,9 @@ typedef struct {
     {{p}}_real per_elapsed_s;
     {{p}}_real unsaturated;
     unsigned long missed; /* samples with an input that was no finite number */
+//@if scheduled
+    {{p}}_real middle; /* of the play that tells the branch */
+//@end
 } {{p}}_pid;
 
 static inline {{p}}_real {{p}}_saturated({{p}}_real drive) {
@@ -1041,6 +1044,50 @@ static inline {{p}}_real {{p}}_saturated({{p}}_real drive) {
     return drive < {{P}}_DRIVE_UPPER ? drive : {{P}}_DRIVE_UPPER;
 }
 
+//@if scheduled
+/* Way of the output from one branch to the other after a turn, halved, and one over it; first level of the output, and one over
+ * the distance of two levels. */
+#define {{P}}_HALF_TURN {{P}}_R({{schedule_half_turn}}) /* {{schedule_half_turn_decimal}} {{output_unit}} */
+#define {{P}}_PER_TURN {{P}}_R({{schedule_per_turn}}) /* {{schedule_per_turn_decimal}} */
+#define {{P}}_FIRST_LEVEL {{P}}_R({{schedule_first}}) /* {{schedule_first_decimal}} {{output_unit}} */
+#define {{P}}_PER_LEVEL {{P}}_R({{schedule_per_level}}) /* {{schedule_per_level_decimal}} */
+#define {{P}}_LAST_LEVEL {{schedule_last}}
+
+/* Middle of the play after a measurement. */
+static inline {{p}}_real {{p}}_middle({{p}}_real middle, {{p}}_real measured) {
+    const {{p}}_real lower = measured - {{P}}_HALF_TURN;
+    const {{p}}_real upper = measured + {{P}}_HALF_TURN;
+    middle = middle > lower ? middle : lower;
+    return middle < upper ? middle : upper;
+}
+
+/* Factor on kp, ki and kd by the level of the output and the branch: 1 where the rig is steepest. */
+static inline {{p}}_real {{p}}_gain_factor({{p}}_real measured, {{p}}_real middle) {
+    static const {{p}}_real heating[{{P}}_LAST_LEVEL + 1] = {
+{{schedule_heating}}
+    };
+    static const {{p}}_real cooling[{{P}}_LAST_LEVEL + 1] = {
+{{schedule_cooling}}
+    };
+    {{p}}_real branch = (measured - middle) * {{P}}_PER_TURN + {{P}}_R(0.5);
+    {{p}}_real place = (measured - {{P}}_FIRST_LEVEL) * {{P}}_PER_LEVEL;
+    {{p}}_real share;
+    {{p}}_real on_heating;
+    {{p}}_real on_cooling;
+    int below;
+    branch = branch > 0 ? branch : 0;
+    branch = branch < 1 ? branch : 1;
+    place = place > 0 ? place : 0;
+    place = place < {{P}}_LAST_LEVEL ? place : {{P}}_LAST_LEVEL;
+    below = (int)place;
+    below = below < {{P}}_LAST_LEVEL ? below : {{P}}_LAST_LEVEL - 1;
+    share = place - ({{p}}_real)below;
+    on_heating = heating[below] + share * (heating[below + 1] - heating[below]);
+    on_cooling = cooling[below] + share * (cooling[below + 1] - cooling[below]);
+    return on_cooling + branch * (on_heating - on_cooling);
+}
+
+//@end
 /* A controller that was idle: no integral, no error so far. */
 static inline void {{p}}_pid_rest({{p}}_pid *pid, {{p}}_real measured) {
 //@if turned
@@ -1057,6 +1104,10 @@ static inline void {{p}}_pid_rest({{p}}_pid *pid, {{p}}_real measured) {
     pid->per_elapsed_s = {{P}}_PER_DT_S;
     pid->unsaturated = 0;
     pid->missed = 0;
+//@if scheduled
+    /* As if the output had come from below: a rod is cold at first. */
+    pid->middle = -INFINITY;
+//@end
 }
 
 /* A controller that takes over from a drive set by hand, without a bump. */
@@ -1068,7 +1119,15 @@ static inline void {{p}}_pid_start({{p}}_pid *pid, {{p}}_real setpoint, {{p}}_re
     measured = -measured;
 //@end
     drive = {{p}}_saturated(drive);
+//@if scheduled
+    pid->integral = drive
+        - {{P}}_KP
+            * ({{P}}_SETPOINT_WEIGHT * setpoint - measured
+                + ({{p}}_gain_factor(measured, {{p}}_middle(pid->middle, measured)) - {{P}}_R(1.0)) * (setpoint - measured))
+        - feed_forward;
+//@else
     pid->integral = drive - {{P}}_KP * ({{P}}_SETPOINT_WEIGHT * setpoint - measured) - feed_forward;
+//@end
 //@if derivative_of_error
     pid->watched = setpoint - measured;
 //@end
@@ -1087,6 +1146,10 @@ static inline {{p}}_real {{p}}_pid_step({{p}}_pid *pid, {{p}}_real setpoint, {{p
     {{p}}_real derivative;
     {{p}}_real unsaturated;
     {{p}}_real integral;
+//@if scheduled
+    {{p}}_real middle;
+    {{p}}_real factor;
+//@end
 //@if turned
     /* The output falls as the drive rises. */
     setpoint = -setpoint;
@@ -1098,10 +1161,20 @@ static inline {{p}}_real {{p}}_pid_step({{p}}_pid *pid, {{p}}_real setpoint, {{p
 //@else
     watched = -measured;
 //@end
+//@if scheduled
+    middle = {{p}}_middle(pid->middle, measured);
+    factor = {{p}}_gain_factor(measured, middle);
+    derivative = {{P}}_DERIVATIVE_RETAINED * pid->derivative
+        + {{P}}_KD_NEW * factor * (isfinite(pid->watched) ? (watched - pid->watched) * pid->per_elapsed_s : 0);
+    unsaturated = {{P}}_KP * ({{P}}_SETPOINT_WEIGHT * setpoint - measured + (factor - {{P}}_R(1.0)) * error)
+        + pid->integral + derivative + feed_forward;
+    integral = pid->integral + {{P}}_KI_DT * factor * error;
+//@else
     derivative = {{P}}_DERIVATIVE_RETAINED * pid->derivative
         + {{P}}_KD_NEW * (isfinite(pid->watched) ? (watched - pid->watched) * pid->per_elapsed_s : 0);
     unsaturated = {{P}}_KP * ({{P}}_SETPOINT_WEIGHT * setpoint - measured) + pid->integral + derivative + feed_forward;
     integral = pid->integral + {{P}}_KI_DT * error;
+//@end
 //@if clamping
     /* No summand that drives a saturated command further out. */
     if ((unsaturated - {{p}}_saturated(unsaturated)) * error > 0) {
@@ -1118,6 +1191,9 @@ static inline {{p}}_real {{p}}_pid_step({{p}}_pid *pid, {{p}}_real setpoint, {{p
         pid->watched = watched;
         pid->per_elapsed_s = {{P}}_PER_DT_S;
         pid->unsaturated = unsaturated;
+//@if scheduled
+        pid->middle = middle;
+//@end
     } else {
         pid->per_elapsed_s = {{P}}_R(1.0) / ({{P}}_R(1.0) / pid->per_elapsed_s + {{P}}_DT_S);
         ++pid->missed;

@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use identify::{RigModel, SavedModel};
 use missing_physics::{RestoredModel, known_effects};
-use pid_tune::{AntiWindup, DerivativeOf, PidGains, PidParams};
+use pid_tune::{
+    AntiWindup, DerivativeOf, GainSchedule, GainScheduleParams, PidGains, PidParams,
+    SCHEDULE_LEVELS, TuneError,
+};
 use recording::{Quantity, open_regular, read_text};
 use rig_files::model_file;
 use serde::Deserialize;
@@ -348,6 +351,17 @@ struct TunedStructure {
     derivative_filter_s: f64,
     setpoint_weight: f64,
     feed_forward: bool,
+    gain_schedule: Option<TunedSchedule>,
+}
+
+/// Levels as the sensor reads them.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TunedSchedule {
+    outputs: [f64; 2],
+    turn: f64,
+    heating: [f64; SCHEDULE_LEVELS],
+    cooling: [f64; SCHEDULE_LEVELS],
 }
 
 #[derive(Debug, Deserialize)]
@@ -361,6 +375,19 @@ struct Gains {
     kp: f64,
     ki: f64,
     kd: f64,
+}
+
+impl TunedSchedule {
+    /// The schedule as the controller sees the output.
+    fn schedule(&self, is_turned: bool) -> Result<GainSchedule, TuneError> {
+        let sign = if is_turned { -1.0 } else { 1.0 };
+        GainSchedule::new(GainScheduleParams {
+            outputs: self.outputs.map(|output| sign * output),
+            turn: self.turn,
+            heating: self.heating,
+            cooling: self.cooling,
+        })
+    }
 }
 
 impl TunedFile {
@@ -461,6 +488,9 @@ impl TunedFile {
             return Err(self.refused("controllers", names.join(", "), accepted));
         };
         let Gains { kp, ki, kd } = tuned.gains;
+        let scheduled = controller.gain_schedule.as_ref();
+        let gain_schedule = scheduled.map(|one| one.schedule(is_turned)).transpose();
+        let gain_schedule = gain_schedule.map_err(ExportError::Controller)?;
         Ok(Controller {
             params: PidParams {
                 dt_s,
@@ -472,7 +502,7 @@ impl TunedFile {
                 derivative_of,
                 derivative_filter_s: controller.derivative_filter_s,
                 setpoint_weight: controller.setpoint_weight,
-                gain_schedule: None,
+                gain_schedule,
             },
             gains: PidGains { kp, ki, kd },
             is_turned,

@@ -4,7 +4,8 @@
 #![allow(clippy::print_stdout, reason = "tests say what they find")]
 
 use pid_tune::{
-    AntiWindup, DerivativeOf, DriveLimits, Pid, PidGains, PidParams, Sample as PidSample,
+    AntiWindup, DerivativeOf, DriveLimits, GainSchedule, GainScheduleParams, Pid, PidGains,
+    PidParams, Sample as PidSample,
 };
 use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Member, Setting};
 use sma_export::{Controller, Exported, Labels};
@@ -377,6 +378,26 @@ pub(crate) fn with_controllers() -> Vec<Exported> {
     falling.member.params.offset = 6.0;
     falling.controller.as_mut().unwrap().is_turned = true;
     models.push(falling);
+    // Each of them with a schedule as well.
+    let scheduled = models.clone().into_iter().map(|mut model| {
+        if let Some(controller) = &mut model.controller {
+            let sign = if controller.is_turned { -1.0 } else { 1.0 };
+            let mut outputs = [1.0, 6.0].map(|output| sign * output);
+            outputs.sort_by(f64::total_cmp);
+            controller.params.gain_schedule = Some(
+                GainSchedule::new(GainScheduleParams {
+                    outputs,
+                    turn: 0.3,
+                    heating: [4.0, 2.5, 1.4, 1.0, 1.1, 1.6, 3.0, 4.0],
+                    cooling: [4.0, 3.1, 1.9, 1.3, 1.2, 1.9, 3.7, 4.0],
+                })
+                .unwrap(),
+            );
+        }
+        model
+    });
+    let scheduled: Vec<Exported> = scheduled.collect();
+    models.extend(scheduled);
     models
 }
 

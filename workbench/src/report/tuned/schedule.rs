@@ -32,19 +32,17 @@ impl TunedReport<'_> {
         let schedules = self.schedules.as_ref()?;
         let n_tried = schedules.tried.len();
         let Some(schedule) = &self.pid.gain_schedule else {
-            let most = match (schedules.unscheduled, schedules.cheapest()) {
-                (Some(staying), Some((_, cost))) if cost < staying => {
-                    format!(
-                        "the best one saves {} of the cost",
-                        percent(1.0 - cost / staying)
-                    )
+            let best = match (schedules.unscheduled, schedules.cheapest()) {
+                (Some(staying), Some((_, cost))) if cost < staying => format!(
+                    "the best of {n_tried} gain schedules saves {} of the cost, and 1 % would be worth it",
+                    percent(1.0 - cost / staying)
+                ),
+                (_, Some(_)) => format!("none of {n_tried} gain schedules saves any of the cost"),
+                (_, None) => {
+                    format!("none of {n_tried} gain schedules has gains that meet what is required")
                 }
-                (_, Some(_)) => "none saves any of the cost".to_owned(),
-                (_, None) => "none has gains that meet what is required".to_owned(),
             };
-            return Some(format!(
-                "The gains stay the same everywhere: of {n_tried} gain schedules {most}, less than the 1 % that would be worth it."
-            ));
+            return Some(format!("The gains are the same at every level: {best}."));
         };
         let (by, exponent) = match schedules.cheapest() {
             Some((one, _)) if one.by_branch => ("level and branch", one.exponent),
