@@ -3,7 +3,10 @@
 
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
-use pid_tune::{AntiWindup, DerivativeOf, DriveLimits, Pid, PidGains, PidParams, Sample};
+use pid_tune::{
+    AntiWindup, DerivativeOf, DriveLimits, GainSchedule, GainScheduleParams, Pid, PidGains,
+    PidParams, Sample,
+};
 
 #[derive(Debug, Arbitrary)]
 struct Drawn {
@@ -14,12 +17,22 @@ struct Drawn {
     tracking_s: f64,
     weight: u8,
     kind: u8,
+    outputs: [f64; 2],
+    turn: f64,
+    factors: [[f64; 8]; 2],
     samples: Vec<(f64, f64, f64)>,
 }
 
 fuzz_target!(|drawn: Drawn| {
     let [kp, ki, kd] = drawn.gains;
     let [lower, upper] = drawn.limits;
+    let [heating, cooling] = drawn.factors;
+    let schedule = GainSchedule::new(GainScheduleParams {
+        outputs: drawn.outputs,
+        turn: drawn.turn,
+        heating,
+        cooling,
+    });
     let params = PidParams {
         dt_s: drawn.dt_s,
         limits: DriveLimits { lower, upper },
@@ -37,7 +50,10 @@ fuzz_target!(|drawn: Drawn| {
         },
         derivative_filter_s: drawn.filter_s,
         setpoint_weight: f64::from(drawn.weight) / 255.0,
-        gain_schedule: None,
+        // Half of the controllers, if it is accepted.
+        gain_schedule: (drawn.kind & 8 != 0)
+            .then_some(schedule)
+            .and_then(Result::ok),
     };
     let Ok(pid) = Pid::new(params, &[PidGains { kp, ki, kd }]) else {
         return;

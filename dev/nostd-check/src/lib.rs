@@ -5,7 +5,10 @@
 
 #![no_std]
 
-use pid_tune::{Pid, PidGains, PidParams, PidState, Sample as Measurement, TuneError};
+use pid_tune::{
+    GainSchedule, GainScheduleParams, Pid, PidGains, PidParams, PidState, Sample as Measurement,
+    TuneError,
+};
 use sma_hysteresis::{
     Branch, Hysteresis, HysteresisError, LimitingLoop, LoopParams, Memory, Rule, SineProximity,
 };
@@ -95,6 +98,18 @@ pub fn last_displacement(model: &Wiener, state: &mut State, profile: &Profile<'_
         [displacement] = output.displacement
     });
     displacement
+}
+
+/// A controller whose gains follow the level and the branch.
+///
+/// # Errors
+///
+/// [`TuneError`] naming the factor that is out of range.
+pub fn scheduled(params: PidParams, factors: GainScheduleParams) -> Result<PidParams, TuneError> {
+    Ok(PidParams {
+        gain_schedule: Some(GainSchedule::new(factors)?),
+        ..params
+    })
 }
 
 /// A controller for one rod, waiting at a measured displacement.

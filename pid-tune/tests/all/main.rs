@@ -11,6 +11,7 @@ mod errors;
 mod feed_forward;
 #[cfg(feature = "std")]
 mod front;
+mod gain_schedule;
 #[cfg(feature = "std")]
 mod inverse;
 #[cfg(feature = "std")]
@@ -28,6 +29,8 @@ mod reference;
 mod robustness;
 #[cfg(feature = "std")]
 mod rules;
+#[cfg(feature = "std")]
+mod schedule_shape;
 #[cfg(feature = "std")]
 mod screen;
 #[cfg(feature = "std")]
