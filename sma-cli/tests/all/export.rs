@@ -117,12 +117,19 @@ fn a_header_predicts_what_simulate_predicts() {
 fn a_closed_loop_responds_as_tune_shows() {
     let folder = identified();
     let folder = folder.path();
-    for structure in [
-        "",
-        " --anti-windup back-calculation --derivative-of error --setpoint-weight 0.7",
+    for (set_point, structure) in [
+        (2.5, ""),
+        (
+            2.5,
+            " --anti-windup back-calculation --derivative-of error --setpoint-weight 0.7",
+        ),
+        (
+            4.2,
+            " --gain-schedule --duration-s 120 --setpoint-weight 0.7 --anti-windup back-calculation",
+        ),
     ] {
         let call = format!(
-            "tune model.toml --step-output 2.5 --drive-max 5.5 --ideal --draws 0 --json tuned.json --responses responses.csv --quiet{structure}"
+            "tune model.toml --step-output {set_point} --drive-max 5.5 --ideal --draws 0 --json tuned.json --responses responses.csv --quiet{structure}"
         );
         called(folder, &call);
         called(
@@ -132,8 +139,12 @@ fn a_closed_loop_responds_as_tune_shows() {
         let shown = columns(&read(folder, "responses.csv"), "step,tuned,", 3);
         assert!(shown.len() > 500);
         let main = format!(
-            "#include <stdio.h>\n#include \"rod.h\"\nint main(void) {{\n    sma_plant plant;\n    sma_pid pid;\n    int k;\n    sma_plant_rest(&plant, 22);\n    sma_pid_rest(&pid, sma_plant_output(&plant));\n    for (k = 0; k < {}; ++k) {{\n        double y = sma_plant_output(&plant);\n        double u = sma_pid_step(&pid, 2.5, y, 0);\n        printf(\"%.17g,%.17g,%.17g\\n\", 2.5, y, u);\n        sma_plant_step(&plant, u, 22);\n    }}\n    return 0;\n}}\n",
+            "#include <stdio.h>\n#include \"rod.h\"\nint main(void) {{\n    sma_plant plant;\n    sma_pid pid;\n    int k;\n    sma_plant_rest(&plant, 22);\n    sma_pid_rest(&pid, sma_plant_output(&plant));\n    for (k = 0; k < {}; ++k) {{\n        double y = sma_plant_output(&plant);\n        double u = sma_pid_step(&pid, {set_point:?}, y, 0);\n        printf(\"%.17g,%.17g,%.17g\\n\", {set_point:?}, y, u);\n        sma_plant_step(&plant, u, 22);\n    }}\n    return 0;\n}}\n",
             shown.len()
+        );
+        assert_eq!(
+            read(folder, "rod.h").contains("sma_gain_factor"),
+            structure.contains("--gain-schedule")
         );
         if let Some(found) = compiled(folder, &main) {
             assert!(found == shown, "{structure}");
@@ -388,6 +399,29 @@ fn gains_of_another_model_are_refused() {
         error.starts_with("sma: the controller is refused: kp = -9"),
         "{error}"
     );
+    let ones = "[1, 1, 1, 1, 1, 1, 1, 1]";
+    for (factors, said) in [
+        (
+            format!("\"cooling\": {ones}, \"heatin\": {ones}"),
+            "tuned.json:3:154: unknown field `heatin`, expected one of `outputs`, `turn`, `heating`, `cooling`; ",
+        ),
+        (
+            format!("\"cooling\": {ones}, \"heating\": [1, 2]"),
+            "tuned.json:3:163: invalid length 2, expected an array of length 8; ",
+        ),
+        (
+            format!("\"cooling\": {ones}, \"heating\": [1, 0.5, 1, 1, 1, 1, 1, 1]"),
+            "the controller is refused: heating[1] = 0.5: a factor of a gain schedule must be finite and >= 1\n",
+        ),
+    ] {
+        let schedule = format!(
+            "\"feed_forward\": false, \"gain_schedule\": {{\"outputs\": [0, 5], \"turn\": 0.2, {factors}}}"
+        );
+        let text = tuned.replace("\"feed_forward\": false", &schedule);
+        std::fs::write(folder.join("tuned.json"), text).unwrap();
+        let error = refused(folder, call);
+        assert!(error.starts_with(&format!("sma: {said}")), "{error}");
+    }
     std::fs::write(folder.join("tuned.json"), tuned).unwrap();
     let error = refused(folder, &format!("{call} --sample-time-s 0.1"));
     assert!(

@@ -253,6 +253,96 @@ fn same_bytes_on_any_number_of_threads() {
 }
 
 #[test]
+fn gains_follow_level_and_branch_where_that_is_cheaper() {
+    let folder = identified();
+    let at = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let result_on = |threads: &str| {
+        let mut command = Command::cargo_bin("sma").unwrap();
+        let call = "tune model.toml --step-output 4.2 --drive-max 5.5 --gain-schedule=3 --ideal --pi --duration-s 60 --draws 0 \
+                    --json tuned.json --report page.html --test-script steps.csv --threads";
+        command
+            .current_dir(folder.path())
+            .args(call.split_whitespace());
+        command.arg(threads).assert().success();
+        [at("tuned.json"), at("steps.csv")]
+    };
+    let both = ["1", "2"].map(result_on);
+    assert!(both[0] == both[1], "same bytes on any number of threads");
+    let result: Value = serde_json::from_str(&both[0][0]).unwrap();
+    let schedule = &result["controller"]["gain_schedule"];
+    let numbers = |key: &str| -> Vec<f64> {
+        let values = schedule[key].as_array().unwrap().iter();
+        values.map(|value| value.as_f64().unwrap()).collect()
+    };
+    let [heating, cooling] = ["heating", "cooling"].map(numbers);
+    for factors in [&heating, &cooling] {
+        assert_eq!(factors.len(), 8);
+        assert!(factors.iter().all(|factor| (1.0..=3.0).contains(factor)));
+        // Flat at both ends of the loop, steep between them.
+        assert!(factors[0] > 2.9 && factors.iter().any(|&factor| factor < 1.2));
+    }
+    // From rest to beyond the set point.
+    let outputs = numbers("outputs");
+    assert!(outputs[0] < 0.5 && (4.3..4.5).contains(&outputs[1]));
+    // The tuned gains are the cheapest of all that were tried, beside those that stay.
+    let cost = |name: &str| controller(&result, name)["cost"].as_f64().unwrap();
+    let tried = result["gain_schedules"]["tried"].as_array().unwrap();
+    assert_eq!(tried.len(), 4);
+    let cheapest = tried.iter().map(|one| one["cost"].as_f64().unwrap());
+    let cheapest = cheapest.fold(f64::INFINITY, f64::min);
+    assert!((cost("tuned") / cheapest - 1.0).abs() < 1e-12);
+    let staying = result["gain_schedules"]["unscheduled_cost"]
+        .as_f64()
+        .unwrap();
+    assert!((cost("unscheduled") / staying - 1.0).abs() < 1e-12);
+    assert!(cost("tuned") < 0.99 * cost("unscheduled"));
+    // Both meet what is required at every level.
+    for name in ["tuned", "unscheduled"] {
+        let margins = &controller(&result, name)["margins"];
+        assert!(margins["gain_margin"].as_f64().unwrap() > 1.98, "{name}");
+        assert!(
+            margins["phase_margin_deg"].as_f64().unwrap() > 44.5,
+            "{name}"
+        );
+    }
+    let ends = result["limit_cycles"][1]["ends"].as_array().unwrap();
+    assert!(ends.iter().all(|end| end["end"] == "rests"), "{ends:?}");
+    let page = at("page.html");
+    for said in [
+        "Gains by the output",
+        "output (mm)",
+        "factor on kp, ki, kd: heating (1)",
+        "none: gains that stay",
+        "at the worst level and branch",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    // A rig that does as expected has kept the promise of the same gains.
+    let rows = both[0][1].lines().skip(1);
+    let measured: String = rows
+        .map(|row| row.split(',').take(3).collect::<Vec<_>>().join(",") + "\n")
+        .collect();
+    let csv = format!("time_s,reference_mm,displacement_mm\n{measured}");
+    std::fs::write(folder.path().join("measured.csv"), csv).unwrap();
+    let mut command = Command::cargo_bin("sma").unwrap();
+    let call = "tune model.toml --step-output 4.2 --drive-max 5.5 --gain-schedule=3 --ideal --pi --duration-s 60 --draws 0 \
+                --quiet --check measured.csv";
+    command
+        .current_dir(folder.path())
+        .args(call.split_whitespace());
+    let output = command.output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        said.starts_with("measured.csv: the rig did as promised. 100"),
+        "{said}"
+    );
+    assert!(
+        said.contains("kp, ki and kd are those where the rig is steepest"),
+        "{said}"
+    );
+}
+
+#[test]
 fn the_paper_s_search_stays_within_its_bounds() {
     let folder = identified();
     let result = json(folder.path(), &["--preset", "sadeghi", "--draws", "0"]);
@@ -296,6 +386,24 @@ fn what_cannot_be_tuned_is_said() {
         (
             &["--drive-max", "5.5", "--weights", "0", "0", "0", "0", "0"],
             "no weight is > 0 on a term that responses to this reference have: at least 1 must be",
+        ),
+        (
+            &["--drive-max", "5.5", "--gain-schedule=1"],
+            "--gain-schedule = 1: must be finite and > 1; it is the largest factor on the gains",
+        ),
+        (
+            &["--drive-max", "5.5", "--gain-schedule=NaN"],
+            "--gain-schedule = NaN: must be finite and > 1; it is the largest factor on the gains",
+        ),
+        (
+            &[
+                "--drive-max",
+                "5.5",
+                "--gain-schedule",
+                "--preset",
+                "sadeghi",
+            ],
+            "a requirement for --gain-schedule is missing: --preset sadeghi requires nothing of gains; leave one of both out",
         ),
         (
             &["--drive-max", "5.5", "--reference", "empty.csv"],
