@@ -50,6 +50,8 @@ impl GainSchedule {
             return Err(TuneError::ScheduleOutputs { lower, upper });
         }
         positive("turn", params.turn)?;
+        let per_turn = 1.0 / params.turn;
+        positive("1 / turn", per_turn)?;
         for (branch, factors) in [("heating", &params.heating), ("cooling", &params.cooling)] {
             for (index, &value) in factors.iter().enumerate() {
                 if !(value >= 1.0 && value.is_finite()) {
@@ -64,7 +66,7 @@ impl GainSchedule {
         Ok(Self {
             params,
             per_level,
-            per_turn: 1.0 / params.turn,
+            per_turn,
         })
     }
 
@@ -105,9 +107,7 @@ impl GainSchedule {
     /// Factor at a measurement, with the play's middle there.
     #[inline(always)]
     pub(crate) fn factor(&self, measured: f64, middle: f64) -> f64 {
-        let branch = ((measured - middle) * self.per_turn + 0.5)
-            .max(0.0)
-            .min(1.0);
+        let branch = ((measured - middle) * self.per_turn + 0.5).clamp(0.0, 1.0);
         let [heating, cooling] = self.both(measured);
         cooling + branch * (heating - cooling)
     }
@@ -115,9 +115,7 @@ impl GainSchedule {
     /// Factors of both branches.
     #[inline(always)]
     fn both(&self, output: f64) -> [f64; 2] {
-        let place = ((output - self.params.outputs[0]) * self.per_level)
-            .max(0.0)
-            .min(LAST as f64);
+        let place = ((output - self.params.outputs[0]) * self.per_level).clamp(0.0, LAST as f64);
         let below = (place as usize).min(LAST - 1);
         let share = place - below as f64;
         [&self.params.heating, &self.params.cooling]

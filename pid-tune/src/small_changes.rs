@@ -61,6 +61,14 @@ pub struct Answers {
     pub cooling: Vec<Answer>,
 }
 
+/// Changes of an output per change of the drive, sample by sample.
+#[derive(Debug)]
+struct Moved {
+    /// The output that was held.
+    output: f64,
+    changes: Vec<f64>,
+}
+
 /// Which way the drive goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
@@ -92,7 +100,7 @@ impl SmallChanges {
         for way in [Way::Heating, Way::Cooling] {
             let held = self.held(fleet, member, way)?;
             let answers = self.answers(fleet, member, way, &held)?;
-            let answers: Vec<Vec<f64>> = answers.into_iter().map(|(_, answer)| answer).collect();
+            let answers: Vec<Vec<f64>> = answers.into_iter().map(|one| one.changes).collect();
             for place in [self.early(), usize::MAX] {
                 let at = |answer: &[f64]| answer[place.min(answer.len() - 1)];
                 let most = answers.iter().max_by(|a, b| at(a).total_cmp(&at(b)));
@@ -122,11 +130,12 @@ impl SmallChanges {
         let on = |way| {
             let held = self.held(fleet, member, way)?;
             let answers = self.answers(fleet, member, way, &held)?;
-            let of = |(output, answer): &(f64, Vec<f64>)| {
+            let of = |one: &Moved| {
+                let changes = &one.changes;
                 Ok(Answer {
-                    output: *output,
-                    slope: answer[self.early().min(answer.len() - 1)],
-                    plant: PlantResponse::new(self.dt_s, self.dead_time_samples, answer)?,
+                    output: one.output,
+                    slope: changes[self.early().min(changes.len() - 1)],
+                    plant: PlantResponse::new(self.dt_s, self.dead_time_samples, changes)?,
                 })
             };
             let answers: Result<Vec<Answer>, TuneError> = answers.par_iter().map(of).collect();
@@ -205,7 +214,7 @@ impl SmallChanges {
         member: F::Member,
         way: Way,
         held: &[(f64, f64); NARROW],
-    ) -> Result<Vec<(f64, Vec<f64>)>, TaskError<F::Error>> {
+    ) -> Result<Vec<Moved>, TaskError<F::Error>> {
         let DriveLimits { lower, upper } = self.limits;
         let sign = match way {
             Way::Heating => 1.0,
@@ -245,9 +254,10 @@ impl SmallChanges {
                 series[l].push((after[l] - before[l]) / changes[l]);
             }
         }
-        let answers = outputs.into_iter().zip(series);
-        Ok(answers
-            .filter(|(_, series)| series.iter().all(|value| value.is_finite()))
+        let moved = outputs.into_iter().zip(series);
+        Ok(moved
+            .filter(|(_, changes)| changes.iter().all(|value| value.is_finite()))
+            .map(|(output, changes)| Moved { output, changes })
             .collect())
     }
 }

@@ -276,6 +276,11 @@ fn what_is_no_schedule_is_refused() {
             format!("turn = {turn}: must be finite and > 0")
         );
     }
+    let turn = 1e-310;
+    assert_eq!(
+        text(GainScheduleParams { turn, ..FACTORS }),
+        "1 / turn = inf: must be finite and > 0"
+    );
     for value in [0.99, -2.0, f64::NAN, f64::INFINITY] {
         let mut params = FACTORS;
         params.cooling[2] = value;

@@ -8,7 +8,7 @@ use pid_tune::{
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Ensemble, Member, Start};
 
-use crate::common::{AMBIENT_DEGC, rod};
+use crate::common::{AMBIENT_DEGC, assert_same, rod};
 
 const CONTROLLER: PidParams = PidParams {
     dt_s: 0.287,
@@ -103,7 +103,7 @@ fn factors_are_the_inverse_of_the_slopes_within_their_limit() {
         ..SHAPE
     };
     let halved = by_level.schedule(&answers()).unwrap();
-    assert_eq!(halved.params().heating, halved.params().cooling);
+    assert_same(&halved.params().heating, &halved.params().cooling);
     assert_relative_eq!(
         halved.params().heating[4],
         1.25_f64.sqrt(),
@@ -123,12 +123,12 @@ fn where_a_plant_does_not_answer_the_factor_is_the_largest() {
         answer.slope = 0.0;
     }
     let schedule = SHAPE.schedule(&flat).unwrap();
-    assert_eq!(schedule.params().heating[..2], [3.0, 3.0]);
+    assert_same(&schedule.params().heating[..2], &[3.0, 3.0]);
     for answer in flat.heating.iter_mut().chain(&mut flat.cooling) {
         answer.slope = 0.0;
     }
     let schedule = SHAPE.schedule(&flat).unwrap();
-    assert_eq!(schedule.params().heating, [3.0; SCHEDULE_LEVELS]);
+    assert_same(&schedule.params().heating, &[3.0; SCHEDULE_LEVELS]);
 }
 
 #[test]
