@@ -50,6 +50,7 @@ mod robustness;
 mod rod_loop;
 #[cfg(feature = "std")]
 mod rules;
+mod sample;
 #[cfg(feature = "std")]
 mod schedule_shape;
 #[cfg(feature = "std")]
@@ -103,9 +104,7 @@ pub use open_loop::{OpenLoop, Passage};
 pub use oscillation::{Oscillation, StartFrom};
 #[cfg(feature = "std")]
 pub use pace::Pace;
-pub use pid::{
-    AntiWindup, Command, DerivativeOf, DriveLimits, Pid, PidGains, PidParams, PidState, Sample,
-};
+pub use pid::{AntiWindup, DerivativeOf, DriveLimits, Pid, PidGains, PidParams, PidState};
 #[cfg(feature = "std")]
 pub use plant_response::{FirstOrder, PlantResponse};
 pub use reference::Reference;
@@ -120,6 +119,7 @@ pub use robustness::{
 pub use rod_loop::{Approach, RodLoop, RodLoopParams};
 #[cfg(feature = "std")]
 pub use rules::{RelayCycle, RelayTest};
+pub use sample::{Command, Sample};
 #[cfg(feature = "std")]
 pub use schedule_shape::ScheduleShape;
 #[cfg(feature = "std")]

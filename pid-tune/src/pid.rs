@@ -1,5 +1,5 @@
 use crate::error::{all_finite, finite, not_negative, positive};
-use crate::{GainSchedule, TuneError};
+use crate::{Command, GainSchedule, Sample, TuneError};
 
 /// Gains of one controller in parallel form; each finite and ≥ 0.
 ///
@@ -149,9 +149,9 @@ pub struct PidState<const L: usize = 1> {
     middle: [f64; L],
 }
 
-/// What one sample is multiplied with.
+/// Gains of one sample but kp, and the input of kp.
 struct Weights<const L: usize> {
-    /// What kp is multiplied with: b r - y, or φ e - (1 - b) r.
+    /// Input of kp: b r - y, or φ e - (1 - b) r.
     weighed: [f64; L],
     ki_dt: [f64; L],
     kd_new: [f64; L],
@@ -171,26 +171,6 @@ impl<const L: usize> PidState<L> {
     pub fn missed(&self) -> [u64; L] {
         self.missed
     }
-}
-
-/// Inputs of a controller at one sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<const L: usize = 1> {
-    /// Reference r, in the output's unit.
-    pub setpoint: f64,
-    /// Measurement y, in the output's unit.
-    pub measured: [f64; L],
-    /// Drive that is added to the controller's own, in the drive's unit; 0 for none.
-    pub feed_forward: f64,
-}
-
-/// Command of a controller, in the drive's unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Command<const L: usize = 1> {
-    /// Drive u, within the limits; finite.
-    pub drive: [f64; L],
-    /// Drive v before the limits.
-    pub unsaturated: [f64; L],
 }
 
 impl<const L: usize> Pid<L> {
@@ -419,16 +399,5 @@ impl<const L: usize> Pid<L> {
             }
         }
         next
-    }
-}
-
-impl<const L: usize> Sample<L> {
-    #[inline(always)]
-    fn error(&self) -> [f64; L] {
-        let mut error = [0.0; L];
-        for l in 0..L {
-            error[l] = self.setpoint - self.measured[l];
-        }
-        error
     }
 }

@@ -71,7 +71,8 @@ class Response:
 class Tuned(Reported):
     """A controller, how good it is, and what it stands beside."""
 
-    #: Gains of the tuned controller.
+    #: Gains of the tuned controller; with ``--gain-schedule`` among the flags those where the rig is steepest, and
+    #: ``raw["controller"]["gain_schedule"]`` has the factors elsewhere.
     gains: Gains
     #: All controllers that are compared, the tuned one among them.
     controllers: tuple[Controller, ...]

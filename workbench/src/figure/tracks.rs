@@ -46,10 +46,10 @@ pub fn tracks(tuned: &TunedReport<'_>) -> Vec<Figure> {
 }
 
 fn under(track: &Track, values: &[f64]) -> Series {
-    let style = if track.controller == "tuned" {
-        Style::Extended
-    } else {
-        Style::Plain
+    let style = match track.controller {
+        "tuned" => Style::Extended,
+        "unscheduled" => Style::Unseen,
+        _ => Style::Plain,
     };
     Series::over(
         format!("{} gains", track.controller),

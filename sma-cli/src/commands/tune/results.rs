@@ -17,7 +17,7 @@ pub(super) struct Named<'a> {
     pub(super) structured: Structured<'a>,
 }
 
-/// What the searches were for, and what they found.
+/// The problem of the searches, and the controllers that they found.
 pub(super) struct Results<'a> {
     pub(super) job: &'a Job<'a>,
     pub(super) step: &'a Step,
@@ -31,7 +31,7 @@ pub(super) struct Results<'a> {
 }
 
 impl<'a> Searched<'a> {
-    /// What was found between controllers by rule and gains of the user.
+    /// The gains that were found, between controllers by rule and gains of the user.
     pub(super) fn beside(&self, by_rule: Vec<Named<'a>>, own: Option<Named<'a>>) -> Vec<Named<'a>> {
         let mut named = by_rule;
         named.insert(
@@ -71,6 +71,12 @@ impl<'a> Results<'a> {
         let rig = self.job.bench.rig;
         let rods = self.rods.likely.iter().map(|&rod| rig.of_rod(rod));
         Ok(rods.collect::<Result<_, _>>()?)
+    }
+
+    /// Controllers that follow references: the one that is compared with, the tuned one, and beside a schedule the best gains
+    /// that stay.
+    fn followed(&self) -> &'a [Named<'a>] {
+        &self.named[..2 + usize::from(self.searched.staying.is_some())]
     }
 
     /// Response to a test of the rig.
@@ -149,7 +155,7 @@ impl<'a> Results<'a> {
             } else {
                 Vec::new()
             },
-            tracks: job.tracks(&closed_loop, &both)?,
+            tracks: job.tracks(&closed_loop, self.followed())?,
             checked: match &args.check {
                 Some(path) => Some(self.of_tuned().checked(path, gains, &self.likely()?)?),
                 None => None,

@@ -1,4 +1,4 @@
-//! What is said of gain schedules.
+//! Gain schedules in words, tables and JSON.
 
 use comfy_table::{Cell, Table};
 use pid_tune::{GainSchedule, SCHEDULE_LEVELS};
