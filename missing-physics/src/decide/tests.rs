@@ -178,6 +178,40 @@ fn two_names_that_do_as_well_are_one_set() {
     assert!((0.3..0.7).contains(&found.probability), "{found:?}");
 }
 
+/// Names that lead where surroundings that drift leave a four-hundredth of the mean square, fatigue the share `left` of the root
+/// mean square, and both nothing.
+fn led_with_fatigue_leaving(left: f64) -> CandidateSet {
+    let quiet = noise(1.0, 1);
+    let leaves = |share: f64| {
+        let rest = sum(&quiet, &trace(10.0 * share, 1));
+        let with_curve = sum(&rest, &noise(0.1, 7));
+        (rest, with_curve)
+    };
+    let both = [EffectId::AmbientDrift, EffectId::FunctionalFatigue];
+    let shares: [(&[EffectId], f64); 4] = [
+        (&[], 1.0),
+        (&both[..1], 0.05),
+        (&both[1..], left),
+        (&both, 0.0),
+    ];
+    let models = shares.into_iter().map(|(names, share)| {
+        let (rest, with_curve) = leaves(share);
+        model(names, rest, with_curve)
+    });
+    leading(&Population {
+        models: models.collect(),
+    })
+    .names
+}
+
+#[test]
+fn what_does_nearly_all_of_a_drifts_work_stays_beside_it() {
+    let drift: CandidateSet = [EffectId::AmbientDrift.into()].into_iter().collect();
+    let both = drift.with(EffectId::FunctionalFatigue);
+    assert_eq!(led_with_fatigue_leaving(0.3), both);
+    assert_eq!(led_with_fatigue_leaving(0.33), drift);
+}
+
 #[test]
 fn beside_another_loop_what_acts_like_one_may_be_its_formula_unless_it_is_large() {
     let verdict = |effect: EffectId, beside: &[EffectId], over: f64| {
