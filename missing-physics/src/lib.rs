@@ -19,8 +19,9 @@ mod search;
 mod watch;
 
 pub use changed::{
-    Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS, LeftOut,
-    Reference,
+    Change, ChangeEvidence, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS,
+    FEWEST_RUNS, LEAST_UNCHANGED, LeftOut, MOST_EXCESS, Reference, Standing, StateSpread,
+    TracedRun,
 };
 pub use config::{DiagnoseConfig, Effort, Part};
 pub use decide::Verdict;

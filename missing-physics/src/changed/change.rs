@@ -133,13 +133,13 @@ pub const FEWEST_COOLINGS: usize = 2;
 pub const FEWEST_RUNS: usize = 2;
 
 /// Probability of no change from which nothing is said to have changed.
-const UNCHANGED: f64 = 0.05;
+pub const LEAST_UNCHANGED: f64 = 0.05;
 
 /// Probability that a set of names holds.
 const SET: f64 = 0.95;
 
 /// Largest mean square that runs may leave, over the largest that a run of the reference left: twice as much.
-const MOST: f64 = 2.0;
+pub const MOST_EXCESS: f64 = 2.0;
 
 /// Share of what is more than that which a finding accounts for at least, where runs leave more. A flexible effect has to account for
 /// all: it takes much of whatever has changed.
@@ -171,8 +171,8 @@ pub(super) fn decided(
     if runs < FEWEST_RUNS || coolings < FEWEST_COOLINGS {
         return (ChangeVerdict::ReferenceTooShort, None);
     }
-    let Some(leading) = considered.first().filter(|_| unchanged < UNCHANGED) else {
-        let verdict = if excess[0] > MOST {
+    let Some(leading) = considered.first().filter(|_| unchanged < LEAST_UNCHANGED) else {
+        let verdict = if excess[0] > MOST_EXCESS {
             ChangeVerdict::Unexplained
         } else {
             ChangeVerdict::Unchanged
@@ -182,7 +182,7 @@ pub(super) fn decided(
     let explained = (excess[0] - excess[1]) / (excess[0] - 1.0);
     let effect = leading.what.effect();
     let is_flexible = effect.is_some_and(|effect| effect.info().flexible);
-    if excess[1] > MOST && (is_flexible || explained < EXPLAINED) {
+    if excess[1] > MOST_EXCESS && (is_flexible || explained < EXPLAINED) {
         return (ChangeVerdict::Unexplained, None);
     }
     let mut held = leading.probability;

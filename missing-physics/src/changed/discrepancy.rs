@@ -48,6 +48,12 @@ struct Step {
 }
 
 impl Discrepancy {
+    /// Its standard deviation where the output moves at a rate, in the unit of the output; `rate` is over its root mean square.
+    pub(crate) fn deviation(self, rate: f64) -> f64 {
+        let timing = self.timing * rate;
+        (self.noise * self.noise + self.slow * self.slow + timing * timing).sqrt()
+    }
+
     /// This discrepancy with its variances multiplied by `factor`.
     pub(crate) fn enlarged(self, factor: f64) -> Self {
         let root = factor.sqrt();

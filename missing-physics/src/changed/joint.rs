@@ -88,6 +88,15 @@ impl Runs {
         (of_runs.map(squares).sum::<f64>() / n as f64).sqrt()
     }
 
+    /// Standard deviation of a discrepancy in a run: time, s, and deviation, in the unit of the output.
+    pub(crate) fn deviations(&self, run: usize, discrepancy: &Discrepancy) -> Vec<[f64; 2]> {
+        let own = &self.sampled[run];
+        let pairs = own.time_s.iter().zip(&own.rate);
+        pairs
+            .map(|(&time_s, &rate)| [time_s, discrepancy.deviation(rate)])
+            .collect()
+    }
+
     pub(crate) fn filters(
         &self,
         runs: &[usize],

@@ -5,17 +5,23 @@
 //! other runs, or which law is another there. It compares the changes by generalized least squares over all runs together,
 //! against the residual that a fitted model leaves of a rig that has not changed ([`discrepancy`]).
 
+mod apart;
 mod change;
 mod comparison;
 mod discrepancy;
+mod evidence;
 mod first_order;
 mod joint;
 mod likeliest;
 mod reference;
+mod standing;
 mod system;
 mod version;
 
 pub use change::{
-    Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS, LeftOut,
+    Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS,
+    LEAST_UNCHANGED, LeftOut, MOST_EXCESS,
 };
+pub use evidence::{ChangeEvidence, StateSpread, TracedRun};
 pub use reference::Reference;
+pub use standing::Standing;

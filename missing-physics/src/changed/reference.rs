@@ -9,6 +9,7 @@ use crate::baseline::opened::{Opened, plain_fit};
 use crate::changed::change::{Change, Changing, Considered, LeftOut, decided, probabilities};
 use crate::changed::comparison::{Comparison, Ended};
 use crate::changed::discrepancy::Discrepancy;
+use crate::changed::evidence::{Answered, ChangeEvidence};
 use crate::changed::joint::{Joint, Runs};
 use crate::changed::likeliest::likeliest;
 use crate::changed::version::{Version, What};
@@ -33,16 +34,18 @@ const OF_REFERENCE: f64 = 20.0;
 /// The laws of a rig, how well they meet a run that they do not know, and what may have changed since.
 #[derive(Debug)]
 pub struct Reference {
-    base: WienerModel,
-    plain: Fit,
-    model: ExtendedModel,
+    pub(super) base: WienerModel,
+    pub(super) plain: Fit,
+    pub(super) model: ExtendedModel,
     /// Values of all parameters in each run.
-    points: Vec<Vec<f64>>,
+    pub(super) points: Vec<Vec<f64>>,
     tau_s: f64,
-    runs: Vec<Recording>,
-    config: DiagnoseConfig,
+    pub(super) runs: Vec<Recording>,
+    pub(super) config: DiagnoseConfig,
     discrepancy: Discrepancy,
     left_out: Vec<LeftOut>,
+    /// Values of all parameters in each run, the laws from the others; empty if there is one run.
+    pub(super) left_out_points: Vec<Vec<f64>>,
     /// Squares a sample that runs left out leave, white, at most.
     most: f64,
     coolings: usize,
@@ -105,6 +108,7 @@ impl Reference {
             },
             discrepancy: Discrepancy::default(),
             left_out: Vec::new(),
+            left_out_points: Vec::new(),
             most: 1.0,
         };
         reference.learn(is_law)?;
@@ -170,6 +174,7 @@ impl Reference {
                 true => met[0].point.clone(),
                 false => of_others.point(run),
             });
+            self.left_out_points.push(met[0].point.clone());
             without.push((met[0].rmse, points.collect::<Vec<_>>()));
         }
         let rms = (squares / few.len() as f64).sqrt();
@@ -211,6 +216,27 @@ impl Reference {
     ///
     /// Errors of the models.
     pub fn changed(&self, today: &[Recording]) -> Result<Change, IdentifyError> {
+        Ok(self.answered(today, |_| Ok(()))?.0)
+    }
+
+    /// As [`Reference::changed`], with the evidence for it: predictions of the runs, states of the runs, the next run.
+    ///
+    /// # Errors
+    ///
+    /// Errors of the models.
+    pub fn changed_with_evidence(
+        &self,
+        today: &[Recording],
+    ) -> Result<(Change, ChangeEvidence), IdentifyError> {
+        self.answered(today, |answered| answered.evidence())
+    }
+
+    /// The answer, and what is made of the comparison behind it.
+    fn answered<T>(
+        &self,
+        today: &[Recording],
+        then: impl FnOnce(&Answered<'_>) -> Result<T, IdentifyError>,
+    ) -> Result<(Change, T), IdentifyError> {
         let n_reference = self.runs.len();
         let all: Vec<Recording> = self.runs.iter().chain(today).cloned().collect();
         let mut points = self.points.clone();
@@ -233,7 +259,7 @@ impl Reference {
             with_laws: true,
         };
         let none = asked.settled(none)?;
-        let (none, mut found) = asked.made(none)?;
+        let (none, found) = asked.made(none)?;
         let nats: Vec<f64> = found.iter().map(|one| one.nats).collect();
         let (likely, each) = probabilities(&nats);
         let considered: Vec<Considered> = found
@@ -241,16 +267,22 @@ impl Reference {
             .zip(each)
             .map(|(one, probability)| self.considered(one, &asked, probability))
             .collect();
-        let with = if found.is_empty() {
-            none.clone()
-        } else {
-            found.swap_remove(0).joint
-        };
-        let excess = [&none, &with].map(|joint| share(joint, &asked) * enlarged / self.most);
+        let with = found.first().map_or(&none, |first| &first.joint);
+        let excess = [&none, with].map(|joint| share(joint, &asked) * enlarged / self.most);
         let (verdict, finding) = decided(&considered, likely, excess, (n_reference, self.coolings));
         let (after, _) = validated(&with.version, &with.point(n_reference), today)?;
+        let behind = then(&Answered {
+            reference: self,
+            today,
+            asked: &asked,
+            found: &found,
+            validated: [&own, &after],
+            with,
+            finding: finding.as_ref(),
+            enlarged,
+        })?;
         let of_runs = own.iter().zip(&after);
-        Ok(Change {
+        let change = Change {
             verdict,
             finding,
             considered,
@@ -263,7 +295,8 @@ impl Reference {
                 .collect(),
             excess,
             output_unit: all[0].output_unit().to_owned(),
-        })
+        };
+        Ok((change, behind))
     }
 
     fn considered(&self, one: &Ended, asked: &Comparison<'_>, probability: f64) -> Considered {

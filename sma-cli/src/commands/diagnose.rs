@@ -77,8 +77,9 @@ pub(crate) struct DiagnoseArgs {
     #[arg(long, num_args = 1.., required = true, value_name = "CSV")]
     train: Vec<PathBuf>,
     /// Runs of the rig as it should be, CSV: says what has changed since in those of --train. Two at least, each with a slow cooling.
+    /// With --report, a page shows the runs beside what the reference predicts.
     #[arg(long, num_args = 1.., value_name = "CSV", conflicts_with_all = ["validate", "from_model", "save_model", "save_next", "plots",
-        "report", "series", "resume", "effort", "time_limit_s", "verbose"])]
+        "series", "resume", "effort", "time_limit_s", "verbose"])]
     pub(crate) reference: Vec<PathBuf>,
     /// Recordings to check the result on, CSV; opened once, at the end.
     #[arg(long, num_args = 1.., value_name = "CSV")]
@@ -220,8 +221,8 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
         notes,
     };
     if !args.reference.is_empty() {
-        unread.read(args.seed, &args.inputs())?;
-        return since_reference(args, rig, places.json);
+        let made = unread.read(args.seed, &args.inputs())?;
+        return since_reference(args, rig, (places.json, places.report), &made);
     }
     let model = RigModel::new(&rig.rod, args.memory.rule(), &rig.training)?;
     match &model {

@@ -2,21 +2,23 @@
 
 use std::ops::ControlFlow;
 
-use identify::RigModel;
+use identify::{Provenance, RigModel};
 use missing_physics::Reference;
+use workbench::page;
 use workbench::report::changed::SinceReference;
 use workbench::{WorkbenchError, read_all};
 
 use super::diagnose::{DiagnoseArgs, Rig, show};
 use crate::outcome::Outcome;
-use crate::sink::{Sink, deliver};
+use crate::sink::{Delivery, Sink, deliver};
 use crate::terminal::{Progress, say};
 
 /// Fits the laws of the reference, and asks of the training recordings what has changed.
 pub(crate) fn since_reference(
     args: &DiagnoseArgs,
     rig: Rig,
-    json: Option<Sink>,
+    (json, report): (Option<Sink>, Option<Sink>),
+    made: &Provenance,
 ) -> anyhow::Result<Outcome> {
     let reference = read_all(&rig.rod, &args.reference)?;
     if let Some(twice) = rig
@@ -48,7 +50,13 @@ pub(crate) fn since_reference(
         ControlFlow::Continue(())
     })?;
     shown.show("asking what has changed", None, "");
-    let change = healthy.changed(&rig.training)?;
+    // The evidence is computed only for those who want to see it.
+    let (change, evidence) = if report.is_some() {
+        let (change, evidence) = healthy.changed_with_evidence(&rig.training)?;
+        (change, Some(evidence))
+    } else {
+        (healthy.changed(&rig.training)?, None)
+    };
     shown.end();
     let since = SinceReference {
         change: &change,
@@ -56,6 +64,14 @@ pub(crate) fn since_reference(
         notes: rig.notes,
     };
     say(args.quiet, &since.notes)?;
-    deliver(&since.text(), &since.json(), json)?;
+    let mut delivery = Delivery::default();
+    if let Some((sink, evidence)) = report.zip(evidence) {
+        delivery.of(|| {
+            let page = page::since(&since, &evidence, [&reference, &rig.training])?;
+            sink.write(&page.made_by(made))
+        });
+    }
+    delivery.of(|| deliver(&since.text(), &since.json(), json));
+    delivery.end()?;
     Ok(Outcome::Done)
 }

@@ -3,6 +3,7 @@
 mod compared;
 mod diagnosed;
 mod loops;
+mod since;
 mod svg;
 mod tracks;
 
@@ -13,6 +14,7 @@ use std::path::{Path, PathBuf};
 pub use compared::Compared;
 pub use diagnosed::{Drawn, figures, ladder, same_drive, series_csv};
 pub use loops::loops;
+pub use since::{BAND_DEVIATIONS, Since, with_change};
 pub use svg::inline;
 pub use tracks::tracks;
 
@@ -33,6 +35,8 @@ pub struct Figure {
     pub series: Vec<Series>,
     /// Stretches across that are shaded.
     pub shaded: Vec<[f64; 2]>,
+    /// A band behind the curves: across, its lower end, its upper end.
+    pub band: Vec<[f64; 3]>,
     /// True if the vertical axis is logarithmic; then all values are > 0.
     pub log_up: bool,
     /// Words for 0, 1, 2, … across, where the curves are bars; empty for numbers.

@@ -160,6 +160,10 @@ fn draw(
         Rectangle::new(ends, SHADE.filled())
     });
     chart.draw_series(shaded)?;
+    if !figure.band.is_empty() {
+        let outline = outline(&figure.band);
+        chart.draw_series([Polygon::new(outline, SHADE.filled())])?;
+    }
     let is_bar = |series: &&Series| !figure.words.is_empty() && series.style != Style::Noise;
     let n_bars = figure.series.iter().filter(is_bar).count();
     let bottom = if figure.log_up { up[0] } else { 0.0 };
@@ -251,7 +255,12 @@ fn width(style: Style) -> u32 {
 /// power of ten below.
 fn range(figure: &Figure, coordinate: usize) -> [f64; 2] {
     let points = figure.series.iter().flat_map(|series| &series.points);
+    let of_band = figure
+        .band
+        .iter()
+        .flat_map(|[x, lower, upper]| [[*x, *lower], [*x, *upper]]);
     let values = points.map(|point| point[coordinate]);
+    let values = values.chain(of_band.map(|point| point[coordinate]));
     let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(value), high.max(value)]
     });
@@ -293,6 +302,15 @@ fn power_tick(at: &f64) -> String {
     let value = 10.0_f64.powf(*at);
     let decimals = (1.0 - at.floor()).clamp(0.0, 9.0) as usize;
     tick(&format!("{value:.decimals$}").parse().unwrap_or(value))
+}
+
+/// The edge of a band, forth above and back below; not all points of a long one.
+fn outline(band: &[[f64; 3]]) -> Vec<(f64, f64)> {
+    let step = band.len().div_ceil(MOST_POINTS).max(1);
+    let kept = || band.iter().step_by(step);
+    let above = kept().map(|[x, _, upper]| (*x, *upper));
+    let below = kept().rev().map(|[x, lower, _]| (*x, *lower));
+    above.chain(below).collect()
 }
 
 /// Not all of a long curve.

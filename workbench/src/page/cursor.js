@@ -11,7 +11,7 @@ for (const figure of document.querySelectorAll("figure[data-plot]")) {
     return parent.appendChild(made);
   };
   const lines = [...svg.querySelectorAll("polyline")].filter((line) => line.points.numberOfItems > 2);
-  const shades = [...svg.querySelectorAll('rect[fill="var(--shade)"]')];
+  const shades = [...svg.querySelectorAll('rect[fill="var(--shade)"], polygon')];
   const ticks = [...svg.querySelectorAll("text")]
     .filter((text) => +text.getAttribute("y") > bottom)
     .filter((text) => Number.isFinite(parseFloat(text.textContent)));

@@ -142,7 +142,7 @@ fn blocks(mismatch: &Mismatch, findings: &[Finding]) -> String {
     )
 }
 
-fn equation(text: &str) -> String {
+pub(super) fn equation(text: &str) -> String {
     format!("<code>{}</code>", escaped(text))
 }
 
@@ -172,7 +172,7 @@ fn what_they_do(findings: &[Finding]) -> String {
 }
 
 /// The run to play, as steps.
-fn played(run: &Run) -> Figure {
+pub(super) fn played(run: &Run) -> Figure {
     let points = run.drive.iter().enumerate();
     let points = points.map(|(k, &drive)| [k as f64 * run.dt_s, drive]);
     let from = run.dt_s * run.decisive.start as f64;

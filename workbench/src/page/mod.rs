@@ -3,6 +3,7 @@
 mod diagnosed;
 mod fleet;
 mod identified;
+mod since;
 mod trial;
 mod tuned;
 
@@ -14,6 +15,7 @@ use identify::{InputFile, Provenance};
 pub use diagnosed::diagnosed;
 pub use fleet::fleet;
 pub use identified::identified;
+pub use since::since;
 pub use trial::trial;
 pub use tuned::tuned;
 

@@ -3,13 +3,25 @@
 use std::fmt::Write;
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Change, ChangeVerdict, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS};
+use missing_physics::{
+    Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS,
+};
 use serde_json::{Value, json};
 
 use super::label::label;
 use super::number::{behind, percent, significant, spoken};
 use super::table::{right, table, unpadded};
 use super::words::{capitalized, wrapped};
+
+mod advice;
+mod reasons;
+mod runs_used;
+mod spread;
+
+pub(crate) use advice::advice;
+pub(crate) use reasons::reasons;
+pub(crate) use runs_used::runs_used;
+pub(crate) use spread::{HOW_TO_READ_SPREAD, spread};
 
 /// Changes that a person reads; JSON has all.
 const ROWS: usize = 6;
@@ -32,9 +44,7 @@ impl SinceReference<'_> {
     /// For people.
     #[must_use]
     pub fn text(&self) -> String {
-        let class = self.change.verdict.id().replace('_', " ").to_uppercase();
-        let verdict = format!("{class}: {}", self.verdict());
-        let mut text = wrapped(&verdict) + "\n" + &wrapped(&self.errors()) + "\n";
+        let mut text = wrapped(&self.headline()) + "\n" + &wrapped(&self.errors()) + "\n";
         if self.change.verdict != ChangeVerdict::ReferenceTooShort {
             let _ = write!(
                 text,
@@ -49,6 +59,12 @@ impl SinceReference<'_> {
         );
         let _ = write!(text, "\nRuns since\n{}\n", self.runs());
         unpadded(&text)
+    }
+
+    /// Verdict in capitals, and its sentence.
+    pub(crate) fn headline(&self) -> String {
+        let class = self.change.verdict.id().replace('_', " ").to_uppercase();
+        format!("{class}: {}", self.verdict())
     }
 
     fn verdict(&self) -> String {
@@ -94,7 +110,7 @@ impl SinceReference<'_> {
     }
 
     /// How well the laws do.
-    fn errors(&self) -> String {
+    pub(crate) fn errors(&self) -> String {
         let change = self.change;
         let unit = behind(&change.output_unit);
         let rms = |squares: &mut dyn Iterator<Item = f64>| {
@@ -131,6 +147,53 @@ impl SinceReference<'_> {
             ]);
         }
         table
+    }
+
+    /// The finding and its alternatives, a row each.
+    pub(crate) fn found(&self, finding: &Changed) -> Table {
+        let mut table = table([
+            "change",
+            "parameter",
+            "by",
+            "95 % interval",
+            "unit",
+            "probability",
+        ]);
+        let leading = finding.leading.what;
+        let others = finding.could_also_be.iter().copied();
+        let rows = std::iter::once(leading).chain(others).filter_map(|what| {
+            let mut all = self.change.considered.iter();
+            all.find(|one| one.what == what)
+        });
+        for (k, one) in rows.enumerate() {
+            let interval = one.ci95.map_or("not fixed".to_owned(), |ends| {
+                let [lower, upper] = ends.map(significant);
+                format!("{lower} … {upper}")
+            });
+            let what = name(one.what);
+            table.add_row([
+                Cell::new(match k {
+                    0 => capitalized(&what),
+                    _ => format!("or {what}"),
+                }),
+                Cell::new(one.parameter),
+                right(significant(one.change)),
+                right(interval),
+                Cell::new(&one.unit),
+                right(probability(one.probability)),
+            ]);
+        }
+        table
+    }
+
+    /// Probability that nothing has changed.
+    pub(crate) fn unchanged(&self) -> String {
+        probability(self.change.unchanged)
+    }
+
+    /// A recording's name for people.
+    pub(crate) fn label<'n>(&self, name: &'n str) -> &'n str {
+        label(name, self.names())
     }
 
     fn names(&self) -> impl Iterator<Item = &str> {

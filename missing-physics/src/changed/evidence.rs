@@ -1,0 +1,177 @@
+//! Evidence for an answer about changes: traces of the runs, states of the runs, and the run that would tell more.
+
+use identify::{ForwardModel, IdentifyError, ParameterState, Scope, Validated, predict};
+use recording::Recording;
+
+use crate::changed::apart::next_run;
+use crate::changed::change::Changed;
+use crate::changed::comparison::{Comparison, Ended};
+use crate::changed::joint::Joint;
+use crate::changed::reference::Reference;
+use crate::next::run::NextExperiment;
+
+/// One run beside predictions of it, its own state known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TracedRun {
+    /// Name of the run.
+    pub name: String,
+    /// Output under the laws without a change, one value a sample, in the unit of the output. Of a run of the reference: under laws
+    /// from the other runs of the reference.
+    pub unchanged_output: Vec<f64>,
+    /// Output with the likeliest change, as many values; `None` of a run of the reference, and where no change was considered.
+    pub changed_output: Option<Vec<f64>>,
+    /// Standard deviation of the discrepancy that the runs are judged against: time in s, deviation in the unit of the output. At fewer
+    /// times than the run has samples.
+    pub deviation_over_time_s: Vec<[f64; 2]>,
+}
+
+/// One quantity of which each run has its own value, over the runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateSpread {
+    /// Name of the parameter.
+    pub parameter: &'static str,
+    /// Unit of all values; "1" for a share.
+    pub unit: String,
+    /// Standard deviation of the prior about 0, in `unit`; `None` without a prior.
+    pub prior_deviation: Option<f64>,
+    /// Values in the runs of the reference, in their order, in `unit`.
+    pub of_reference: Vec<f64>,
+    /// Values in the runs that were asked about, under the laws without a change, in `unit`.
+    pub since: Vec<f64>,
+}
+
+impl StateSpread {
+    /// Mean over the runs of the reference, in `unit`.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.of_reference.iter().sum::<f64>() / self.of_reference.len() as f64
+    }
+
+    /// Standard deviation over the runs of the reference, n - 1 in its denominator, in `unit`; `None` of one run.
+    #[must_use]
+    pub fn deviation(&self) -> Option<f64> {
+        let n = self.of_reference.len();
+        let mean = self.mean();
+        let squares = self.of_reference.iter().map(|one| (one - mean).powi(2));
+        (n > 1).then(|| (squares.sum::<f64>() / (n - 1) as f64).sqrt())
+    }
+}
+
+/// Evidence for a [`Change`](crate::Change).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChangeEvidence {
+    /// Runs that were asked about, in their order.
+    pub since: Vec<TracedRun>,
+    /// Runs of the reference, each met by laws from the others; empty if the reference is one run.
+    pub left_out: Vec<TracedRun>,
+    /// Spread of the runs' own values.
+    pub states: Vec<StateSpread>,
+    /// Factor by which the variances of the discrepancy were enlarged, >= 1.
+    pub enlarged: f64,
+    /// Proposal of a run that would tell the alternatives of the finding apart; `None` without alternatives among the effects.
+    pub next: Option<NextExperiment>,
+}
+
+/// An answer while the comparison it rests on is still there.
+#[derive(Debug)]
+pub(crate) struct Answered<'a> {
+    pub(crate) reference: &'a Reference,
+    pub(crate) today: &'a [Recording],
+    pub(crate) asked: &'a Comparison<'a>,
+    pub(crate) found: &'a [Ended],
+    /// Today's runs, each in its own state: without a change, and with the likeliest.
+    pub(crate) validated: [&'a [Validated]; 2],
+    pub(crate) with: &'a Joint,
+    pub(crate) finding: Option<&'a Changed>,
+    pub(crate) enlarged: f64,
+}
+
+impl Answered<'_> {
+    pub(crate) fn evidence(&self) -> Result<ChangeEvidence, IdentifyError> {
+        Ok(ChangeEvidence {
+            since: self.since()?,
+            left_out: self.left_out()?,
+            states: self.states(),
+            enlarged: self.enlarged,
+            next: self
+                .finding
+                .map_or(Ok(None), |finding| next_run(self, finding))?,
+        })
+    }
+
+    /// Of a run by its place among all.
+    fn deviations(&self, run: usize) -> Vec<[f64; 2]> {
+        self.asked.runs.deviations(run, &self.asked.discrepancy)
+    }
+
+    fn since(&self) -> Result<Vec<TracedRun>, IdentifyError> {
+        let n_reference = self.reference.runs.len();
+        let [before, after] = self.validated;
+        let runs = self.today.iter().enumerate();
+        runs.map(|(k, run)| {
+            let changed = || predict(&self.with.version, &after[k].point, run);
+            let changed = (!self.found.is_empty()).then(changed).transpose()?;
+            Ok(TracedRun {
+                name: run.name().to_owned(),
+                unchanged_output: predict(&self.reference.model, &before[k].point, run)?.output,
+                changed_output: changed.map(|changed| changed.output),
+                deviation_over_time_s: self.deviations(n_reference + k),
+            })
+        })
+        .collect()
+    }
+
+    fn left_out(&self) -> Result<Vec<TracedRun>, IdentifyError> {
+        let Reference {
+            runs,
+            model,
+            left_out_points,
+            ..
+        } = self.reference;
+        let runs = runs.iter().zip(left_out_points).enumerate();
+        runs.map(|(k, (run, point))| {
+            Ok(TracedRun {
+                name: run.name().to_owned(),
+                unchanged_output: predict(model, point, run)?.output,
+                changed_output: None,
+                deviation_over_time_s: self.deviations(k),
+            })
+        })
+        .collect()
+    }
+
+    fn states(&self) -> Vec<StateSpread> {
+        let infos = self.reference.model.parameters().iter().enumerate();
+        let own = infos.filter(|(_, info)| {
+            info.scope == Scope::PerRecording && info.state == ParameterState::Free
+        });
+        own.map(|(place, info)| StateSpread {
+            parameter: info.name,
+            unit: info.unit.clone(),
+            prior_deviation: info.ordinary.map(|ordinary| ordinary.deviation),
+            of_reference: self.reference.points.iter().map(|p| p[place]).collect(),
+            since: self.validated[0].iter().map(|v| v.point[place]).collect(),
+        })
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::StateSpread;
+
+    #[test]
+    fn a_spread_of_one_run_is_not_known() {
+        let spread = |of_reference: &[f64]| StateSpread {
+            parameter: "run_gain",
+            unit: "1".to_owned(),
+            prior_deviation: Some(0.01),
+            of_reference: of_reference.to_vec(),
+            since: vec![],
+        };
+        let of_three = spread(&[0.01, 0.03, 0.02]);
+        assert!((of_three.mean() - 0.02).abs() < 1e-12);
+        assert!((of_three.deviation().unwrap() - 0.01).abs() < 1e-12);
+        assert_eq!(spread(&[0.01]).deviation(), None);
+    }
+}
