@@ -16,7 +16,7 @@ use crate::folder::sma;
 const AMBIENT_DEGC: f64 = 22.0;
 const DT_S: f64 = 0.5;
 
-const ROD: &str = "\
+pub(crate) const ROD: &str = "\
 [rod]
 diameter_mm = 0.75
 length_mm = 125.0
@@ -33,7 +33,7 @@ output = \"displacement_mm\"
 ";
 
 /// Two triangles of these heights, A, under which a wire moves that loses more heat by a share, and moves further by another.
-fn ran(folder: &Path, name: &str, heights_a: [f64; 2], [heat_loss, stroke]: [f64; 2]) {
+pub(crate) fn ran(folder: &Path, name: &str, heights_a: [f64; 2], [heat_loss, stroke]: [f64; 2]) {
     let rod = RodParams {
         diameter_m: 0.75e-3,
         density_kg_per_m3: 6450.0,
@@ -78,6 +78,22 @@ fn ran(folder: &Path, name: &str, heights_a: [f64; 2], [heat_loss, stroke]: [f64
         .unwrap();
         k += 1;
     });
+    fs::write(folder.join(name), text).unwrap();
+}
+
+/// Copies a recording whose output is shown half a second late.
+pub(crate) fn late(folder: &Path, of: &str, name: &str) {
+    let recorded = fs::read_to_string(folder.join(of)).unwrap();
+    let rows = recorded
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect());
+    let rows: Vec<Vec<&str>> = rows.collect();
+    let mut text = "time_s,current_a,displacement_mm\n".to_owned();
+    for (k, row) in rows.iter().enumerate() {
+        let shown = rows[k.saturating_sub(1)][2];
+        writeln!(text, "{},{},{shown}", row[0], row[1]).unwrap();
+    }
     fs::write(folder.join(name), text).unwrap();
 }
 
@@ -200,19 +216,7 @@ fn what_has_changed_since_a_reference_is_said() {
         "{text}"
     );
     assert!(text.contains("\nRuns of the reference, each met by laws from the others\n"));
-    // What is shown is half a second old.
-    let recorded = fs::read_to_string(folder.join("today.csv")).unwrap();
-    let rows = recorded
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').collect());
-    let rows: Vec<Vec<&str>> = rows.collect();
-    let mut text = "time_s,current_a,displacement_mm\n".to_owned();
-    for (k, row) in rows.iter().enumerate() {
-        let shown = rows[k.saturating_sub(1)][2];
-        writeln!(text, "{},{},{shown}", row[0], row[1]).unwrap();
-    }
-    fs::write(folder.join("late.csv"), text).unwrap();
+    late(folder, "today.csv", "late.csv");
     let call = "diagnose rod.toml --reference a.csv b.csv --train late.csv --quiet --json -";
     let (code, json, said) = sma(folder, call);
     assert_eq!(code, 0, "{said}");
@@ -234,7 +238,7 @@ fn what_has_changed_since_a_reference_is_said() {
     );
     let (code, _, said) = sma(
         folder,
-        "diagnose rod.toml --reference a.csv --train b.csv --report page.html",
+        "diagnose rod.toml --reference a.csv --train b.csv --series series.json",
     );
     assert_eq!(code, 2, "{said}");
 }

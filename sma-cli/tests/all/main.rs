@@ -24,6 +24,7 @@ mod kills;
 #[path = "../../examples/make_fleet.rs"]
 mod make_fleet;
 mod mutations;
+mod reference_page;
 mod reports;
 mod resume;
 mod shell;
