@@ -143,7 +143,7 @@ pub const MOST_EXCESS: f64 = 2.0;
 
 /// Share of what is more than that which a finding accounts for at least, where runs leave more. A flexible effect has to account for
 /// all: it takes much of whatever has changed.
-const EXPLAINED: f64 = 0.8;
+pub const LEAST_EXPLAINED: f64 = 0.8;
 
 /// Prior probability of no change; what may have changed shares the rest alike.
 const PRIOR: f64 = 0.5;
@@ -182,7 +182,7 @@ pub(super) fn decided(
     let explained = (excess[0] - excess[1]) / (excess[0] - 1.0);
     let effect = leading.what.effect();
     let is_flexible = effect.is_some_and(|effect| effect.info().flexible);
-    if excess[1] > MOST_EXCESS && (is_flexible || explained < EXPLAINED) {
+    if excess[1] > MOST_EXCESS && (is_flexible || explained < LEAST_EXPLAINED) {
         return (ChangeVerdict::Unexplained, None);
     }
     let mut held = leading.probability;

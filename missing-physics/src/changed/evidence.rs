@@ -34,24 +34,25 @@ pub struct StateSpread {
     pub unit: String,
     /// Standard deviation of the prior about 0, in `unit`; `None` without a prior.
     pub prior_deviation: Option<f64>,
-    /// Values in the runs of the reference, in their order, in `unit`.
+    /// Values in the runs of the reference, in their order, in `unit`: each under laws from the others. Empty if there is one run.
     pub of_reference: Vec<f64>,
     /// Values in the runs that were asked about, under the laws without a change, in `unit`.
     pub since: Vec<f64>,
 }
 
 impl StateSpread {
-    /// Mean over the runs of the reference, in `unit`.
+    /// Mean over the runs of the reference, in `unit`; `None` without values.
     #[must_use]
-    pub fn mean(&self) -> f64 {
-        self.of_reference.iter().sum::<f64>() / self.of_reference.len() as f64
+    pub fn mean(&self) -> Option<f64> {
+        let n = self.of_reference.len();
+        (n > 0).then(|| self.of_reference.iter().sum::<f64>() / n as f64)
     }
 
     /// Standard deviation over the runs of the reference, n - 1 in its denominator, in `unit`; `None` of one run.
     #[must_use]
     pub fn deviation(&self) -> Option<f64> {
         let n = self.of_reference.len();
-        let mean = self.mean();
+        let mean = self.mean()?;
         let squares = self.of_reference.iter().map(|one| (one - mean).powi(2));
         (n > 1).then(|| (squares.sum::<f64>() / (n - 1) as f64).sqrt())
     }
@@ -149,7 +150,12 @@ impl Answered<'_> {
             parameter: info.name,
             unit: info.unit.clone(),
             prior_deviation: info.ordinary.map(|ordinary| ordinary.deviation),
-            of_reference: self.reference.points.iter().map(|p| p[place]).collect(),
+            of_reference: self
+                .reference
+                .left_out_points
+                .iter()
+                .map(|p| p[place])
+                .collect(),
             since: self.validated[0].iter().map(|v| v.point[place]).collect(),
         })
         .collect()
@@ -170,8 +176,9 @@ mod tests {
             since: vec![],
         };
         let of_three = spread(&[0.01, 0.03, 0.02]);
-        assert!((of_three.mean() - 0.02).abs() < 1e-12);
+        assert!((of_three.mean().unwrap() - 0.02).abs() < 1e-12);
         assert!((of_three.deviation().unwrap() - 0.01).abs() < 1e-12);
         assert_eq!(spread(&[0.01]).deviation(), None);
+        assert_eq!(spread(&[]).mean(), None);
     }
 }

@@ -20,7 +20,7 @@ mod version;
 
 pub use change::{
     Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS,
-    LEAST_UNCHANGED, LeftOut, MOST_EXCESS,
+    LEAST_EXPLAINED, LEAST_UNCHANGED, LeftOut, MOST_EXCESS,
 };
 pub use evidence::{ChangeEvidence, StateSpread, TracedRun};
 pub use reference::Reference;

@@ -38,7 +38,7 @@ pub struct Reference {
     pub(super) plain: Fit,
     pub(super) model: ExtendedModel,
     /// Values of all parameters in each run.
-    pub(super) points: Vec<Vec<f64>>,
+    points: Vec<Vec<f64>>,
     tau_s: f64,
     pub(super) runs: Vec<Recording>,
     pub(super) config: DiagnoseConfig,

@@ -124,3 +124,55 @@ fn one_run_alone_is_no_reference() {
     assert_eq!(change.verdict, ChangeVerdict::ReferenceTooShort);
     assert_eq!(change.finding, None);
 }
+
+#[test]
+fn evidence_shows_the_runs_as_the_answer_has_them() {
+    let late_s = 0.6 * EffectId::DeadTime.info().parameters[0].typical;
+    let late = Some((EffectId::DeadTime, late_s));
+    let run = ran("today.csv", &[2.0, 2.3], [0.06, 0.01], late);
+    let (change, evidence) = LAWS
+        .changed_with_evidence(std::slice::from_ref(&run))
+        .unwrap();
+    let rms = |of: &Recording, predicted: &[f64]| {
+        let pairs = of.output().iter().zip(predicted);
+        let squares: f64 = pairs.map(|(own, model)| (own - model).powi(2)).sum();
+        (squares / of.len() as f64).sqrt()
+    };
+    let near = |found: f64, told: f64| (found - told).abs() < 0.1 * told;
+    let [traced] = &evidence.since[..] else {
+        panic!("one run");
+    };
+    let [before, after] = change.runs[0].1;
+    assert!(near(rms(&run, &traced.unchanged_output), before));
+    let changed = traced.changed_output.as_ref().unwrap();
+    assert!(near(rms(&run, changed), after));
+    assert!(before > after);
+    // The band is as wide as what is left of the runs that were left out, or wider.
+    for ((own, traced), told) in reference()
+        .iter()
+        .zip(&evidence.left_out)
+        .zip(&change.left_out)
+    {
+        assert!(near(rms(own, &traced.unchanged_output), told.rmse));
+        assert!(traced.changed_output.is_none());
+        let widest = traced.deviation_over_time_s.iter().map(|one| one[1]);
+        assert!(widest.fold(0.0, f64::max) > 0.8 * told.rmse);
+    }
+    assert!(evidence.enlarged >= 1.0);
+    let heat_loss = evidence
+        .states
+        .iter()
+        .find(|one| one.parameter == "run_heat_loss")
+        .unwrap();
+    assert_eq!(heat_loss.prior_deviation, Some(0.05));
+    assert!((heat_loss.deviation().unwrap() - 0.045).abs() < 0.02);
+    assert_eq!(
+        [heat_loss.of_reference.len(), heat_loss.since.len()],
+        [3, 1]
+    );
+    // Alternatives that these runs do not tell apart, and advice on them.
+    assert!(!change.finding.unwrap().could_also_be.is_empty());
+    let next = evidence.next.unwrap();
+    assert!(next.separates.contains(&EffectId::DeadTime.into()));
+    assert!(next.separates.len() > 1 && next.sentence.contains("apart"));
+}

@@ -8,7 +8,7 @@ use super::{Page, escaped};
 use crate::WorkbenchError;
 use crate::figure::{Since, with_change};
 use crate::report::changed::{
-    HOW_TO_READ_SPREAD, SinceReference, advice, reasons, runs_used, spread,
+    HOW_TO_READ_SPREAD, SinceReference, advice, how_to_read, reasons, runs_used, spread,
 };
 use crate::report::number::spoken;
 use crate::report::words::capitalized;
@@ -25,7 +25,12 @@ pub fn since(
     [reference, today]: [&[Recording]; 2],
 ) -> Result<Page, WorkbenchError> {
     let change = since.change;
-    let said = format!("{}\n{}", since.headline(), since.errors());
+    let errors = if change.left_out.is_empty() {
+        format!("Laws fitted to the reference leave {}", since.errors())
+    } else {
+        since.errors()
+    };
+    let said = format!("{}\n{errors}", since.headline());
     let mut page = Page::new("Changes of an SMA actuator", &said);
     what_changed(&mut page, since);
     page.section("What to do next");
@@ -60,16 +65,21 @@ pub fn since(
     page.table(&spread(evidence));
     if !change.considered.is_empty() {
         page.section("Changes that were considered, the likeliest first");
-        page.note(
-            "Evidence: the logarithm of how much likelier these runs are with the change than without, its size integrated out. \
-             Probability: against no change, which has half before the runs are seen, and against all others. A unit of 1: of the \
-             parameter's logarithm, or a share.",
-        );
-        page.table(&reasons(change));
+        page.note(&how_to_read(change));
+        let [first, others] = reasons(change);
+        page.table(&first);
+        if !others.is_empty() {
+            let n = others.row_count();
+            page.line(&format!("<details><summary>{n} less likely</summary>"));
+            page.table(&others);
+            page.line("</details>");
+        }
     }
     page.section("The runs that were compared");
     page.table(&runs_used(since, [reference, today]));
-    page.notes(&since.notes);
+    if !since.notes.is_empty() {
+        page.notes(&since.notes);
+    }
     Ok(page)
 }
 

@@ -19,7 +19,7 @@ mod runs_used;
 mod spread;
 
 pub(crate) use advice::advice;
-pub(crate) use reasons::reasons;
+pub(crate) use reasons::{how_to_read, reasons};
 pub(crate) use runs_used::runs_used;
 pub(crate) use spread::{HOW_TO_READ_SPREAD, spread};
 
@@ -28,6 +28,9 @@ const ROWS: usize = 6;
 
 /// Probability that is not told from certainty.
 const CERTAIN: f64 = 0.995;
+
+/// Probability that a page does not tell from 0.
+const NOT_ZERO: f64 = 0.001;
 
 /// The result of `sma diagnose --reference`.
 #[derive(Debug)]
@@ -188,7 +191,7 @@ impl SinceReference<'_> {
 
     /// Probability that nothing has changed.
     pub(crate) fn unchanged(&self) -> String {
-        probability(self.change.unchanged)
+        likelihood(self.change.unchanged)
     }
 
     /// A recording's name for people.
@@ -316,6 +319,15 @@ fn name(what: Changing) -> String {
 /// Half of the interval.
 fn half(one: &Considered) -> Option<f64> {
     one.ci95.map(|[lower, upper]| 0.5 * (upper - lower))
+}
+
+/// A probability on a page, never 0 nor 100 %.
+fn likelihood(value: f64) -> String {
+    if value < NOT_ZERO {
+        "< 0.1 %".to_owned()
+    } else {
+        probability(value)
+    }
 }
 
 fn probability(value: f64) -> String {

@@ -1,61 +1,86 @@
 //! Table of the changes that were considered, each with the reason why it is named or is not.
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Change, LEAST_UNCHANGED, MOST_EXCESS, Standing};
+use missing_physics::{
+    Change, Considered, LEAST_EXPLAINED, LEAST_UNCHANGED, MOST_EXCESS, Standing,
+};
 
-use super::{half, name, probability};
+use super::{half, likelihood, name};
 use crate::report::number::{significant, spoken, spoken_percent};
 use crate::report::table::{right, table};
 use crate::report::words::capitalized;
 
-/// All of them, the likeliest first.
-pub(crate) fn reasons(change: &Change) -> Table {
-    let header = [
-        "change",
-        "parameter",
-        "by",
-        "± 95 %",
-        "unit",
-        "evidence, nats",
-        "probability",
-        "named?",
-    ];
-    let mut table = table(header);
-    for (one, standing) in change.considered.iter().zip(change.standings()) {
-        table.add_row([
-            Cell::new(capitalized(&name(one.what))),
-            Cell::new(one.parameter),
-            right(significant(one.change)),
-            right(half(one).map_or("not fixed".to_owned(), significant)),
-            Cell::new(&one.unit),
-            right(format!("{:.1}", one.nats)),
-            right(probability(one.probability)),
-            Cell::new(reason(change, standing)),
-        ]);
-    }
-    table
+/// Changes that are shown at once.
+const FIRST: usize = 8;
+
+/// How to read the table, with what a name needs.
+pub(crate) fn how_to_read(change: &Change) -> String {
+    format!(
+        "Evidence: logarithm of how much likelier these runs are with the change than without, its size integrated out. Probability: against no \
+         change, which has half before the runs are seen, and all others. A unit of 1: of the parameter's logarithm, or a share. The \
+         likeliest change is named if no change keeps less than {} (here {}), and the runs leave at most {} times what a run of the \
+         reference left (here {}) or {} of the excess is explained. \"Could also be\" are those that are needed to hold 95 % of the probability.",
+        spoken_percent(LEAST_UNCHANGED),
+        likelihood(change.unchanged),
+        spoken(MOST_EXCESS),
+        spoken(change.excess[1]),
+        spoken_percent(LEAST_EXPLAINED),
+    )
 }
 
-fn reason(change: &Change, standing: Standing) -> String {
-    let unchanged = probability(change.unchanged);
+/// All of them, the likeliest first, in two tables: those to be read, and the others.
+pub(crate) fn reasons(change: &Change) -> [Table; 2] {
+    let standings = change.standings();
+    let rows = change.considered.iter().zip(standings).enumerate();
+    let mut tables = [(); 2].map(|()| {
+        table([
+            "change",
+            "parameter",
+            "by",
+            "± 95 %",
+            "unit",
+            "evidence, nats",
+            "probability",
+            "named?",
+        ])
+    });
+    for (place, (one, standing)) in rows {
+        add(
+            &mut tables[usize::from(place >= FIRST)],
+            one,
+            reason(change, one, standing),
+        );
+    }
+    tables
+}
+
+fn add(table: &mut Table, one: &Considered, reason: String) {
+    table.add_row([
+        Cell::new(capitalized(&name(one.what))),
+        Cell::new(one.parameter),
+        right(significant(one.change)),
+        right(half(one).map_or("not fixed".to_owned(), significant)),
+        Cell::new(&one.unit),
+        right(format!("{:.1}", one.nats)),
+        right(likelihood(one.probability)),
+        Cell::new(reason),
+    ]);
+}
+
+fn reason(change: &Change, one: &Considered, standing: Standing) -> String {
+    let effect = one.what.effect();
     match standing {
-        Standing::Named => format!(
-            "named: no change keeps {unchanged} (needs < {})",
-            spoken_percent(LEAST_UNCHANGED)
-        ),
-        Standing::CouldAlsoBe => "could also be: these runs do not exclude it".to_owned(),
+        Standing::Named => "named".to_owned(),
+        Standing::CouldAlsoBe => "could also be".to_owned(),
         Standing::PartOfNamed => "named in another row".to_owned(),
-        Standing::LessLikely => "no: likelier changes account for these runs".to_owned(),
-        Standing::NoChangeIsLikely => format!(
-            "no: no change keeps {unchanged} (a name needs < {})",
-            spoken_percent(LEAST_UNCHANGED)
-        ),
-        Standing::LeavesTooMuch => format!(
-            "no: with it these runs leave {} times what a run of the reference left at most (a name needs ≤ {}, or 80 % of the excess \
-             explained)",
+        Standing::LessLikely => "no: less likely".to_owned(),
+        Standing::NoChangeIsLikely => "no: no change is likely".to_owned(),
+        Standing::LeavesTooMuch if effect.is_some_and(|effect| effect.info().flexible) => format!(
+            "no: leaves {} times; what can take any shape needs ≤ {}",
             spoken(change.excess[1]),
             spoken(MOST_EXCESS)
         ),
-        Standing::ReferenceTooShort => "no: the reference is too short for a name".to_owned(),
+        Standing::LeavesTooMuch => format!("no: leaves {} times", spoken(change.excess[1])),
+        Standing::ReferenceTooShort => "no: reference too short".to_owned(),
     }
 }

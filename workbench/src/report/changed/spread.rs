@@ -10,41 +10,41 @@ use crate::report::table::{right, table};
 const NOTHING: f64 = 1e-9;
 
 /// Instructions for the table.
-pub(crate) const HOW_TO_READ_SPREAD: &str = "Each run has values of its own, beside laws that all runs share; they are no finding. \
-     Surroundings count from those of rod.toml, heat loss and stroke from the laws. Ordinary: the standard deviation that is expected of a \
-     laboratory. A run since that stands far outside of the reference deserves a look at the rig.";
+pub(crate) const HOW_TO_READ_SPREAD: &str = "Each run has values of its own, beside laws that all runs share: another state of a run is no finding. All are fitted \
+     under laws that do not know the run. Ordinary: the standard deviation that is expected in a laboratory, about 0, with which these values \
+     enter the judgement. Where something has changed, the values of the runs since may have taken a part of it.";
 
 /// A row for each quantity: mean and standard deviation over the reference, and where the runs since stand.
 pub(crate) fn spread(evidence: &ChangeEvidence) -> Table {
     let header = [
         "of each run",
         "unit",
-        "reference, mean",
-        "reference, standard deviation",
-        "ordinary",
+        "reference: mean",
+        "standard deviation",
+        "ordinary deviation",
         "runs since",
-        "from the mean, standard deviations",
+        "farthest, ordinary deviations",
     ];
     let mut table = table(header);
     for state in evidence.states.iter().filter(|state| deviates(state)) {
         let scale = scale(state);
         let shown = |value: f64| spoken(scale * value);
         let or_unknown = |value: Option<f64>| right(value.map_or("-".to_owned(), shown));
-        let (mean, deviation) = (state.mean(), state.deviation());
-        let farthest = |deviation: f64| {
-            let far = state.since.iter().map(|value| (value - mean) / deviation);
+        let farthest = |ordinary: f64| {
+            let mean = state.mean()?;
+            let far = state.since.iter().map(|value| (value - mean) / ordinary);
             far.max_by(|a, b| a.abs().total_cmp(&b.abs()))
         };
-        let deviation_from = deviation.filter(|deviation| *deviation > NOTHING);
         table.add_row([
             Cell::new(title(state.parameter)),
             Cell::new(unit(state)),
-            right(shown(mean)),
-            or_unknown(deviation),
+            or_unknown(state.mean()),
+            or_unknown(state.deviation()),
             or_unknown(state.prior_deviation),
             right(range(&state.since, shown)),
             right(
-                deviation_from
+                state
+                    .prior_deviation
                     .and_then(farthest)
                     .map_or("-".to_owned(), |far| format!("{far:+.1}")),
             ),
