@@ -16,6 +16,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 
 use crate::demo::demonstrated;
+use crate::reference_page::rig;
 
 /// Widths of a phone and of a desk, px.
 const WIDTHS: [u32; 2] = [400, 1400];
@@ -206,10 +207,15 @@ fn reports(folder: &Path) -> Vec<(&'static str, String)> {
             "diagnose {}/rod.toml --train {}/train.csv --validate {}/validate.csv --report diagnose.html",
         ),
         (
+            "reference",
+            "diagnose rod.toml --reference a.csv b.csv --train late.csv --report reference.html",
+        ),
+        (
             "trial",
             "trial --family clean-white --cases 1 --report trial.html",
         ),
     ];
+    rig(folder, "late.csv");
     let demo = ("demo", demonstrated().report.clone());
     let others = calls.into_iter().map(|(name, call)| {
         let call = call.replace("{}", &bundled);

@@ -13,12 +13,13 @@ use crate::folder::sma;
 /// A recording whose name is markup.
 const HOSTILE: &str = "late<b>&'.csv";
 
-fn rig(folder: &Path) {
+/// A reference of two runs, and one since whose output is shown half a second late.
+pub(crate) fn rig(folder: &Path, since: &str) {
     fs::write(folder.join("rod.toml"), ROD).unwrap();
     ran(folder, "a.csv", [2.3, 1.9], [0.0, 0.0]);
     ran(folder, "b.csv", [2.1, 2.4], [0.05, -0.01]);
     ran(folder, "today.csv", [2.0, 2.2], [-0.05, 0.01]);
-    late(folder, "today.csv", HOSTILE);
+    late(folder, "today.csv", since);
 }
 
 fn call(rest: &str) -> String {
@@ -30,7 +31,7 @@ fn call(rest: &str) -> String {
 fn a_page_says_what_has_changed_since_a_reference() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    rig(folder);
+    rig(folder, HOSTILE);
     let (code, text, said) = sma(
         folder,
         &call("--threads 1 --report page.html --json one.json"),

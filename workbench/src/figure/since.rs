@@ -53,7 +53,7 @@ impl Since<'_> {
         Figure {
             name: "since",
             caption: format!(
-                "{}: the recording, the broad gray line, and the laws of the reference. Where they part, something has changed.",
+                "{}: the recording, the broad gray line, and the laws of the reference. Where they part by more than the band below, something has changed.",
                 self.name
             ),
             across: "time, s".to_owned(),

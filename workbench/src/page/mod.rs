@@ -174,7 +174,7 @@ impl Page {
 
 /// True for the characters of numbers, percentages and intervals.
 fn of_number(c: char) -> bool {
-    c.is_ascii_digit() || "+-.,e% …≥".contains(c)
+    c.is_ascii_digit() || "+-.,e% …≥<>".contains(c)
 }
 
 /// Text in HTML, in an attribute or beside it.

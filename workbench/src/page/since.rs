@@ -100,9 +100,7 @@ fn what_changed(page: &mut Page, since: &SinceReference<'_>) {
         }
         None => page.paragraphs(match change.verdict {
             ChangeVerdict::Unchanged => "Nothing that these runs could show.",
-            ChangeVerdict::ReferenceTooShort => {
-                "Nothing can be said: how far the rig repeats is not known."
-            }
+            ChangeVerdict::ReferenceTooShort => "No name can be given from so short a reference.",
             _ => "Something that has no name here.",
         }),
     }
