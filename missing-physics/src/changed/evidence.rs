@@ -1,13 +1,5 @@
 //! Evidence for an answer about changes: traces of the runs, states of the runs, and the run that would tell more.
 
-use identify::{ForwardModel, IdentifyError, ParameterState, Scope, Validated, predict};
-use recording::Recording;
-
-use crate::changed::apart::next_run;
-use crate::changed::change::Changed;
-use crate::changed::comparison::{Comparison, Ended};
-use crate::changed::joint::Joint;
-use crate::changed::reference::Reference;
 use crate::next::run::NextExperiment;
 
 /// One run beside predictions of it, its own state known.
@@ -71,95 +63,6 @@ pub struct ChangeEvidence {
     pub enlarged: f64,
     /// Proposal of a run that would tell the alternatives of the finding apart; `None` without alternatives among the effects.
     pub next: Option<NextExperiment>,
-}
-
-/// An answer while the comparison it rests on is still there.
-#[derive(Debug)]
-pub(crate) struct Answered<'a> {
-    pub(crate) reference: &'a Reference,
-    pub(crate) today: &'a [Recording],
-    pub(crate) asked: &'a Comparison<'a>,
-    pub(crate) found: &'a [Ended],
-    /// Today's runs, each in its own state: without a change, and with the likeliest.
-    pub(crate) validated: [&'a [Validated]; 2],
-    pub(crate) with: &'a Joint,
-    pub(crate) finding: Option<&'a Changed>,
-    pub(crate) enlarged: f64,
-}
-
-impl Answered<'_> {
-    pub(crate) fn evidence(&self) -> Result<ChangeEvidence, IdentifyError> {
-        Ok(ChangeEvidence {
-            since: self.since()?,
-            left_out: self.left_out()?,
-            states: self.states(),
-            enlarged: self.enlarged,
-            next: self
-                .finding
-                .map_or(Ok(None), |finding| next_run(self, finding))?,
-        })
-    }
-
-    /// Of a run by its place among all.
-    fn deviations(&self, run: usize) -> Vec<[f64; 2]> {
-        self.asked.runs.deviations(run, &self.asked.discrepancy)
-    }
-
-    fn since(&self) -> Result<Vec<TracedRun>, IdentifyError> {
-        let n_reference = self.reference.runs.len();
-        let [before, after] = self.validated;
-        let runs = self.today.iter().enumerate();
-        runs.map(|(k, run)| {
-            let changed = || predict(&self.with.version, &after[k].point, run);
-            let changed = (!self.found.is_empty()).then(changed).transpose()?;
-            Ok(TracedRun {
-                name: run.name().to_owned(),
-                unchanged_output: predict(&self.reference.model, &before[k].point, run)?.output,
-                changed_output: changed.map(|changed| changed.output),
-                deviation_over_time_s: self.deviations(n_reference + k),
-            })
-        })
-        .collect()
-    }
-
-    fn left_out(&self) -> Result<Vec<TracedRun>, IdentifyError> {
-        let Reference {
-            runs,
-            model,
-            left_out_points,
-            ..
-        } = self.reference;
-        let runs = runs.iter().zip(left_out_points).enumerate();
-        runs.map(|(k, (run, point))| {
-            Ok(TracedRun {
-                name: run.name().to_owned(),
-                unchanged_output: predict(model, point, run)?.output,
-                changed_output: None,
-                deviation_over_time_s: self.deviations(k),
-            })
-        })
-        .collect()
-    }
-
-    fn states(&self) -> Vec<StateSpread> {
-        let infos = self.reference.model.parameters().iter().enumerate();
-        let own = infos.filter(|(_, info)| {
-            info.scope == Scope::PerRecording && info.state == ParameterState::Free
-        });
-        own.map(|(place, info)| StateSpread {
-            parameter: info.name,
-            unit: info.unit.clone(),
-            prior_deviation: info.ordinary.map(|ordinary| ordinary.deviation),
-            of_reference: self
-                .reference
-                .left_out_points
-                .iter()
-                .map(|p| p[place])
-                .collect(),
-            since: self.validated[0].iter().map(|v| v.point[place]).collect(),
-        })
-        .collect()
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! other runs, or which law is another there. It compares the changes by generalized least squares over all runs together,
 //! against the residual that a fitted model leaves of a rig that has not changed ([`discrepancy`]).
 
+mod answered;
 mod apart;
 mod change;
 mod comparison;

@@ -6,10 +6,11 @@ use identify::{Fit, ForwardModel, IdentifyError, Scale, WienerModel, predict};
 use recording::Recording;
 
 use crate::baseline::opened::{Opened, plain_fit};
+use crate::changed::answered::Answered;
 use crate::changed::change::{Change, Changing, Considered, LeftOut, decided, probabilities};
 use crate::changed::comparison::{Comparison, Ended};
 use crate::changed::discrepancy::Discrepancy;
-use crate::changed::evidence::{Answered, ChangeEvidence};
+use crate::changed::evidence::ChangeEvidence;
 use crate::changed::joint::{Joint, Runs};
 use crate::changed::likeliest::likeliest;
 use crate::changed::version::{Version, What};
@@ -34,18 +35,18 @@ const OF_REFERENCE: f64 = 20.0;
 /// The laws of a rig, how well they meet a run that they do not know, and what may have changed since.
 #[derive(Debug)]
 pub struct Reference {
-    pub(super) base: WienerModel,
-    pub(super) plain: Fit,
-    pub(super) model: ExtendedModel,
+    base: WienerModel,
+    plain: Fit,
+    model: ExtendedModel,
     /// Values of all parameters in each run.
     points: Vec<Vec<f64>>,
     tau_s: f64,
-    pub(super) runs: Vec<Recording>,
-    pub(super) config: DiagnoseConfig,
+    runs: Vec<Recording>,
+    config: DiagnoseConfig,
     discrepancy: Discrepancy,
     left_out: Vec<LeftOut>,
     /// Values of all parameters in each run, the laws from the others; empty if there is one run.
-    pub(super) left_out_points: Vec<Vec<f64>>,
+    left_out_points: Vec<Vec<f64>>,
     /// Squares a sample that runs left out leave, white, at most.
     most: f64,
     coolings: usize,
@@ -272,7 +273,10 @@ impl Reference {
         let (verdict, finding) = decided(&considered, likely, excess, (n_reference, self.coolings));
         let (after, _) = validated(&with.version, &with.point(n_reference), today)?;
         let behind = then(&Answered {
-            reference: self,
+            model: &self.model,
+            runs: &self.runs,
+            left_out_points: &self.left_out_points,
+            limits: &self.config.limits,
             today,
             asked: &asked,
             found: &found,
