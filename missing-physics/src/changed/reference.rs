@@ -217,7 +217,7 @@ impl Reference {
     ///
     /// Errors of the models.
     pub fn changed(&self, today: &[Recording]) -> Result<Change, IdentifyError> {
-        Ok(self.answered(today, |_| Ok(()))?.0)
+        Ok(self.answered(today, false)?.0)
     }
 
     /// As [`Reference::changed`], with the evidence for it: predictions of the runs, states of the runs, the next run.
@@ -229,15 +229,17 @@ impl Reference {
         &self,
         today: &[Recording],
     ) -> Result<(Change, ChangeEvidence), IdentifyError> {
-        self.answered(today, |answered| answered.evidence())
+        let (change, evidence) = self.answered(today, true)?;
+        let evidence = evidence.unwrap_or_else(|| unreachable!("it was asked for"));
+        Ok((change, evidence))
     }
 
-    /// The answer, and what is made of the comparison behind it.
-    fn answered<T>(
+    /// The answer, with its evidence if that is wanted. Not generic over what is made of the comparison: it is long.
+    fn answered(
         &self,
         today: &[Recording],
-        then: impl FnOnce(&Answered<'_>) -> Result<T, IdentifyError>,
-    ) -> Result<(Change, T), IdentifyError> {
+        with_evidence: bool,
+    ) -> Result<(Change, Option<ChangeEvidence>), IdentifyError> {
         let n_reference = self.runs.len();
         let all: Vec<Recording> = self.runs.iter().chain(today).cloned().collect();
         let mut points = self.points.clone();
@@ -272,7 +274,7 @@ impl Reference {
         let excess = [&none, with].map(|joint| share(joint, &asked) * enlarged / self.most);
         let (verdict, finding) = decided(&considered, likely, excess, (n_reference, self.coolings));
         let (after, _) = validated(&with.version, &with.point(n_reference), today)?;
-        let behind = then(&Answered {
+        let answered = Answered {
             model: &self.model,
             runs: &self.runs,
             left_out_points: &self.left_out_points,
@@ -284,7 +286,8 @@ impl Reference {
             with,
             finding: finding.as_ref(),
             enlarged,
-        })?;
+        };
+        let evidence = with_evidence.then(|| answered.evidence()).transpose()?;
         let of_runs = own.iter().zip(&after);
         let change = Change {
             verdict,
@@ -300,7 +303,7 @@ impl Reference {
             excess,
             output_unit: all[0].output_unit().to_owned(),
         };
-        Ok((change, behind))
+        Ok((change, evidence))
     }
 
     fn considered(&self, one: &Ended, asked: &Comparison<'_>, probability: f64) -> Considered {
