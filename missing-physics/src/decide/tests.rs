@@ -178,6 +178,22 @@ fn two_names_that_do_as_well_are_one_set() {
     assert!((0.3..0.7).contains(&found.probability), "{found:?}");
 }
 
+#[test]
+fn a_curve_alone_may_do_better_by_a_hundredth_of_what_it_explains() {
+    // The lag leaves a mean square of 1; a hundredth of what a curve explains is half of that.
+    let held = |of_noise: f64| {
+        let mut population = with_lag(7.0, 0.0);
+        let left = population.models[1].evidence.squares.iter();
+        let left = left.map(|block| block.map(|square| of_noise * square));
+        let left = left.collect();
+        let curve = population.models[0].anonymous.as_mut().unwrap();
+        curve.evidence.squares = left;
+        named(&decide(&population, &known())).len()
+    };
+    assert_eq!(held(0.6), 1);
+    assert_eq!(held(0.4), 0);
+}
+
 /// Names that lead where surroundings that drift leave a four-hundredth of the mean square, fatigue the share `left` of the root
 /// mean square, and both nothing.
 fn led_with_fatigue_leaving(left: f64) -> CandidateSet {
