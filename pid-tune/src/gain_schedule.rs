@@ -13,7 +13,7 @@ pub struct GainScheduleParams {
     pub turn: f64,
     /// Factors on the heating branch, from level to level; each finite and ≥ 1.
     pub heating: [f64; SCHEDULE_LEVELS],
-    /// Factors on the cooling branch.
+    /// Factors on the cooling branch, likewise; each finite and ≥ 1.
     pub cooling: [f64; SCHEDULE_LEVELS],
 }
 
@@ -127,7 +127,8 @@ impl GainSchedule {
 const LAST: usize = SCHEDULE_LEVELS - 1;
 
 impl PidParams {
-    /// The controller without a schedule, and its gains, that does at rest what this one does at a factor of its schedule.
+    /// The controller without a schedule, and its gains, that does at rest what this one does at a factor of its schedule; `factor` is
+    /// finite and ≥ 1.
     ///
     /// Of the set point, a schedule multiplies no more than what stands in the error: P = kp (φ e - (1 - b) r).
     #[must_use]

@@ -10,7 +10,7 @@ pub struct ScheduleShape {
     pub by_branch: bool,
     /// Largest factor; > 1.
     pub largest_factor: f64,
-    /// Way of the output from one branch to the other after a turn; > 0.
+    /// Way of the output from one branch to the other after a turn, in the output's unit; > 0.
     pub turn: f64,
 }
 
@@ -21,8 +21,8 @@ impl ScheduleShape {
     /// φ(y, β) = min((s_max/s(y, β))^p, largest)
     /// ```
     ///
-    /// with the slope s on the branch, or the larger one of both branches, and the largest slope s_max of all. Gains
-    /// are therefore those of the steepest place, with a factor of 1 there and larger ones elsewhere.
+    /// with the slope s on the branch, or the larger one of both branches, and the largest slope s_max at a level. Gains
+    /// are therefore those of the steepest level, with a factor of 1 there and larger ones elsewhere.
     ///
     /// # Errors
     ///
@@ -61,8 +61,7 @@ impl ScheduleShape {
         };
         let heating: [f64; SCHEDULE_LEVELS] = slopes("heating", &answers.heating)?;
         let cooling: [f64; SCHEDULE_LEVELS] = slopes("cooling", &answers.cooling)?;
-        let all = answers.heating.iter().chain(&answers.cooling);
-        let steepest = all.map(|answer| answer.slope).fold(0.0, f64::max);
+        let steepest = heating.iter().chain(&cooling).copied().fold(0.0, f64::max);
         let factor = |slope: f64| {
             let factor = libm::pow(steepest / slope, exponent);
             // Where nothing answers, the slope tells nothing.

@@ -42,9 +42,9 @@ pub struct SmallChanges {
 /// How a plant answers a small change of its drive at one output, on one branch of its hysteresis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// The output that is held.
+    /// Output that is held, in its unit.
     pub output: f64,
-    /// Its change a fifth of a time constant after the change, per change of the drive.
+    /// Its change a fifth of a time constant after the change, per change of the drive, in the output's unit per the drive's.
     pub slope: f64,
     /// The whole answer.
     pub plant: PlantResponse,
@@ -53,7 +53,7 @@ pub struct Answer {
 /// How a plant answers small changes of its drive, from output to output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
-    /// Outputs from which to which.
+    /// Lowest and highest output, in its unit.
     pub outputs: [f64; 2],
     /// On the way up.
     pub heating: Vec<Answer>,

@@ -659,7 +659,7 @@ class Plant:
 #@if scheduled
 
 
-# Factors on kp, ki and kd, from level to level of the output: 1 where the rig is steepest.
+# Factors on kp, ki and kd, from level to level of the output: 1 at the level where the rig is steepest.
 _HEATING = (
 {{schedule_heating}}
 )

@@ -1061,7 +1061,7 @@ static inline {{p}}_real {{p}}_middle({{p}}_real middle, {{p}}_real measured) {
     return middle < upper ? middle : upper;
 }
 
-/* Factor on kp, ki and kd by the level of the output and the branch: 1 where the rig is steepest. */
+/* Factor on kp, ki and kd by the level of the output and the branch: 1 at the level where the rig is steepest. */
 static inline {{p}}_real {{p}}_gain_factor({{p}}_real measured, {{p}}_real middle) {
     static const {{p}}_real heating[{{P}}_LAST_LEVEL + 1] = {
 {{schedule_heating}}

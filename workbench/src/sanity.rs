@@ -128,7 +128,8 @@ impl<'a> Facts<'a> {
     }
 }
 
-fn duration_s(recording: &Recording) -> f64 {
+/// Time from the first to the last sample, s; NaN of fewer than two.
+pub(crate) fn duration_s(recording: &Recording) -> f64 {
     match recording.time_s() {
         [first_s, .., last_s] => last_s - first_s,
         _ => f64::NAN,

@@ -15,14 +15,17 @@ use crate::next::run::NextExperiment;
 /// Most explanations that a run is sought for.
 const RIVALS: usize = 3;
 
-/// Proposes the next run. Only effects that have appeared are told apart, each where its search over all runs has ended; what the
-/// reference says of the laws does not count.
+/// Proposes the next run. Only effects that have appeared are told apart, each where its search over all runs has ended, and only if
+/// the leading change is one of them; what the reference says of the laws does not count.
 pub(super) fn next_run(
     asked: &Comparison<'_>,
     found: &[Ended],
     finding: &Changed,
     limits: &Limits,
 ) -> Result<Option<NextExperiment>, IdentifyError> {
+    let Changing::Appeared(_) = finding.leading.what else {
+        return Ok(None);
+    };
     let leading = std::iter::once(&finding.leading.what);
     let all = leading.chain(&finding.could_also_be);
     let effects = all.filter_map(|what| match what {

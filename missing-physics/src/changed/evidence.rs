@@ -61,7 +61,8 @@ pub struct ChangeEvidence {
     pub states: Vec<StateSpread>,
     /// Factor by which the variances of the discrepancy were enlarged, >= 1.
     pub enlarged: f64,
-    /// Proposal of a run that would tell the alternatives of the finding apart; `None` without alternatives among the effects.
+    /// Proposal of a run that would tell the alternatives of the finding apart; `None` unless it is an
+    /// effect that has appeared, with another among its alternatives, and a run can be foreseen.
     pub next: Option<NextExperiment>,
 }
 

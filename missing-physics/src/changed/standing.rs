@@ -9,7 +9,7 @@ pub enum Standing {
     Named,
     /// It is one of the alternatives that these runs do not tell from the finding.
     CouldAlsoBe,
-    /// It is another parameter of what is named, or stands among the alternatives already.
+    /// It is another parameter of what is named.
     PartOfNamed,
     /// Likelier changes hold the probability already.
     LessLikely,
@@ -37,9 +37,7 @@ impl Change {
             (ChangeVerdict::Changed, Some(_)) if place == 0 => Standing::Named,
             (ChangeVerdict::Changed, Some(finding)) => {
                 let is_alternative = finding.could_also_be.contains(&what);
-                let before = &self.considered[..place];
-                let is_again = before.iter().any(|one| one.what == what);
-                if what.id() == finding.leading.what.id() || is_alternative && is_again {
+                if what.id() == finding.leading.what.id() {
                     Standing::PartOfNamed
                 } else if is_alternative {
                     Standing::CouldAlsoBe

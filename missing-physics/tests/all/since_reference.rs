@@ -147,7 +147,10 @@ fn evidence_shows_the_runs_as_the_answer_has_them() {
     let changed = traced.changed_output.as_ref().unwrap();
     assert!(near(rms(&run, changed), after));
     assert!(before > after);
+    assert!(!traced.deviation_over_time_s.is_empty());
     // The band is as wide as what is left of the runs that were left out, or wider.
+    let n_left_out = [evidence.left_out.len(), change.left_out.len()];
+    assert_eq!(n_left_out, [reference().len(); 2]);
     for ((own, traced), told) in reference()
         .iter()
         .zip(&evidence.left_out)

@@ -88,7 +88,8 @@ fn factors_are_the_inverse_of_the_slopes_within_their_limit() {
     for index in 0..SCHEDULE_LEVELS {
         let level = schedule.level(index);
         assert_relative_eq!(level, index as f64);
-        let away = 1.0 + (level - 3.5).powi(2);
+        // The steepest levels are half a step away from the steepest place.
+        let away = (1.0 + (level - 3.5).powi(2)) / 1.25;
         assert_relative_eq!(params.heating[index], away.min(3.0), max_relative = 1e-12);
         assert_relative_eq!(
             params.cooling[index],
@@ -105,8 +106,8 @@ fn factors_are_the_inverse_of_the_slopes_within_their_limit() {
     let halved = by_level.schedule(&answers()).unwrap();
     assert_same(&halved.params().heating, &halved.params().cooling);
     assert_relative_eq!(
-        halved.params().heating[4],
-        1.25_f64.sqrt(),
+        halved.params().heating[5],
+        2.6_f64.sqrt(),
         max_relative = 1e-12
     );
     let none = ScheduleShape {

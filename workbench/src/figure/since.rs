@@ -53,7 +53,7 @@ impl Since<'_> {
         Figure {
             name: "since",
             caption: format!(
-                "{}: the recording, the broad gray line, and the laws of the reference. Where they part by more than the band below, something has changed.",
+                "{}: the recording, the broad gray line, and the laws of the reference.",
                 self.name
             ),
             across: "time, s".to_owned(),
@@ -77,8 +77,8 @@ impl Since<'_> {
         Figure {
             name: "since-residual",
             caption: format!(
-                "{}: the residual. The band is ± {BAND_DEVIATIONS} standard deviations of what the laws leave of a reference run that they do \
-                 not know.",
+                "{}: the residual. The band is ± {BAND_DEVIATIONS} standard deviations of what a rig that has not changed is expected to \
+                 leave. A change shows where the curve is outside for long.",
                 self.name
             ),
             across: "time, s".to_owned(),

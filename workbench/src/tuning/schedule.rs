@@ -25,12 +25,24 @@ pub struct Scheduled<'a> {
 /// A gain schedule that was tried, and what its best gains cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriedSchedule {
-    /// Exponent on the slope; 0 for gains that stay.
+    /// Exponent p on the slope, 0 to 1.
     pub exponent: f64,
     /// True for a factor on each branch.
     pub by_branch: bool,
     /// Cost of its best gains; `None` if none meet what is required.
     pub cost: Option<f64>,
+}
+
+impl TriedSchedule {
+    /// Quantities that its factor depends on, in words.
+    #[must_use]
+    pub fn by(&self) -> &'static str {
+        if self.by_branch {
+            "level and branch"
+        } else {
+            "level"
+        }
+    }
 }
 
 impl<'a> Bench<'a> {

@@ -13,8 +13,8 @@ use workbench::{Bench, Scheduled, TriedSchedule};
 use super::{Counts, Job, Preset};
 use crate::terminal::bar;
 
-/// Ratio of costs from which a schedule is worth its factors.
-const WORTH: f64 = 1.01;
+/// Share of the cost that a schedule saves at least, to be worth its factors.
+const LEAST_SAVED: f64 = 0.01;
 
 /// A controller of one structure, and what its gains have to meet.
 #[derive(Debug, Clone, Copy)]
@@ -92,7 +92,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Gains of least cost: those that stay, or the cheapest of some schedules if they are cheaper by more than [`WORTH`].
+    /// Gains of least cost: those that stay, or the cheapest of some schedules if that saves [`LEAST_SAVED`].
     pub(super) fn search(
         &self,
         job: &Job<'_>,
@@ -132,7 +132,7 @@ impl<'a> Problem<'a> {
             tuned,
         };
         let (best, staying) = match (of_staying, cheapest) {
-            (Ok(staying), Some(best)) if WORTH * best.tuned.cost < staying.cost => {
+            (Ok(staying), Some(best)) if best.tuned.cost <= (1.0 - LEAST_SAVED) * staying.cost => {
                 (best, Some(stay(staying)))
             }
             (Ok(staying), _) => (stay(staying), None),

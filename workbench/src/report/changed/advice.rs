@@ -28,14 +28,14 @@ pub(crate) fn advice(change: &Change, evidence: &ChangeEvidence) -> String {
 /// The run that tells what these runs do not.
 fn apart(evidence: &ChangeEvidence) -> String {
     let Some(next) = &evidence.next else {
-        return "No run is computed that tells a parameter of the laws from another change. Runs that differ from these say more than the \
+        return "No run was found that tells these changes apart. Runs that differ from these say more than the \
              same again: another speed, a long hold, cycles that turn back half way. Record such a run of the rig as it should be, too."
             .to_owned();
     };
     match &next.run {
         None => next.sentence.clone(),
         Some(run) => format!(
-            "Play this run of {} s, and ask again with its recording beside these in --train: {}. It should put {} standard deviations \
+            "Play the run of {} s whose drive the figure below shows, and ask again with its recording beside these in --train: {}. It should put {} standard deviations \
              between {} (these runs again: {}).",
             spoken(run.duration_s()),
             run.name,

@@ -6,6 +6,7 @@ use recording::Recording;
 use super::SinceReference;
 use crate::report::number::{count, significant, spoken};
 use crate::report::table::{right, table};
+use crate::sanity::duration_s;
 
 /// All runs, those of the reference first: length, drive, and how well they are met.
 pub(crate) fn runs_used(
@@ -34,7 +35,7 @@ pub(crate) fn runs_used(
             Cell::new(since.label(run.name())),
             Cell::new(part),
             right(count(run.len())),
-            right(spoken(lasts_s(run))),
+            right(spoken(duration_s(run))),
             right(drive),
             error,
             with,
@@ -51,11 +52,4 @@ pub(crate) fn runs_used(
         row(run, "since", [each(0), each(1)]);
     }
     table
-}
-
-fn lasts_s(run: &Recording) -> f64 {
-    match run.time_s() {
-        [first, .., last] => last - first,
-        _ => 0.0,
-    }
 }

@@ -33,10 +33,9 @@ impl TunedReport<'_> {
         let n_tried = schedules.tried.len();
         let Some(schedule) = &self.pid.gain_schedule else {
             let best = match (schedules.unscheduled, schedules.cheapest()) {
-                (Some(staying), Some((_, cost))) if cost < staying => format!(
-                    "the best of {n_tried} gain schedules saves {} of the cost, and 1 % would be worth it",
-                    percent(1.0 - cost / staying)
-                ),
+                (Some(staying), Some((_, cost))) if cost < staying => {
+                    format!("the best of {n_tried} gain schedules saves less than 1 % of the cost")
+                }
                 (_, Some(_)) => format!("none of {n_tried} gain schedules saves any of the cost"),
                 (_, None) => {
                     format!("none of {n_tried} gain schedules has gains that meet what is required")
@@ -44,11 +43,10 @@ impl TunedReport<'_> {
             };
             return Some(format!("The gains are the same at every level: {best}."));
         };
-        let (by, exponent) = match schedules.cheapest() {
-            Some((one, _)) if one.by_branch => ("level and branch", one.exponent),
-            Some((one, _)) => ("level", one.exponent),
-            None => ("level", 0.0),
+        let Some((one, _)) = schedules.cheapest() else {
+            unreachable!("the gains follow a schedule that was tried");
         };
+        let (by, exponent) = (one.by(), one.exponent);
         let than = match schedules.unscheduled {
             Some(staying) => format!(
                 "they cost {} less than the best gains that stay",
@@ -57,7 +55,7 @@ impl TunedReport<'_> {
             None => "no gains that stay meet what is required".to_owned(),
         };
         Some(format!(
-            "kp, ki and kd are those where the rig is steepest; elsewhere they are larger, by up to {}, by the {by} of the output \
+            "kp, ki and kd are those of the level where the rig is steepest; elsewhere they are larger, by up to {}, by the {by} of the output \
              (slope to the power of -{exponent}): {than}.",
             significant(schedule.largest()),
         ))
@@ -100,13 +98,8 @@ impl TunedReport<'_> {
             cost(schedules.unscheduled),
         ]);
         for one in &schedules.tried {
-            let by = if one.by_branch {
-                "level and branch"
-            } else {
-                "level"
-            };
             table.add_row([
-                Cell::new(by),
+                Cell::new(one.by()),
                 right(significant(one.exponent)),
                 cost(one.cost),
             ]);
