@@ -2,27 +2,15 @@
 
 use approx::assert_relative_eq;
 use pid_tune::{
-    Answer, Answers, AntiWindup, DerivativeOf, DriveLimits, PidGains, PidParams, PlantResponse,
-    Requirements, SCHEDULE_LEVELS, ScheduleShape, Screen, SmallChanges,
+    Answer, Answers, DriveLimits, PidGains, PidParams, SCHEDULE_LEVELS, ScheduleShape, Screen,
+    SmallChanges,
 };
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Ensemble, Member, Start};
 
+use crate::common::screened::{CONTROLLER, TAU_S, lag, requirements};
 use crate::common::{AMBIENT_DEGC, assert_same, rod};
 
-const CONTROLLER: PidParams = PidParams {
-    dt_s: 0.287,
-    limits: DriveLimits {
-        lower: 0.0,
-        upper: 3.0,
-    },
-    anti_windup: AntiWindup::Clamping,
-    derivative_of: DerivativeOf::Measurement,
-    derivative_filter_s: 1.2,
-    setpoint_weight: 1.0,
-    gain_schedule: None,
-};
-const TAU_S: f64 = 6.0;
 const GAINS: PidGains = PidGains {
     kp: 2.0,
     ki: 0.5,
@@ -35,14 +23,6 @@ const SHAPE: ScheduleShape = ScheduleShape {
     turn: 0.2,
 };
 
-/// A lag whose gain is the slope.
-fn lag(slope: f64) -> PlantResponse {
-    let answers: Vec<f64> = (1..600)
-        .map(|k| slope * (1.0 - (-CONTROLLER.dt_s * f64::from(k) / TAU_S).exp()))
-        .collect();
-    PlantResponse::new(CONTROLLER.dt_s, 1, &answers).unwrap()
-}
-
 /// Lags that are steepest at half of the way, and there steeper by half on heating.
 fn answers() -> Answers {
     let on = |steepest: f64| {
@@ -53,7 +33,7 @@ fn answers() -> Answers {
                 Answer {
                     output,
                     slope,
-                    plant: lag(slope),
+                    plant: lag(slope, 1),
                 }
             })
             .collect()
@@ -62,15 +42,6 @@ fn answers() -> Answers {
         outputs: [0.0, 7.0],
         heating: on(1.5),
         cooling: on(1.0),
-    }
-}
-
-fn requirements() -> Requirements {
-    Requirements {
-        gain_margin: 2.0,
-        phase_margin_rad: 45.0_f64.to_radians(),
-        sensor_step: 0.01,
-        largest_kick: 0.05,
     }
 }
 
@@ -174,13 +145,13 @@ fn a_screen_looks_at_each_level_with_its_larger_factor() {
         max_relative = 1e-12
     );
     // Without knowing where plants are, the largest factor counts everywhere.
-    let unknown = Screen::new(requirements(), controller, vec![lag(1.5)]).unwrap();
+    let unknown = Screen::new(requirements(), controller, vec![lag(1.5, 1)]).unwrap();
     let tripled = PidGains {
         kp: 3.0 * GAINS.kp,
         ki: 3.0 * GAINS.ki,
         kd: 3.0 * GAINS.kd,
     };
-    let plain = Screen::new(requirements(), CONTROLLER, vec![lag(1.5)]).unwrap();
+    let plain = Screen::new(requirements(), CONTROLLER, vec![lag(1.5, 1)]).unwrap();
     assert_relative_eq!(
         unknown.margins(&GAINS).unwrap().phase_margin_rad,
         plain.margins(&tripled).unwrap().phase_margin_rad

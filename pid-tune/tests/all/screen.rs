@@ -3,31 +3,18 @@
 use crate::common;
 
 use approx::assert_relative_eq;
+use common::screened::{CONTROLLER, TAU_S, lag, requirements};
 use common::{AMBIENT_DEGC, rod, undisturbed};
 use core::f64::consts::PI;
 use pid_tune::{
-    AntiWindup, ClosedLoop, ClosedLoopParams, CostWeights, DerivativeOf, Disturbances, DriveLimits,
-    Goal, LinearLoop, OpenLoop, Pid, PidGains, PidParams, PlantResponse, Plants, Reference,
-    Requirements, RestTest, RodLoop, RodLoopParams, Sample, Screen, SmallChanges, Task, TaskError,
-    TuneError, TunerConfig, tune,
+    ClosedLoop, ClosedLoopParams, CostWeights, Disturbances, Goal, LinearLoop, OpenLoop, Pid,
+    PidGains, PidParams, PlantResponse, Plants, Reference, Requirements, RestTest, RodLoop,
+    RodLoopParams, Sample, Screen, SmallChanges, Task, TaskError, TuneError, TunerConfig, tune,
 };
 use std::ops::ControlFlow;
 use wiener::hysteresis::Rule;
 use wiener::{Drive, Ensemble, Member, Start};
 
-const CONTROLLER: PidParams = PidParams {
-    dt_s: 0.287,
-    limits: DriveLimits {
-        lower: 0.0,
-        upper: 3.0,
-    },
-    anti_windup: AntiWindup::Clamping,
-    derivative_of: DerivativeOf::Measurement,
-    derivative_filter_s: 1.2,
-    setpoint_weight: 1.0,
-    gain_schedule: None,
-};
-const TAU_S: f64 = 6.0;
 const RODS: Ensemble = Ensemble {
     drive: Drive::Current,
     rule: Rule::LastReversal,
@@ -36,23 +23,6 @@ const SETPOINT_MM: f64 = 2.5;
 
 fn gains(kp: f64, ki: f64, kd: f64) -> PidGains {
     PidGains { kp, ki, kd }
-}
-
-/// The sampled answer of a lag of first order to a step of its drive.
-fn lag(gain: f64, dead_time_samples: usize) -> PlantResponse {
-    let answers: Vec<f64> = (1..600)
-        .map(|k| gain * (1.0 - (-CONTROLLER.dt_s * f64::from(k) / TAU_S).exp()))
-        .collect();
-    PlantResponse::new(CONTROLLER.dt_s, dead_time_samples, &answers).unwrap()
-}
-
-fn requirements() -> Requirements {
-    Requirements {
-        gain_margin: 2.0,
-        phase_margin_rad: 45.0_f64.to_radians(),
-        sensor_step: 0.01,
-        largest_kick: 0.05,
-    }
 }
 
 fn member() -> Member {

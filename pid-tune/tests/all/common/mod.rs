@@ -4,6 +4,8 @@
 
 #[cfg(feature = "std")]
 pub(crate) mod lags;
+#[cfg(feature = "std")]
+pub(crate) mod screened;
 
 use approx::assert_abs_diff_eq;
 use pid_tune::{
