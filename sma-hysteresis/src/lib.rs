@@ -12,8 +12,8 @@ mod proximity;
 mod vectors;
 
 pub use elementary::{
-    ATAN_COEFFICIENTS, EXPONENTIAL_COEFFICIENTS, SIN_COEFFICIENTS, TAN_FRAC_PI_8, atan, expm1, ln,
-    sin_quarter, sqrt,
+    ATAN_COEFFICIENTS, EXPONENTIAL_COEFFICIENTS, SIN_COEFFICIENTS, TAN_FRAC_PI_8, atan, expm1,
+    inverse_fourth_root, inverse_sqrt, ln, sin_quarter,
 };
 pub use error::HysteresisError;
 pub use family::{LoopFamily, SecondPopulation};

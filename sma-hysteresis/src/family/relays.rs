@@ -1,7 +1,7 @@
 //! Relays, Preisach's operator, by their distribution.
 
 use super::{Along, Bends, SecondPopulation, Transforms, Way, of};
-use crate::elementary::{expm1, sqrt};
+use crate::elementary::{expm1, inverse_fourth_root, inverse_sqrt};
 use crate::limiting_loop::LimitingLoop;
 
 /// Deviation of the relays' temperatures over h_0.
@@ -103,9 +103,10 @@ impl<const L: usize> Relays<L> {
             x
         };
         let tails = self.tails[lane];
-        let square = tails * tails * x * x;
-        let nearer = 1.0 / sqrt(sqrt(1.0 + square));
-        let nearer_slope = nearer * (1.0 - 0.5 * square / (1.0 + square));
+        // x (1 + τ² x²)^(-1/4)
+        let nearer = inverse_fourth_root(1.0 + tails * tails * x * x);
+        let square = nearer * nearer;
+        let nearer_slope = nearer * (0.5 + 0.5 * square * square);
         let x = x * nearer;
         let x = if x > FAR { FAR } else { x };
         let x = if x < -FAR { -FAR } else { x };
@@ -164,7 +165,8 @@ fn plackett(odds: f64, u: f64, v: f64) -> Way {
     let over = odds - 1.0;
     let sum = 1.0 + over * (u + v);
     let square = sum * sum - 4.0 * odds * over * u * v;
-    let root = sqrt(if square < 0.0 { 0.0 } else { square });
-    let joint = 2.0 * odds * u * v / (sum + root);
-    (joint, 0.5 + (2.0 * odds * v - sum) / (2.0 * root))
+    let square = if square < 0.0 { 0.0 } else { square };
+    let inverse = inverse_sqrt(square);
+    let joint = 2.0 * odds * u * v / (sum + square * inverse);
+    (joint, 0.5 + (odds * v - 0.5 * sum) * inverse)
 }
