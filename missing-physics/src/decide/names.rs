@@ -227,3 +227,146 @@ const SHIFTS: usize = 9_999;
 
 /// Probability below which another name is not worth a word.
 const LEAST: f64 = 0.005;
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{known, model};
+    use super::*;
+    use crate::EffectId::{
+        self, AmbientDrift, Backlash, DeadTime, EndStop, FunctionalFatigue, OutputLag,
+    };
+
+    /// Models with nothing but their priors against each other, and with a curve on top as credible as without.
+    fn by_priors(names: &[(&[EffectId], f64)]) -> Population {
+        let models = names.iter().map(|(names, prior)| {
+            let mut one = model(names, vec![1.0; 1600], vec![1.0; 1600]);
+            one.ln_prior = prior.ln();
+            one.evidence.nats.fill(0.0);
+            one.anonymous.as_mut().unwrap().evidence.nats.fill(0.0);
+            one
+        });
+        Population {
+            models: models.collect(),
+        }
+    }
+
+    fn set(names: &[EffectId]) -> CandidateSet {
+        names.iter().map(|&name| name.into()).collect()
+    }
+
+    fn is_near(found: f64, expected: f64) -> bool {
+        (found - expected).abs() < 1e-9
+    }
+
+    #[test]
+    fn all_that_may_be_chosen_is_believed_and_parts_of_the_leading_model_with_a_curve() {
+        let mut population = by_priors(&[
+            (&[], 1.0),
+            (&[OutputLag], 0.5),
+            (&[OutputLag, Backlash], 0.25),
+            (&[DeadTime], 0.125),
+            (&[EndStop], 8.0),
+        ]);
+        population.models[4].pressed = set(&[EndStop]);
+        let belief = Belief::of(&population, &population.models[2], 1);
+        // The baseline and the lag alone are parts of lag and backlash.
+        let unlisted = UNLISTED.exp();
+        let all = 1.0 + 0.5 + 0.25 + 0.125 + unlisted * (1.0 + 0.5);
+        assert!(is_near(belief.plain(), 1.0 / all));
+        let with_lag = 0.5 + 0.25 + unlisted * 0.5;
+        assert!(is_near(belief.any(set(&[OutputLag])), with_lag / all));
+        let any = belief.any(set(&[OutputLag, DeadTime]));
+        assert!(is_near(any, (with_lag + 0.125) / all));
+        assert!(is_near(belief.any(set(&[EndStop])), 0.0));
+    }
+
+    /// The set around the lag, where these shares are believed of it and of others, and its probability.
+    fn around_the_lag(of_lag: f64, others: &[(EffectId, f64)]) -> (Named, f64) {
+        let rest = 1.0 - of_lag - others.iter().map(|(_, share)| share).sum::<f64>();
+        let masses = std::iter::once((set(&[OutputLag]), of_lag))
+            .chain(others.iter().map(|&(name, share)| (set(&[name]), share)))
+            .chain(std::iter::once((CandidateSet::EMPTY, rest)));
+        let belief = Belief {
+            masses: masses.collect(),
+        };
+        let leading = model(&[OutputLag], vec![1.0; 1600], vec![1.0; 1600]);
+        alternatives(
+            &leading,
+            (&belief, &known()),
+            OutputLag.into(),
+            &Traces::default(),
+        )
+    }
+
+    #[test]
+    fn a_set_takes_in_the_likeliest_until_it_is_probable_enough() {
+        let (named, covered) =
+            around_the_lag(0.5, &[(Backlash, 0.06), (DeadTime, 0.4), (EndStop, 0.04)]);
+        assert!(
+            is_near(named.probability, 0.5) && is_near(covered, 0.96),
+            "{covered}"
+        );
+        let others: Vec<&str> = named.others.iter().map(|(other, _)| other.id()).collect();
+        assert_eq!(others, ["dead-time", "backlash"]);
+        assert!(is_near(named.others[0].1, 0.4) && is_near(named.others[1].1, 0.06));
+        // What is hardly believed at all is no alternative.
+        let (named, covered) = around_the_lag(0.94, &[(Backlash, 0.004)]);
+        assert!(
+            named.others.is_empty() && is_near(covered, 0.94),
+            "{named:?}"
+        );
+        let (named, covered) = around_the_lag(0.94, &[(Backlash, 0.006)]);
+        assert!(
+            named.others.len() == 1 && is_near(covered, 0.946),
+            "{named:?}"
+        );
+    }
+
+    #[test]
+    fn what_acts_alike_and_could_not_be_tried_has_half_of_the_probability() {
+        let belief = Belief {
+            masses: vec![(set(&[AmbientDrift]), 0.9), (set(&[DeadTime]), 0.08)],
+        };
+        let known = Known {
+            untried: set(&[FunctionalFatigue, EndStop]),
+            ..known()
+        };
+        let of = |leading: &[EffectId]| {
+            let leading = model(leading, vec![1.0; 1600], vec![1.0; 1600]);
+            alternatives(
+                &leading,
+                (&belief, &known),
+                AmbientDrift.into(),
+                &Traces::default(),
+            )
+        };
+        let (named, covered) = of(&[AmbientDrift]);
+        assert!(
+            is_near(named.probability, 0.45) && is_near(covered, 0.98),
+            "{named:?}"
+        );
+        let others: Vec<&str> = named.others.iter().map(|(other, _)| other.id()).collect();
+        assert_eq!(others, ["functional-fatigue", "dead-time"]);
+        assert!(is_near(named.others[0].1, 0.45) && is_near(named.others[1].1, 0.04));
+        // Beside both it is no alternative to either.
+        let (named, _) = of(&[AmbientDrift, FunctionalFatigue]);
+        assert!(is_near(named.probability, 0.9), "{named:?}");
+    }
+
+    #[test]
+    fn probabilities_are_multiplied_and_shared_together() {
+        let mut named = Named {
+            effect: OutputLag.into(),
+            others: vec![(DeadTime.into(), 0.3)],
+            probability: 0.6,
+            contribution: 0.0,
+        };
+        named.scale_probability(0.5);
+        assert!(is_near(named.probability, 0.3) && is_near(named.others[0].1, 0.15));
+        named.shares_with(Candidate::other_loop());
+        assert!(is_near(named.probability, 0.15));
+        // The likeliest first.
+        assert_eq!(named.others[0].0, Candidate::other_loop());
+        assert!(is_near(named.others[0].1, 0.225) && is_near(named.others[1].1, 0.075));
+    }
+}

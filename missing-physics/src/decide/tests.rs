@@ -145,6 +145,14 @@ fn a_name_that_beats_the_curve_holds() {
     assert_eq!(decided.verdict, Verdict::Explained);
     assert_eq!(named(&decided), ["output-lag"]);
     assert!(decided.named[0].probability > 0.99);
+    // All that could be explained comes back without it.
+    assert!((decided.named[0].contribution - 1.0).abs() < 0.02);
+    // No shift of 9,999 does as well, and each other name was tried in its place.
+    let of_own = decided.traces.steps.iter();
+    let mut of_own = of_own.filter(|step| step.rule.id == RuleId::Own);
+    let own = of_own.next().unwrap();
+    let expected = known().tried_beside(CandidateSet::EMPTY) as f64 * 1e-4;
+    assert!((own.value - expected).abs() < 1e-12, "{}", own.value);
 }
 
 #[test]
