@@ -14,6 +14,7 @@ struct Drawn {
     is_extreme: bool,
     shape: [u16; 5],
     second: [u16; 5],
+    bends: [u16; 3],
     raw: [f64; 3],
     start: u8,
     path: Vec<i16>,
@@ -81,6 +82,9 @@ fuzz_target!(|drawn: Drawn| {
     let Ok(material) = material.with_second_population([second]) else {
         return;
     };
+    let bends = drawn.bends.map(|bend| [between(bend, -1.0, 1.0)]);
+    // Those that would turn a branch back are refused.
+    let material = material.with_bends(bends).unwrap_or(material);
     let start = f64::from(drawn.start);
     // Loops that are asymmetric jump at some reversals: see `LimitingLoop::with_asymmetry`.
     let may_jump = asymmetry_of(drawn.shape) != 0.0
