@@ -128,7 +128,7 @@ pub const EXPONENTIAL_COEFFICIENTS: [f64; 13] = [
     1.0 / 6_227_020_800.0,
 ];
 
-/// ln x for finite normal x > 0, relative error ≤ 4e-16.
+/// ln x for finite normal x > 0, relative error ≤ 5e-16.
 ///
 /// ```text
 /// x = 2^k m,   √½ ≤ m < √2,   z = (m - 1)/(m + 1),   ln x = k ln 2 + 2 (z + z³/3 + z⁵/5 + …)
@@ -168,7 +168,7 @@ pub fn expm1(y: f64) -> f64 {
     power * (r * sum) + (power - 1.0)
 }
 
-/// 1/√x for 1e-300 ≤ x ≤ 1e300, relative error ≤ 4e-16; finite at 0; `NaN` gives `NaN`.
+/// 1/√x for 1e-300 ≤ x ≤ 1e300, relative error ≤ 5e-16; finite at 0; `NaN` gives `NaN`.
 ///
 /// ```text
 /// y → y (3 - x y²)/2 from half of the bits of x
@@ -183,12 +183,13 @@ pub fn inverse_sqrt(x: f64) -> f64 {
     let half = 0.5 * x;
     let mut y = f64::from_bits(HALFWAY.wrapping_sub(x.to_bits() >> 1));
     for _ in 0..4 {
-        y *= 1.5 - half * (y * y);
+        // In this order nothing overflows at 0.
+        y *= 1.5 - half * y * y;
     }
     y
 }
 
-/// x^(-1/4) for 1e-300 ≤ x ≤ 1e300, relative error ≤ 4e-16; `NaN` gives `NaN`.
+/// x^(-1/4) for 1e-300 ≤ x ≤ 1e300, relative error ≤ 5e-16; `NaN` gives `NaN`.
 ///
 /// ```text
 /// y → y (5 - x y⁴)/4 from a quarter of the bits of x

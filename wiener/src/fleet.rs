@@ -116,12 +116,14 @@ fn show<const L: usize>(
     let mut displacement = [[0.0; L]; BLOCK];
     let mut temperature_degc = [[0.0; L]; BLOCK];
     let [mut drive, mut ambient_degc, mut dt_s] = [[0.0; BLOCK]; 3];
+    let mut before_s = f64::NAN;
     for first_sample in (0..profile.len()).step_by(BLOCK) {
         let length = BLOCK.min(profile.len() - first_sample);
         for row in 0..length {
             drive[row] = profile.drive(first_sample + row);
             ambient_degc[row] = profile.ambient_degc(first_sample + row);
-            dt_s[row] = profile.dt_s(first_sample + row);
+            before_s = profile.dt_s(first_sample + row, before_s);
+            dt_s[row] = before_s;
         }
         let stretch = Stretch {
             drive: Drives::Common(&drive[..length]),

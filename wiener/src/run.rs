@@ -97,15 +97,26 @@ impl<'a> Profile<'a> {
         self.drive[k]
     }
 
-    /// Length of a sample, s; the last one is as long as the one before it.
+    /// Length of a sample, s, after one of `before_s`; the last one is as long as the one before it.
+    ///
+    /// Steps that differ by no more than the rounding of the times are equal to the last bit: a plant computes again what belongs to a
+    /// length only for another one.
     #[inline(always)]
-    pub(crate) fn dt_s(&self, k: usize) -> f64 {
+    pub(crate) fn dt_s(&self, k: usize, before_s: f64) -> f64 {
         match self.clock {
             Clock::Every(dt_s) => dt_s,
             Clock::At(time_s) if time_s.len() < 2 => 0.0,
             Clock::At(time_s) => {
                 let k = k.min(time_s.len() - 2);
-                time_s[k + 1] - time_s[k]
+                let (start_s, end_s) = (time_s[k], time_s[k + 1]);
+                let dt_s = end_s - start_s;
+                // Each time is rounded by half of this at most.
+                let rounding_s = f64::EPSILON * start_s.abs().max(end_s.abs());
+                if (dt_s - before_s).abs() <= 2.0 * rounding_s {
+                    before_s
+                } else {
+                    dt_s
+                }
             }
         }
     }
@@ -136,13 +147,15 @@ pub fn run<Q: Plant>(
     profile: &Profile<'_>,
     mut visit: impl FnMut(usize, Output),
 ) {
+    let mut dt_s = f64::NAN;
     for k in 0..profile.len() {
         visit(k, plant.output(state));
         let input = Input {
             drive: [profile.drive(k)],
             ambient_degc: profile.ambient_degc(k),
         };
-        plant.step(state, &input, profile.dt_s(k));
+        dt_s = profile.dt_s(k, dt_s);
+        plant.step(state, &input, dt_s);
     }
 }
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use identify::{Fit, ForwardModel, IdentifyError, predict};
-use recording::{Quantity, Recording, RecordingParts, Sampling};
+use recording::{Quantity, Recording, RecordingParts};
 
 /// Samples of all recordings together on which models are searched, about.
 const SAMPLES: usize = 1_500;
@@ -135,21 +135,6 @@ fn longest(tau_s: f64, recordings: &[Recording]) -> usize {
     of_each.fold(usize::MAX, usize::min)
 }
 
-/// Times of some samples, s. Where they are evenly spaced, steps of as many samples are equal to the last bit: a plant computes again only
-/// what is of another length.
-fn times_s(recording: &Recording, kept: &[usize]) -> Vec<f64> {
-    /// Units of the spacing, a power of two: sums of a million such steps have no rounding.
-    const UNITS: f64 = (1_u64 << 30) as f64;
-    let time_s = recording.time_s();
-    let Sampling::Uniform { dt_s } = recording.sampling() else {
-        return kept.iter().map(|&k| time_s[k]).collect();
-    };
-    let unit_s = dt_s.log2().floor().exp2() / UNITS;
-    let whole = |span_s: f64| (span_s / unit_s).round() * unit_s;
-    let (start_s, dt_s) = (whole(time_s[0]), whole(dt_s));
-    kept.iter().map(|&k| start_s + k as f64 * dt_s).collect()
-}
-
 fn of_every(
     every: usize,
     model: &dyn ForwardModel,
@@ -208,7 +193,7 @@ fn of_every(
     };
     let mut parts = RecordingParts {
         name: recording.name().to_owned(),
-        time_s: Some(times_s(recording, &kept)),
+        time_s: Some(kept.iter().map(|&k| time_s[k]).collect()),
         drive_quantity: quantity,
         drive: drive.collect(),
         output_unit: recording.output_unit().to_owned(),

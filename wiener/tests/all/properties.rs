@@ -160,6 +160,35 @@ proptest! {
     }
 
     #[test]
+    fn times_that_were_rounded_are_at_equal_steps(
+        params in any_params(), rule in any_rule(), currents_a in any_currents(), step_s in 1e-3..10.0,
+    ) {
+        let model = single(params, rule);
+        let time_s: Vec<f64> = (0..currents_a.len()).map(|k| step_s * k as f64).collect();
+        let fixed = Profile::uniform(&currents_a, step_s, AMBIENT_DEGC).unwrap();
+        let timed = Profile::timed(&currents_a, &time_s, AMBIENT_DEGC).unwrap();
+        let by_fixed = outputs(&model, model.rest(AMBIENT_DEGC), &fixed);
+        let by_time = outputs(&model, model.rest(AMBIENT_DEGC), &timed);
+        prop_assert_eq!(bits(&by_fixed), bits(&by_time));
+    }
+
+    #[test]
+    fn a_step_that_is_longer_than_rounding_explains_is_of_its_own_length(
+        step_s in 0.1..1.0, later in 1e-12..1e-6,
+    ) {
+        let model = single(common::params(), Rule::Nested);
+        let temperature_degc = |later_s: f64| {
+            let time_s: Vec<f64> = (0..5)
+                .map(|k| step_s * k as f64 + if k == 4 { later_s } else { 0.0 })
+                .collect();
+            let timed = Profile::timed(&[1.0; 5], &time_s, AMBIENT_DEGC).unwrap();
+            let shown = outputs(&model, model.rest(AMBIENT_DEGC), &timed);
+            shown[4].temperature_degc[0]
+        };
+        prop_assert!(temperature_degc(later) > temperature_degc(0.0));
+    }
+
+    #[test]
     fn jitter_that_cancels_leaves_the_trace_of_a_held_current(
         params in any_params(), rule in any_rule(), current_a in 0.3..3.0,
         jitter in prop::collection::vec(-0.1..0.1, 40),
