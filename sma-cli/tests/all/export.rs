@@ -125,7 +125,7 @@ fn a_closed_loop_responds_as_tune_shows() {
         ),
         (
             4.2,
-            " --gain-schedule --duration-s 120 --setpoint-weight 0.7 --anti-windup back-calculation",
+            " --pi --gain-schedule --duration-s 120 --setpoint-weight 0.7 --anti-windup back-calculation",
         ),
     ] {
         let call = format!(
