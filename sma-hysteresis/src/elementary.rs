@@ -128,7 +128,7 @@ pub const EXPONENTIAL_COEFFICIENTS: [f64; 13] = [
     1.0 / 6_227_020_800.0,
 ];
 
-/// ln x for finite normal x > 0, relative error ≤ 5e-16.
+/// ln x for finite normal x > 0, relative error ≤ 4e-16.
 ///
 /// ```text
 /// x = 2^k m,   √½ ≤ m < √2,   z = (m - 1)/(m + 1),   ln x = k ln 2 + 2 (z + z³/3 + z⁵/5 + …)

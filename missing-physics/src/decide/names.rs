@@ -230,16 +230,20 @@ const LEAST: f64 = 0.005;
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{known, model};
+    use super::super::tests::{N, known, model};
     use super::*;
     use crate::EffectId::{
         self, AmbientDrift, Backlash, DeadTime, EndStop, FunctionalFatigue, OutputLag,
     };
 
+    fn leaving_as_much(names: &[EffectId]) -> Model {
+        model(names, vec![1.0; N], vec![1.0; N])
+    }
+
     /// Models with nothing but their priors against each other, and with a curve on top as credible as without.
     fn by_priors(names: &[(&[EffectId], f64)]) -> Population {
         let models = names.iter().map(|(names, prior)| {
-            let mut one = model(names, vec![1.0; 1600], vec![1.0; 1600]);
+            let mut one = leaving_as_much(names);
             one.ln_prior = prior.ln();
             one.evidence.nats.fill(0.0);
             one.anonymous.as_mut().unwrap().evidence.nats.fill(0.0);
@@ -280,22 +284,27 @@ mod tests {
         assert!(is_near(belief.any(set(&[EndStop])), 0.0));
     }
 
-    /// The set around the lag, where these shares are believed of it and of others, and its probability.
-    fn around_the_lag(of_lag: f64, others: &[(EffectId, f64)]) -> (Named, f64) {
-        let rest = 1.0 - of_lag - others.iter().map(|(_, share)| share).sum::<f64>();
-        let masses = std::iter::once((set(&[OutputLag]), of_lag))
-            .chain(others.iter().map(|&(name, share)| (set(&[name]), share)))
-            .chain(std::iter::once((CandidateSet::EMPTY, rest)));
+    /// The set around the first name of a leading model, where so much is believed of each of some names, and its probability.
+    fn around(leading: &[EffectId], masses: &[(&[EffectId], f64)], known: &Known) -> (Named, f64) {
+        let masses = masses.iter().map(|&(names, mass)| (set(names), mass));
         let belief = Belief {
             masses: masses.collect(),
         };
-        let leading = model(&[OutputLag], vec![1.0; 1600], vec![1.0; 1600]);
-        alternatives(
-            &leading,
-            (&belief, &known()),
-            OutputLag.into(),
-            &Traces::default(),
-        )
+        let model = leaving_as_much(leading);
+        let asked = (&belief, known);
+        alternatives(&model, asked, leading[0].into(), &Traces::default())
+    }
+
+    /// The set around the lag, where these shares are believed of it and of others, and its probability.
+    fn around_the_lag(of_lag: f64, others: &[(EffectId, f64)]) -> (Named, f64) {
+        let lag = [OutputLag];
+        let mut masses: Vec<(&[EffectId], f64)> = vec![(&lag, of_lag)];
+        masses.extend(
+            others
+                .iter()
+                .map(|(name, mass)| (std::slice::from_ref(name), *mass)),
+        );
+        around(&lag, &masses, &known())
     }
 
     #[test]
@@ -324,22 +333,12 @@ mod tests {
 
     #[test]
     fn what_acts_alike_and_could_not_be_tried_has_half_of_the_probability() {
-        let belief = Belief {
-            masses: vec![(set(&[AmbientDrift]), 0.9), (set(&[DeadTime]), 0.08)],
-        };
         let known = Known {
             untried: set(&[FunctionalFatigue, EndStop]),
             ..known()
         };
-        let of = |leading: &[EffectId]| {
-            let leading = model(leading, vec![1.0; 1600], vec![1.0; 1600]);
-            alternatives(
-                &leading,
-                (&belief, &known),
-                AmbientDrift.into(),
-                &Traces::default(),
-            )
-        };
+        let masses: [(&[EffectId], f64); 2] = [(&[AmbientDrift], 0.9), (&[DeadTime], 0.08)];
+        let of = |leading: &[EffectId]| around(leading, &masses, &known);
         let (named, covered) = of(&[AmbientDrift]);
         assert!(
             is_near(named.probability, 0.45) && is_near(covered, 0.98),
