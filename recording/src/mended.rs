@@ -38,6 +38,7 @@ pub fn mended(recording: &Recording) -> Recording {
     let mut mended = recording.clone();
     for wild in wild(recording) {
         match wild.role {
+            "time" => mended.change_time(|time_s| wild.replace(time_s)),
             "output" => wild.replace(mended.output_mut()),
             role => {
                 let place = usize::from(role != "drive");

@@ -126,6 +126,14 @@ impl Recording {
         Ok(Self::new(parts)?.adapted_by(self.adaptations.clone()))
     }
 
+    /// Puts the times right.
+    pub(crate) fn change_time(&mut self, change: impl FnOnce(&mut [f64])) {
+        if let Some(time_s) = &mut self.parts.time_s {
+            change(time_s);
+            self.sampling = Sampling::of(time_s);
+        }
+    }
+
     /// The drive, to be put right.
     pub(crate) fn drive_mut(&mut self) -> &mut [f64] {
         &mut self.parts.drive

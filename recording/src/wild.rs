@@ -15,10 +15,15 @@ const FAR: f64 = 30.0;
 /// quiet for most of the time, and busy here.
 const FAR_HERE: f64 = 10.0;
 
-/// Steps of its converter that an output goes, at least.
-const STEPS: f64 = 5.0;
+/// Distance from the line between the neighbors, over the usual step of a series around a sample, from which it is wild: at a
+/// corner, sharp or round, a sample is no farther away than a step.
+const STEPS_HERE: f64 = 2.0;
 
-/// How near the neighbors are to one another then, over that distance: beside a step they are not.
+/// Steps of its converter that an output goes, at least: neighbors that noise of two steps has made equal look quiet.
+const STEPS: f64 = 10.0;
+
+/// How near the neighbors are to one another then, over that distance, but for as many steps of a slope as lie between them:
+/// beside a step they are not.
 const ALIKE: f64 = 0.2;
 
 /// Share of the range below which no distance is usual: a drive that is held has none.
@@ -36,17 +41,24 @@ const A_LEVEL: f64 = 0.01;
 /// Share of a drive's range that is a step: what the output does then is its answer.
 const A_STEP: f64 = 0.1;
 
+/// Single samples at a level of the drive that are wild at most, where it stays for longer than [`LONGEST`] otherwise: more are how
+/// the rod was driven.
+const ONCE_OR_TWICE: usize = 3;
+
 /// Longest run of an output at one value that is a dropout: a contact bounces for some samples. A rod has inertia, and neither
 /// goes to another value within a sample nor comes back from it to where it was.
 const LONGEST: usize = 4;
 
+/// Share of the usual time between two samples by which a time stamp that stands apart is off.
+const OFF_THE_BEAT: f64 = 0.1;
+
 /// Samples on either side whose median says where a series is.
 const AROUND: usize = 5;
 
-/// Samples far from both of their neighbors, which agree: glitches of a logger, dropouts of a sensor.
+/// Samples far from both of their neighbors, which agree: glitches of a logger or of its clock, dropouts of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wild {
-    /// `drive`, `antagonist drive` or `output`.
+    /// `time`, `drive`, `antagonist drive` or `output`.
     pub role: &'static str,
     /// Unit of the value.
     pub unit: String,
@@ -54,7 +66,7 @@ pub struct Wild {
     pub samples: Vec<usize>,
     /// Value of the first.
     pub value: f64,
-    /// Time of the first, s; `None` for static data.
+    /// Time of the first, s; `None` for static data, and where times are wild themselves.
     pub time_s: Option<f64>,
 }
 
@@ -63,6 +75,10 @@ impl fmt::Display for Wild {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { role, value, .. } = self;
         match self.samples.len() {
+            1 if self.is_of_clock() => f.write_str("a time between samples in step, ")?,
+            n if self.is_of_clock() => {
+                write!(f, "{n} times, each between samples in step, the first ")?;
+            }
             1 => write!(
                 f,
                 "a sample of the {role} that stands far from both neighbors, "
@@ -81,6 +97,10 @@ impl fmt::Display for Wild {
 }
 
 impl Wild {
+    fn is_of_clock(&self) -> bool {
+        self.role == "time"
+    }
+
     /// The runs of samples one after another.
     fn runs(&self) -> Vec<Range<usize>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
@@ -116,8 +136,8 @@ impl Wild {
     }
 }
 
-/// The wild samples of drive and output: single ones of either, and runs of up to four at one value of an output, to which it
-/// jumps and from which it comes back. A drive of one sample that comes again and again is none.
+/// The wild samples of time, drive and output: single ones, and runs of up to four at one value of an output, to which it jumps and
+/// from which it comes back. A drive of one sample that comes again and again is none.
 #[must_use]
 pub fn wild(recording: &Recording) -> Vec<Wild> {
     let drives: Vec<(&[f64], Ordered)> = recording
@@ -126,9 +146,15 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
         .collect();
     let output = Ordered::new(recording.output());
     let of_drives = drives.iter().map(|(drive, ordered)| {
-        let mut wild = wild_in(drive, LEAST_OF_A_DRIVE / FAR * ordered.range(), 1);
-        wild.retain(|run| !ordered.has_level(drive[run.start]));
-        wild
+        let alone = wild_in(drive, LEAST_OF_A_DRIVE / FAR * ordered.range(), 1);
+        let at_a_level = alone
+            .iter()
+            .filter(|run| ordered.has_level(drive[run.start]));
+        if at_a_level.count() <= ONCE_OR_TWICE && shortest_stay(drive, ordered, &alone) > LONGEST {
+            return alone;
+        }
+        let is_at_no_level = |run: &Range<usize>| !ordered.has_level(drive[run.start]);
+        alone.into_iter().filter(is_at_no_level).collect()
     });
     let is_after_a_step = |run: &Range<usize>| {
         let mut drives = drives.iter();
@@ -148,7 +174,9 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
         recording.output(),
         of_output,
     );
-    let series = series.chain([output]);
+    let clock = off_the_beat(recording.time_s());
+    let time = ("time", "s", recording.time_s(), clock);
+    let series = [time].into_iter().chain(series).chain([output]);
     let found = series.filter_map(|(role, unit, values, runs)| {
         let samples: Vec<usize> = runs.into_iter().flatten().collect();
         let &first = samples.first()?;
@@ -159,7 +187,11 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
             role,
             unit: unit.to_owned(),
             value: values[first],
-            time_s: recording.time_s().get(first).copied(),
+            time_s: recording
+                .time_s()
+                .get(first)
+                .copied()
+                .filter(|_| role != "time"),
             samples,
         })
     });
@@ -171,9 +203,17 @@ pub(crate) struct Ordered(Vec<f64>);
 
 impl Ordered {
     pub(crate) fn new(values: &[f64]) -> Self {
-        let mut ordered = values.to_vec();
-        ordered.sort_by(f64::total_cmp);
-        Self(ordered)
+        Self::of(values.to_vec())
+    }
+
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        Self(values)
+    }
+
+    /// The upper of the two in the middle, if there are two.
+    fn middle(&self) -> Option<f64> {
+        self.0.get(self.0.len() / 2).copied()
     }
 
     /// From the first to the last hundredth: wild ones would stretch the range itself.
@@ -189,6 +229,33 @@ impl Ordered {
         let up_to = self.0.partition_point(|other| *other <= value + near);
         (up_to - below) as f64 > A_LEVEL * self.0.len() as f64
     }
+}
+
+/// Single times that stand apart from what a clock with a regular step would say.
+fn off_the_beat(time_s: &[f64]) -> Vec<Range<usize>> {
+    let steps = time_s.windows(2).map(|two| two[1] - two[0]);
+    let Some(step_s) = Ordered::of(steps.collect()).middle() else {
+        return Vec::new();
+    };
+    let late_s: Vec<f64> = time_s
+        .iter()
+        .enumerate()
+        .map(|(k, time_s)| time_s - k as f64 * step_s)
+        .collect();
+    wild_in(&late_s, OFF_THE_BEAT / FAR * step_s, 1)
+}
+
+/// Samples between two steps of a drive, where these are nearest to one another; single samples at `alone` are left out.
+fn shortest_stay(drive: &[f64], ordered: &Ordered, alone: &[Range<usize>]) -> usize {
+    let mut rest = drive.to_vec();
+    for run in alone {
+        rest[run.start] = rest[run.start - 1];
+    }
+    let large = A_STEP * ordered.range();
+    let is_step = |k: &usize| (rest[*k] - rest[*k - 1]).abs() > large;
+    let steps: Vec<usize> = (1..rest.len()).filter(is_step).collect();
+    let stays = steps.windows(2).map(|two| two[1] - two[0]);
+    stays.min().unwrap_or(usize::MAX)
 }
 
 /// True if the drive makes a step larger than `large` just before a run or within it.
@@ -239,22 +306,55 @@ fn is_wild(values: &[f64], run: Range<usize>, usual: f64) -> bool {
     let (before, after) = (values[run.start - 1], values[run.end]);
     let first = values[run.start];
     let distance = (first - 0.5 * (before + after)).abs();
+    if distance <= FAR * usual {
+        return false;
+    }
     let is_one_value = values[run.clone()]
         .iter()
         .all(|value| (value - first).abs() <= usual);
+    let around = Around::of(values, &run, distance);
+    let across = (run.len() + 1) as f64 * around.nearest;
     is_one_value
-        && distance > FAR * usual
-        && (after - before).abs() < ALIKE * distance
+        && (after - before).abs() < ALIKE * distance + across
         && (first - median_around(values, &run)).abs() > 0.5 * distance
-        && distance > FAR_HERE * usual_around(values, &run)
+        && distance > STEPS_HERE * around.step
+        && distance > FAR_HERE * around.noise
 }
 
-/// Usual difference of neighboring samples around a run; the run itself and the steps into it and out of it are left out.
-fn usual_around(values: &[f64], run: &Range<usize>) -> f64 {
-    let before = &values[run.start.saturating_sub(AROUND)..run.start];
-    let after = &values[run.end..(run.end + AROUND).min(values.len())];
-    let steps = |part: &[f64]| -> Vec<f64> { part.windows(2).map(|two| two[1] - two[0]).collect() };
-    usual_size(steps(before).into_iter().chain(steps(after)))
+/// Steps around a run; the run itself and the steps into it and out of it are left out.
+struct Around {
+    /// Size of the larger of the nearest two; larger ones than half the run's own are jumps, and no slope.
+    nearest: f64,
+    /// Size of the middle one.
+    step: f64,
+    /// Usual size of what a step differs by from the middle one on its side.
+    noise: f64,
+}
+
+impl Around {
+    fn of(values: &[f64], run: &Range<usize>, distance: f64) -> Self {
+        let before = &values[run.start.saturating_sub(AROUND)..run.start];
+        let after = &values[run.end..(run.end + AROUND).min(values.len())];
+        let [before, after]: [Vec<f64>; 2] =
+            [before, after].map(|part| part.windows(2).map(|two| two[1] - two[0]).collect());
+        let nearest = [before.last(), after.first()].into_iter().flatten();
+        let slopes = nearest
+            .map(|step| step.abs())
+            .filter(|size| *size < 0.5 * distance);
+        let nearest = slopes.fold(0.0, f64::max);
+        let sizes = before.iter().chain(&after).map(|step| step.abs());
+        let step = Ordered::of(sizes.collect()).middle().unwrap_or(0.0);
+        let differ = [before, after].into_iter().flat_map(|steps| {
+            let steps = Ordered::of(steps);
+            let middle = steps.middle().unwrap_or(0.0);
+            steps.0.into_iter().map(move |step| step - middle)
+        });
+        Self {
+            nearest,
+            step,
+            noise: usual_size(differ),
+        }
+    }
 }
 
 /// Where a series is around a run: a sample between two wild ones has neighbors that agree, too.

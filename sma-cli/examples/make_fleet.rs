@@ -62,7 +62,7 @@ fn wire(number: usize) -> TruthPlant {
 }
 
 /// Rod file of all wires: what is known of them.
-fn rod_file() -> String {
+pub(crate) fn rod_file() -> String {
     let TruthPlant {
         rod, ambient_degc, ..
     } = TruthPlant::default();

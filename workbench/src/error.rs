@@ -97,7 +97,9 @@ pub enum WorkbenchError {
         recording: String,
     },
     /// A run is of the reference and since.
-    #[error("{recording}: is given to --reference and to --train; a run is one or the other")]
+    #[error(
+        "{recording}: its data are given to --reference and to --train; a run is one or the other"
+    )]
     InReference {
         /// The recording.
         recording: String,

@@ -26,8 +26,8 @@ pub use inputs::{hashed, sha256_of};
 pub use known_to_a_range::{carry_resistivity, carry_specific_heat};
 pub use place::Place;
 pub use recordings::{
-    as_fitted, as_simulated, gap_notes, in_its_window, input_notes, is_trained_on, read_all,
-    read_perhaps_without_output,
+    as_fitted, as_simulated, each_once, gap_notes, in_its_window, input_notes, is_trained_on,
+    read_all, read_perhaps_without_output,
 };
 pub use rig::{BEYOND, Rig, RigError};
 pub use track::{Followed, Track, track};

@@ -135,19 +135,28 @@ pub fn is_trained_on(recording: &Recording, training: &[Recording]) -> bool {
     twin(recording, training).is_some()
 }
 
+/// Training recordings, each measurement once, and a note on each copy that is left out: it would count twice, and a block of it would
+/// be predicted from its own noise in the other.
+#[must_use]
+pub fn each_once(recordings: Vec<Recording>) -> (Vec<Recording>, Vec<String>) {
+    let (mut once, mut notes) = (Vec::new(), Vec::new());
+    for recording in recordings {
+        match twin(&recording, &once) {
+            Some(twin) => notes.push(format!(
+                "{} holds the data of {}, and is left out",
+                recording.name(),
+                twin.name()
+            )),
+            None => once.push(recording),
+        }
+    }
+    (once, notes)
+}
+
 /// Notes on anomalies of the recordings themselves; those on gaps are [`gap_notes`].
 #[must_use]
 pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> {
     let mut notes = Vec::new();
-    for (k, recording) in training.iter().enumerate() {
-        if let Some(twin) = twin(recording, &training[..k]) {
-            notes.push(format!(
-                "{} holds the data of {}: its samples count twice, and intervals are too narrow",
-                recording.name(),
-                twin.name()
-            ));
-        }
-    }
     for recording in unseen {
         if let Some(twin) = twin(recording, training) {
             notes.push(format!(

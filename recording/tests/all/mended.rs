@@ -76,6 +76,107 @@ fn glitches_and_dropouts_are_replaced_and_said() {
 }
 
 #[test]
+fn a_single_sample_at_a_level_is_a_dropout_where_the_drive_stays_otherwise() {
+    // Once or twice: a logger. Again and again: how the rod is driven.
+    let dropouts =
+        |n: usize| -> Vec<(usize, f64)> { (0..n).map(|d| (250 + 400 * d, 0.0)).collect() };
+    for n in [1, 3] {
+        let mended = mended(&with(&dropouts(n), &[]));
+        assert_eq!(mended.drive(), clean().drive(), "{n}");
+    }
+    assert_eq!(wild(&with(&dropouts(4), &[])), []);
+    // Where the drive also goes elsewhere for three samples, one sample is nothing special.
+    let mut short = dropouts(1);
+    short.extend([(1450, 0.3), (1451, 0.3), (1452, 0.3)]);
+    assert_eq!(wild(&with(&short, &[])), []);
+}
+
+/// Samples of the drive and of the output that are wild in a triangle with its answer, some of which are others.
+fn wild_in_a_triangle(drive: &[(usize, f64)], output: &[(usize, f64)]) -> [Vec<usize>; 2] {
+    let mut up: Vec<f64> = (0..400)
+        .map(|k| 0.02 * (200 - (k as i32 - 200).abs()) as f64)
+        .collect();
+    let mut noise = Noise(4);
+    // Transforms within six samples near the middle of either slope.
+    let answer = |x: f64| 4.0 / (1.0 + (-12.0 * (x - 2.0)).exp());
+    let mut answers: Vec<f64> = up
+        .iter()
+        .map(|x| answer(*x) + 0.003 * noise.normal())
+        .collect();
+    for (series, others) in [(&mut up, drive), (&mut answers, output)] {
+        for (k, value) in others {
+            series[*k] = *value;
+        }
+    }
+    let mut found = [Vec::new(), Vec::new()];
+    for one in wild(&recording(1.0, up, answers)) {
+        found[usize::from(one.role == "output")] = one.samples;
+    }
+    found
+}
+
+#[test]
+fn a_slope_hides_no_sample_and_a_corner_is_none() {
+    assert_eq!(wild_in_a_triangle(&[], &[]), [vec![], vec![]]);
+    for k in [30, 101, 300, 398] {
+        assert_eq!(
+            wild_in_a_triangle(&[(k, 0.0)], &[])[0].len(),
+            usize::from(k < 398),
+            "{k}"
+        );
+    }
+    for k in [50, 199, 200, 201, 350] {
+        assert_eq!(wild_in_a_triangle(&[], &[(k, -1.0)])[1], [k]);
+    }
+    // On the steep part of the loop.
+    for k in [98, 99, 100, 101, 300, 301] {
+        assert_eq!(wild_in_a_triangle(&[], &[(k, -2.0)])[1], [k]);
+    }
+}
+
+#[test]
+fn a_time_out_of_step_is_put_back() {
+    let [clean, mut odd] = [(); 2].map(|()| RecordingParts {
+        time_s: Some((0..N).map(|k| k as f64 * DT_S).collect()),
+        drive: drive(),
+        output: output(&drive(), &mut Noise(1)),
+        ..RecordingParts::default()
+    });
+    odd.time_s
+        .iter_mut()
+        .for_each(|time_s| time_s[500] += 0.5 * DT_S);
+    let [clean, odd] = [clean, odd].map(|parts| Recording::new(parts).unwrap());
+    let mended = mended(&odd);
+    assert!((mended.time_s()[500] - clean.time_s()[500]).abs() < 1e-9);
+    assert_eq!(mended.sampling(), clean.sampling());
+    assert_eq!(
+        said(&mended),
+        [
+            "a time between samples in step, 50.05 s in sample 500, is replaced by the mean of its neighbors"
+        ]
+    );
+}
+
+#[test]
+fn gaps_and_jitter_are_no_times_out_of_step() {
+    let parts = |at: &dyn Fn(usize) -> f64| {
+        let parts = RecordingParts {
+            time_s: Some((0..N).map(at).collect()),
+            drive: drive(),
+            output: output(&drive(), &mut Noise(1)),
+            ..RecordingParts::default()
+        };
+        wild(&Recording::new(parts).unwrap())
+    };
+    let gap = |n: f64| move |k: usize| DT_S * (k as f64 + if k < 700 { 0.0 } else { n });
+    for n in [0.5, 1.0, 40.0] {
+        assert_eq!(parts(&gap(n)), [], "{n}");
+    }
+    let jitter = |k: usize| DT_S * (k as f64 + 0.5 * (k as f64 * k as f64 * 0.7).sin().abs());
+    assert_eq!(parts(&jitter), []);
+}
+
+#[test]
 fn an_inspection_names_them_and_is_of_the_rest() {
     let odd = with(&[(50, 22.0)], &[]);
     let inspection = inspect(&odd);

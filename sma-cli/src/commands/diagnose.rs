@@ -38,8 +38,8 @@ use workbench::report::series::{self, Series};
 use workbench::report::static_diagnosed::StaticDiagnosed;
 use workbench::sanity::{Facts, Implausible};
 use workbench::{
-    WorkbenchError, carry_resistivity, carry_specific_heat, gap_notes, input_notes, is_trained_on,
-    read_all,
+    WorkbenchError, carry_resistivity, carry_specific_heat, each_once, gap_notes, input_notes,
+    is_trained_on, read_all,
 };
 
 /// Say which physics the baseline model of a rig leaves out, or that it leaves out nothing that shows.
@@ -207,9 +207,9 @@ fn diagnose_rig(args: &DiagnoseArgs) -> anyhow::Result<Outcome> {
     let recordings = args.train.iter().chain(&args.validate);
     let recordings: Vec<PathBuf> = recordings.chain(&args.reference).cloned().collect();
     args.used.apply(&mut rod, &recordings)?;
-    let training = read_all(&rod, &args.train)?;
+    let (training, mut notes) = each_once(read_all(&rod, &args.train)?);
     let given = read_all(&rod, &args.validate)?;
-    let notes = input_notes(&training, &given);
+    notes.extend(input_notes(&training, &given));
     let unseen: Vec<Recording> = given
         .into_iter()
         .filter(|one| !is_trained_on(one, &training))

@@ -29,7 +29,7 @@ use workbench::report::plot::{self, Left};
 use workbench::report::repeated;
 use workbench::report::series::{self, Series};
 use workbench::sanity::Facts;
-use workbench::{gap_notes, input_notes, is_trained_on, read_all};
+use workbench::{each_once, gap_notes, input_notes, is_trained_on, read_all};
 
 /// Fit the grey-box model to recordings, and check it on recordings it has not seen.
 ///
@@ -135,7 +135,7 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
     let mut rod = rod_file::read(&args.rod)?;
     let recordings: Vec<PathBuf> = args.train.iter().chain(&args.validate).cloned().collect();
     args.used.apply(&mut rod, &recordings)?;
-    let training = read_all(&rod, &args.train)?;
+    let (training, copies) = each_once(read_all(&rod, &args.train)?);
     let unseen = read_all(&rod, &args.validate)?;
     let rule = args.memory.rule();
     let model = match args.preset {
@@ -192,7 +192,8 @@ fn identify(args: &IdentifyArgs) -> anyhow::Result<Outcome> {
         input_notes: {
             let tau_s = fit.parameter("tau_s").map(|tau_s| tau_s.values[0]);
             let gaps = gap_notes(training.iter().chain(&unseen), tau_s);
-            let mut notes = input_notes(&training, &unseen);
+            let mut notes = copies;
+            notes.extend(input_notes(&training, &unseen));
             notes.extend(gaps);
             let all = [training.as_slice(), &unseen].concat();
             let floor = repeat_floor(&all).filter(|floor| !floor.is_noise());

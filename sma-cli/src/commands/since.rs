@@ -4,9 +4,10 @@ use std::ops::ControlFlow;
 
 use identify::{Provenance, RigModel};
 use missing_physics::Reference;
+use recording::Recording;
 use workbench::page;
 use workbench::report::changed::SinceReference;
-use workbench::{WorkbenchError, read_all};
+use workbench::{WorkbenchError, each_once, is_trained_on, read_all};
 
 use super::diagnose::{DiagnoseArgs, Rig, show};
 use crate::outcome::Outcome;
@@ -16,16 +17,14 @@ use crate::terminal::{Progress, say};
 /// Fits the laws of the reference, and asks of the training recordings what has changed.
 pub(crate) fn since_reference(
     args: &DiagnoseArgs,
-    rig: Rig,
+    mut rig: Rig,
     (json, report): (Option<Sink>, Option<Sink>),
     made: &Provenance,
 ) -> anyhow::Result<Outcome> {
-    let reference = read_all(&rig.rod, &args.reference)?;
-    if let Some(twice) = rig
-        .training
-        .iter()
-        .find(|one| reference.iter().any(|run| run.name() == one.name()))
-    {
+    let (reference, copies) = each_once(read_all(&rig.rod, &args.reference)?);
+    rig.notes.extend(copies);
+    let is_in_it = |one: &&Recording| is_trained_on(one, &reference);
+    if let Some(twice) = rig.training.iter().find(is_in_it) {
         return Err(WorkbenchError::InReference {
             recording: twice.name().to_owned(),
         }

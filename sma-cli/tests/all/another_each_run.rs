@@ -233,7 +233,9 @@ fn what_has_changed_since_a_reference_is_said() {
     );
     assert_eq!(code, 3);
     assert!(
-        said.contains("a.csv: is given to --reference and to --train; a run is one or the other"),
+        said.contains(
+            "a.csv: its data are given to --reference and to --train; a run is one or the other"
+        ),
         "{said}"
     );
     let (code, _, said) = sma(

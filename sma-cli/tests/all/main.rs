@@ -29,6 +29,7 @@ mod reports;
 mod resume;
 mod shell;
 mod simulate;
+mod spoiled;
 mod thermal;
 mod trial;
 mod tune;

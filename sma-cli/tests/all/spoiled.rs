@@ -1,0 +1,133 @@
+//! One spoiled sample in a sound recording: the diagnosis says what it says without it.
+//!
+//! A few by default; `SMA_SPOILED=32` spoils each of four recordings at as many places, in each way (docs/reliability.md).
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests, which say what was tried"
+)]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use truth_plant::{Draw, LatentHeat, Noise, NoiseKind, Shape, Supply, TruthPlant};
+
+use crate::folder::sma;
+use crate::make_fleet::rod_file;
+
+const SAMPLES: usize = 600;
+const DT_S: f64 = 1.0;
+const NOISE_MM: f64 = 0.005;
+
+/// Time, drive and output of a row.
+type Row = [f64; 3];
+
+/// Changes one row of a recording.
+type Spoil = fn(&mut [Row], usize);
+
+const WAYS: [(&str, Spoil); 7] = [
+    ("drive x 0", |rows, k| rows[k][1] = 0.0),
+    ("drive x 1.5", |rows, k| rows[k][1] *= 1.5),
+    ("drive x 10", |rows, k| rows[k][1] *= 10.0),
+    ("output + 10 deviations", |rows, k| {
+        rows[k][2] += 10.0 * NOISE_MM;
+    }),
+    ("output 0", |rows, k| rows[k][2] = 0.0),
+    ("output 1e6", |rows, k| rows[k][2] = 1e6),
+    ("time + half a step", |rows, k| rows[k][0] += 0.5 * DT_S),
+];
+
+/// Four wires and how they are driven: two of the baseline model's physics, two that conceal an effect.
+fn recordings() -> [Vec<Row>; 4] {
+    let latent_heat = Some(LatentHeat {
+        enthalpy_j_per_kg: 14_000.0,
+    });
+    let supply = Some(Supply {
+        dead_time_s: 2.0,
+        ..Supply::default()
+    });
+    [
+        (Shape::Ramps, None, None),
+        (Shape::InnerLoops, latent_heat, None),
+        (Shape::Holds, None, supply),
+        (Shape::Stairs, None, None),
+    ]
+    .map(|(shape, latent_heat, supply)| {
+        let plant = TruthPlant {
+            latent_heat,
+            supply,
+            displacement_noise: Some(Noise {
+                kind: NoiseKind::White,
+                deviation: NOISE_MM * 1e-3,
+            }),
+            ..TruthPlant::default()
+        };
+        let drive = Draw::new(1).drive(shape, &plant, SAMPLES).drive;
+        let traces = plant.simulate(&drive, DT_S, 1).unwrap();
+        (0..SAMPLES)
+            .map(|k| [traces.time_s[k], traces.drive[k], traces.displacement_mm[k]])
+            .collect()
+    })
+}
+
+/// Verdict and names.
+fn diagnosed(folder: &Path, rows: &[Row]) -> (String, Vec<String>) {
+    let mut text = "time_s,current_a,displacement_mm\n".to_owned();
+    for [time_s, drive, output] in rows {
+        writeln!(text, "{time_s:.3},{drive:.4},{output:.4}").unwrap();
+    }
+    fs::write(folder.join("train.csv"), text).unwrap();
+    let (code, json, said) = sma(
+        folder,
+        "diagnose rod.toml --train train.csv --threads 1 --quiet --json -",
+    );
+    assert!(code == 0 || code == 4, "{said}");
+    let document: Value = serde_json::from_str(&json).unwrap();
+    let findings = document["findings"].as_array().unwrap().iter();
+    (
+        document["verdict"].as_str().unwrap().to_owned(),
+        findings
+            .map(|one| one["effect"].as_str().unwrap().to_owned())
+            .collect(),
+    )
+}
+
+#[test]
+fn one_spoiled_sample_changes_no_verdict() {
+    let n_places = std::env::var("SMA_SPOILED").ok();
+    let n_places: Option<usize> = n_places.map(|text| text.parse().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("rod.toml"), rod_file()).unwrap();
+    let mut others = Vec::new();
+    let mut n_tried = 0;
+    for (wire, rows) in recordings().into_iter().enumerate() {
+        let sound = diagnosed(folder.path(), &rows);
+        println!("wire {wire}: {sound:?}");
+        for place in 0..n_places.unwrap_or(1) {
+            // The first three and the last three stand beside no others.
+            let room = (SAMPLES - 6) as f64;
+            let share = (place as f64 + 0.618 * (wire + 1) as f64).fract();
+            let k = 3 + ((place as f64 + share) * room / n_places.unwrap_or(1) as f64) as usize;
+            for (way, (name, spoil)) in WAYS.iter().enumerate() {
+                if n_places.is_none() && way % 4 != wire {
+                    continue;
+                }
+                let mut spoiled = rows.clone();
+                spoil(&mut spoiled, k);
+                n_tried += 1;
+                let found = diagnosed(folder.path(), &spoiled);
+                if found != sound {
+                    others.push(format!(
+                        "wire {wire}, row {k}, {name}: {found:?} instead of {sound:?}"
+                    ));
+                    println!("{}", others[others.len() - 1]);
+                }
+            }
+        }
+    }
+    println!("{n_tried} tried, {} others", others.len());
+    assert!(others.is_empty(), "{others:#?}");
+}
