@@ -41,8 +41,8 @@ const A_LEVEL: f64 = 0.01;
 /// Share of a drive's range that is a step: what the output does then is its answer.
 const A_STEP: f64 = 0.1;
 
-/// Single samples at a level of the drive that are wild at most, where it stays for longer than [`LONGEST`] otherwise: more are how
-/// the rod was driven.
+/// Single samples of a drive that are wild at most though it has levels there, where it stays for longer than [`LONGEST`] otherwise:
+/// more are how the rod was driven.
 const ONCE_OR_TWICE: usize = 3;
 
 /// Longest run of an output at one value that is a dropout: a contact bounces for some samples. A rod has inertia, and neither
@@ -174,7 +174,7 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
         recording.output(),
         of_output,
     );
-    let clock = off_the_beat(recording.time_s());
+    let clock = off_the_beat(recording.time_s(), recording.output());
     let time = ("time", "s", recording.time_s(), clock);
     let series = [time].into_iter().chain(series).chain([output]);
     let found = series.filter_map(|(role, unit, values, runs)| {
@@ -231,8 +231,9 @@ impl Ordered {
     }
 }
 
-/// Single times that stand apart from what a clock with a regular step would say.
-fn off_the_beat(time_s: &[f64]) -> Vec<Range<usize>> {
+/// Single times that stand apart from what a clock with a regular step would say, if the outputs lie nearer to the line between
+/// their neighbors without them: a sample that was taken late has its own time.
+fn off_the_beat(time_s: &[f64], output: &[f64]) -> Vec<Range<usize>> {
     let steps = time_s.windows(2).map(|two| two[1] - two[0]);
     let Some(step_s) = Ordered::of(steps.collect()).middle() else {
         return Vec::new();
@@ -242,7 +243,21 @@ fn off_the_beat(time_s: &[f64]) -> Vec<Range<usize>> {
         .enumerate()
         .map(|(k, time_s)| time_s - k as f64 * step_s)
         .collect();
-    wild_in(&late_s, OFF_THE_BEAT / FAR * step_s, 1)
+    let found = wild_in(&late_s, OFF_THE_BEAT / FAR * step_s, 1);
+    let squares = |share_at: &dyn Fn(usize) -> f64| -> f64 {
+        let off = found.iter().map(|run| {
+            let k = run.start;
+            let (before, after) = (output[k - 1], output[k + 1]);
+            output[k] - before - share_at(k) * (after - before)
+        });
+        off.map(|off| off * off).sum()
+    };
+    let as_stamped = squares(&|k| (time_s[k] - time_s[k - 1]) / (time_s[k + 1] - time_s[k - 1]));
+    if squares(&|_| 0.5) < as_stamped {
+        found
+    } else {
+        Vec::new()
+    }
 }
 
 /// Samples between two steps of a drive, where these are nearest to one another; single samples at `alone` are left out.

@@ -144,15 +144,19 @@ fn a_time_out_of_step_is_put_back() {
     });
     odd.time_s
         .iter_mut()
-        .for_each(|time_s| time_s[500] += 0.5 * DT_S);
-    let [clean, odd] = [clean, odd].map(|parts| Recording::new(parts).unwrap());
+        .for_each(|time_s| time_s[210] += 0.5 * DT_S);
+    // Not that of a sample that was taken late.
+    let mut late = odd.clone();
+    late.output[210] = 0.5 * (clean.output[210] + clean.output[211]);
+    let [clean, odd, late] = [clean, odd, late].map(|parts| Recording::new(parts).unwrap());
+    assert_eq!(mended(&late), late);
     let mended = mended(&odd);
-    assert!((mended.time_s()[500] - clean.time_s()[500]).abs() < 1e-9);
+    assert!((mended.time_s()[210] - clean.time_s()[210]).abs() < 1e-9);
     assert_eq!(mended.sampling(), clean.sampling());
     assert_eq!(
         said(&mended),
         [
-            "a time between samples in step, 50.05 s in sample 500, is replaced by the mean of its neighbors"
+            "a time between samples in step, 21.05 s in sample 210, is replaced by the mean of its neighbors"
         ]
     );
 }

@@ -77,7 +77,7 @@ const TOLD: [Told; 5] = [
     },
 ];
 
-/// The same with the surroundings of each sample, in °C and in K.
+/// Recordings with the surroundings of each sample, in °C and in K.
 const SURROUNDED: [Told; 2] = [
     Told {
         name: "surroundings in degrees",
