@@ -42,7 +42,7 @@ const A_LEVEL: f64 = 0.01;
 const A_STEP: f64 = 0.1;
 
 /// Single samples of a drive that are wild at most though it has levels there, where it stays for longer than [`LONGEST`] otherwise:
-/// more are how the rod was driven.
+/// more are how the rod was driven. Single times of a clock that is regular otherwise.
 const ONCE_OR_TWICE: usize = 3;
 
 /// Longest run of an output at one value that is a dropout: a contact bounces for some samples. A rod has inertia, and neither
@@ -51,6 +51,10 @@ const LONGEST: usize = 4;
 
 /// Share of the usual time between two samples by which a time stamp that stands apart is off.
 const OFF_THE_BEAT: f64 = 0.1;
+
+/// Squares of what is left of an output at one time over those at another, from which it plainly belongs to the other: a quarter of the
+/// distance.
+const PLAINLY: f64 = 16.0;
 
 /// Samples on either side whose median says where a series is.
 const AROUND: usize = 5;
@@ -231,8 +235,9 @@ impl Ordered {
     }
 }
 
-/// Single times that stand apart from what a clock with a regular step would say, if the outputs lie nearer to the line between
-/// their neighbors without them: a sample that was taken late has its own time.
+/// Single times that stand apart from what a clock with a regular step would say. A sample that was taken late has its own time: its
+/// output lies nearer to the line between its neighbors there than at the time in the middle. Of a few the output has to say so
+/// plainly, because a line is a poor guess where it bends; of many it has to deny it.
 fn off_the_beat(time_s: &[f64], output: &[f64]) -> Vec<Range<usize>> {
     let steps = time_s.windows(2).map(|two| two[1] - two[0]);
     let Some(step_s) = Ordered::of(steps.collect()).middle() else {
@@ -253,7 +258,12 @@ fn off_the_beat(time_s: &[f64], output: &[f64]) -> Vec<Range<usize>> {
         off.map(|off| off * off).sum()
     };
     let as_stamped = squares(&|k| (time_s[k] - time_s[k - 1]) / (time_s[k + 1] - time_s[k - 1]));
-    if squares(&|_| 0.5) < as_stamped {
+    let at_most = if found.len() <= ONCE_OR_TWICE {
+        PLAINLY * as_stamped
+    } else {
+        as_stamped / PLAINLY.sqrt()
+    };
+    if squares(&|_| 0.5) <= at_most {
         found
     } else {
         Vec::new()
