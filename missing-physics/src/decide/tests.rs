@@ -203,27 +203,34 @@ fn a_curve_alone_may_do_better_by_a_hundredth_of_what_it_explains() {
 }
 
 /// Names that lead where surroundings that drift leave a four-hundredth of the mean square, fatigue the share `left` of the root
-/// mean square, and both nothing.
-fn led_with_fatigue_leaving(left: f64) -> CandidateSet {
+/// mean square, and both nothing; beside latent heat, without which as much as `beside` times all that is left.
+fn led_with_fatigue_leaving(left: f64, beside: f64) -> CandidateSet {
     let quiet = noise(1.0, 1);
-    let leaves = |share: f64| {
-        let rest = sum(&quiet, &trace(10.0 * share, 1));
+    let leaves = |share: f64, of_heat: f64| {
+        let known = sum(&trace(10.0 * share, 1), &trace(10.0 * of_heat, 2));
+        let rest = sum(&quiet, &known);
         let with_curve = sum(&rest, &noise(0.1, 7));
         (rest, with_curve)
     };
-    let both = [EffectId::AmbientDrift, EffectId::FunctionalFatigue];
+    let all = [
+        EffectId::LatentHeat,
+        EffectId::AmbientDrift,
+        EffectId::FunctionalFatigue,
+    ];
     let shares: [(&[EffectId], f64); 4] = [
         (&[], 1.0),
-        (&both[..1], 0.05),
-        (&both[1..], left),
-        (&both, 0.0),
+        (&all[1..2], 0.05),
+        (&all[2..], left),
+        (&all[1..], 0.0),
     ];
-    let models = shares.into_iter().map(|(names, share)| {
-        let (rest, with_curve) = leaves(share);
-        model(names, rest, with_curve)
+    let with_and_without_heat = shares.into_iter().flat_map(|(names, share)| {
+        [(&all[..0], beside), (&all[..1], 0.0)].map(|(heat, of_heat)| {
+            let (rest, with_curve) = leaves(share, of_heat);
+            model(&[heat, names].concat(), rest, with_curve)
+        })
     });
     leading(&Population {
-        models: models.collect(),
+        models: with_and_without_heat.collect(),
     })
     .names
 }
@@ -232,8 +239,12 @@ fn led_with_fatigue_leaving(left: f64) -> CandidateSet {
 fn what_does_nearly_all_of_a_drifts_work_stays_beside_it() {
     let drift: CandidateSet = [EffectId::AmbientDrift.into()].into_iter().collect();
     let both = drift.with(EffectId::FunctionalFatigue);
-    assert_eq!(led_with_fatigue_leaving(0.3), both);
-    assert_eq!(led_with_fatigue_leaving(0.33), drift);
+    assert_eq!(led_with_fatigue_leaving(0.3, 0.0), both);
+    assert_eq!(led_with_fatigue_leaving(0.33, 0.0), drift);
+    // Nearly all of what the two explain, which is half of everything.
+    let heat = EffectId::LatentHeat;
+    assert_eq!(led_with_fatigue_leaving(0.3, 1.0), both.with(heat));
+    assert_eq!(led_with_fatigue_leaving(0.4, 1.0), drift.with(heat));
 }
 
 #[test]
