@@ -188,9 +188,8 @@ fn two_names_that_do_as_well_are_one_set() {
 
 #[test]
 fn a_curve_alone_may_do_better_by_a_hundredth_of_what_it_explains() {
-    // The lag leaves a mean square of 1; a hundredth of what a curve explains is half of that.
-    let held = |of_noise: f64| {
-        let mut population = with_lag(7.0, 0.0);
+    let held = |lag: f64, of_noise: f64| {
+        let mut population = with_lag(lag, 0.0);
         let left = population.models[1].evidence.squares.iter();
         let left = left.map(|block| block.map(|square| of_noise * square));
         let left = left.collect();
@@ -198,8 +197,12 @@ fn a_curve_alone_may_do_better_by_a_hundredth_of_what_it_explains() {
         curve.evidence.squares = left;
         named(&decide(&population, &known())).len()
     };
-    assert_eq!(held(0.6), 1);
-    assert_eq!(held(0.4), 0);
+    // The lag leaves a mean square of 1; a hundredth of what a curve explains is half of that.
+    assert_eq!(held(7.0, 0.6), 1);
+    assert_eq!(held(7.0, 0.4), 0);
+    // Here it is a hundredth.
+    assert_eq!(held(1.0, 0.995), 1);
+    assert_eq!(held(1.0, 0.98), 0);
 }
 
 /// Names that lead where surroundings that drift leave a four-hundredth of the mean square, fatigue the share `left` of the root

@@ -4,6 +4,8 @@
 //! that it gives to blocks of the recordings that were left out of its fit, and its one anonymous rival is the same model
 //! with a curve of any shape on top.
 
+#[cfg(test)]
+mod any;
 mod audit;
 mod blocks;
 mod curve;
