@@ -27,6 +27,8 @@ pub(crate) enum Outcome {
     NotConverged,
     /// Done, but no rig can be what came out.
     Implausible,
+    /// Done, but the model does not describe the recordings.
+    NotDescribed,
     /// Done, but the rig did not do what was promised of it.
     NotAsPromised,
 }
@@ -75,7 +77,12 @@ pub(crate) fn is_of_the_machine(error: &(dyn Error + 'static)) -> bool {
 fn code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
         Ok(Outcome::Done) => DONE,
-        Ok(Outcome::NotConverged | Outcome::Implausible | Outcome::NotAsPromised) => NOT_TO_BE_USED,
+        Ok(
+            Outcome::NotConverged
+            | Outcome::Implausible
+            | Outcome::NotDescribed
+            | Outcome::NotAsPromised,
+        ) => NOT_TO_BE_USED,
         Err(error) if is_closed_pipe(error) => DONE,
         Err(error) if finds_no_controller(error.as_ref()) => NOT_TO_BE_USED,
         Err(error) if is_bad_input(error.as_ref()) => BAD_INPUT,
@@ -130,6 +137,7 @@ mod tests {
         assert_eq!(code(&Err(IdentifyError::NoRecordings.into())), 3);
         assert_eq!(code(&Ok(Outcome::NotConverged)), 4);
         assert_eq!(code(&Ok(Outcome::Implausible)), 4);
+        assert_eq!(code(&Ok(Outcome::NotDescribed)), 4);
         assert_eq!(code(&Err(TuneError::NoRest.into())), 4);
         assert_eq!(code(&Err(TuneError::NoStarts.into())), 3);
         for (os_error, expected) in [(2, false), (21, false), (5, true), (13, true), (24, true)] {

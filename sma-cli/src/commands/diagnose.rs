@@ -68,7 +68,8 @@ use workbench::{
     Effects: supply-limit supply-lag dead-time latent-heat radiation natural-convection phase-dependent-resistance ambient-drift\n\
     end-conduction return-point-memory loop-shape stress-coupling loop-asymmetry functional-fatigue r-phase\n\
     thermal-expansion end-stop backlash output-lag sensor-nonlinearity sensor-drift thermocouple-lag\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the baseline model did not converge, or is implausible, 130 interrupted"
+    Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 the baseline model did not converge, is implausible, or\n  \
+    does not describe the recordings, 130 interrupted"
 )]
 pub(crate) struct DiagnoseArgs {
     /// Rod file: known properties of the rig.
@@ -370,10 +371,12 @@ fn with_time(
     starts.finish()?;
     Ok(if !has_converged {
         Outcome::NotConverged
-    } else if diagnosed.implausible.is_empty() {
+    } else if !diagnosed.implausible.is_empty() {
+        Outcome::Implausible
+    } else if diagnosed.describes() {
         Outcome::Done
     } else {
-        Outcome::Implausible
+        Outcome::NotDescribed
     })
 }
 

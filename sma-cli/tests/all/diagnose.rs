@@ -18,6 +18,7 @@ use serde_json::Value;
 use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
 use wiener::{Plant, Profile, run};
 
+use crate::folder;
 use crate::generate_recording;
 
 const AMBIENT_DEGC: f64 = 22.0;
@@ -186,6 +187,29 @@ fn keys(value: &Value) -> Vec<&str> {
         .keys()
         .map(String::as_str)
         .collect()
+}
+
+#[test]
+fn an_output_that_has_nothing_to_do_with_the_drive_is_not_described() {
+    let folder = sampled_with_latent_heat(8);
+    let text = std::fs::read_to_string(folder.path().join("train.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    let mut spoiled = String::new();
+    for (k, row) in rows.iter().enumerate() {
+        let output = match k {
+            0 => row[2],
+            _ => rows[rows.len() - k][2],
+        };
+        spoiled += &format!("{},{},{output}\n", row[0], row[1]);
+    }
+    std::fs::write(folder.path().join("backward.csv"), spoiled).unwrap();
+    let (code, text, _) = folder::sma(
+        folder.path(),
+        "diagnose rod.toml --train backward.csv --quiet",
+    );
+    assert_eq!(code, 4, "{text}");
+    let first = "UNEXPLAINED: the model does not describe this recording.";
+    assert!(text.contains(first), "{text}");
 }
 
 #[test]

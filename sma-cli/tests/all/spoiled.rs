@@ -13,7 +13,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use truth_plant::{Draw, LatentHeat, Noise, NoiseKind, Shape, Supply, TruthPlant};
+use truth_plant::{Draw, LatentHeat, Noise, NoiseKind, OutputFilter, Shape, TruthPlant};
 
 use crate::folder::sma;
 use crate::make_fleet::rod_file;
@@ -45,20 +45,20 @@ fn recordings() -> [Vec<Row>; 4] {
     let latent_heat = Some(LatentHeat {
         enthalpy_j_per_kg: 14_000.0,
     });
-    let supply = Some(Supply {
-        dead_time_s: 2.0,
-        ..Supply::default()
+    let output_filter = Some(OutputFilter {
+        time_constant_s: 3.0,
+        dead_time_s: 0.0,
     });
     [
         (Shape::Ramps, None, None),
         (Shape::InnerLoops, latent_heat, None),
-        (Shape::Holds, None, supply),
+        (Shape::Holds, None, output_filter),
         (Shape::Stairs, None, None),
     ]
-    .map(|(shape, latent_heat, supply)| {
+    .map(|(shape, latent_heat, output_filter)| {
         let plant = TruthPlant {
             latent_heat,
-            supply,
+            output_filter,
             displacement_noise: Some(Noise {
                 kind: NoiseKind::White,
                 deviation: NOISE_MM * 1e-3,

@@ -16,7 +16,7 @@ use std::fmt::Write;
 
 use comfy_table::Table;
 use identify::Bounds;
-use missing_physics::{Diagnosis, LoopFamily, NextExperiment, Part, Verdict};
+use missing_physics::{Diagnosis, LoopFamily, NextExperiment, Part, RuleId, Verdict};
 use sma_effects::EffectId;
 
 pub use details::{HOW_TO_READ_CATALOGUE, HOW_TO_READ_REGIMES, in_frequency, regimes};
@@ -222,6 +222,13 @@ impl Diagnosed<'_> {
         let trained = baseline.fit.recordings.iter().map(|one| one.name.as_str());
         let unseen = baseline.validated.iter().map(|one| one.name.as_str());
         label(name, trained.chain(unseen))
+    }
+
+    /// True if the model describes the recordings: if not, drive and output do not belong together, or the rig is another one.
+    #[must_use]
+    pub fn describes(&self) -> bool {
+        self.diagnosis.verdict != Verdict::Unexplained
+            || traces::failed(self.diagnosis, RuleId::Describes).is_none()
     }
 
     /// Further notes, a line each.
