@@ -41,7 +41,7 @@ impl Sensor {
         let colored = floor
             .holds
             .filter(|holds| COLORED.contains(&holds.lag1_autocorrelation));
-        let deviation = colored.map_or(floor.lower(), |holds| holds.standard_deviation);
+        let deviation = colored.map_or(floor.white(), |holds| holds.standard_deviation);
         Some(Self {
             step: rounding * 12.0_f64.sqrt(),
             noise: (deviation.powi(2) - rounding.powi(2)).max(0.0).sqrt(),

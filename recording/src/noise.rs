@@ -1,5 +1,7 @@
 //! First estimates of the noise floor of an output, without a model.
 
+use std::ops::Range;
+
 use crate::cycles::{Repeats, repeats};
 use crate::holds::{Hold, holds};
 use crate::inspect::{LONG_HOLD_S, SETTLE_S};
@@ -13,6 +15,12 @@ const FEWEST_HELD: usize = 10;
 /// A settled hold is still moving if one of the shapes of a transient takes away more than this share
 /// of what varies about its line. White noise leaves little to them, a transient nearly everything.
 const STILL_MOVING: f64 = 0.5;
+
+/// Orders of the differences of neighboring samples: the higher, the less they keep of a smooth motion.
+const ORDERS: Range<usize> = 2..8;
+
+/// Distance of the least of these estimates above the noise, in one of twenty draws of white noise, times the root of the samples.
+const ABOVE: f64 = 1.25;
 
 /// Decays of these shapes over the length of a hold, 1/e each, beside a parabola.
 const DECAYS: [f64; 3] = [4.0, 12.0, 40.0];
@@ -40,16 +48,16 @@ impl Default for NoiseConfig {
     }
 }
 
-/// Noise of the output by what a smooth signal leaves between three neighboring samples.
+/// Noise of the output by what a smooth signal leaves of the differences of neighboring samples: of six orders the least.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DifferenceNoise {
     /// Standard deviation by the mean square, in the unit of the output; too high by what the signal
-    /// itself bends within two steps.
+    /// itself bends within a few steps.
     pub standard_deviation: f64,
     /// Standard deviation by the median absolute deviation, which fast motion in less than half of the recording hardly
     /// moves; too low where the converter's step exceeds the noise.
     pub robust_standard_deviation: f64,
-    /// Threes of samples that went into it.
+    /// Threes of samples that went into the differences of the lowest order.
     pub samples: usize,
 }
 
@@ -99,10 +107,10 @@ pub struct NoiseFloor {
 }
 
 impl NoiseFloor {
-    /// The noise is at least this much.
+    /// The noise is at least this much, but in one of twenty recordings with n samples.
     ///
     /// ```text
-    /// max(min(differences, robust differences, max(holds, repeats)), q/√12)
+    /// max(min((1 − 1.25/√n) differences, max(holds, repeats)), q/√12)
     /// ```
     ///
     /// Differences count a fast motion as noise: the least of all estimates is the bound.
@@ -110,10 +118,22 @@ impl NoiseFloor {
     /// over several steps, q/√12 of its error is rounding.
     #[must_use]
     pub fn lower(&self) -> f64 {
+        let n = self.differences.samples as f64;
+        self.at_least((1.0 - ABOVE / n.sqrt()).max(0.0))
+    }
+
+    /// The white part of the noise, about: as [`NoiseFloor::lower`], without the doubt of a finite number of samples.
+    #[must_use]
+    pub fn white(&self) -> f64 {
+        self.at_least(1.0)
+    }
+
+    fn at_least(&self, share: f64) -> f64 {
         let differences = self
             .differences
             .standard_deviation
             .min(self.differences.robust_standard_deviation);
+        let differences = share * differences;
         let white = self
             .measured()
             .map_or(differences, |highest| highest.min(differences));
@@ -143,16 +163,16 @@ impl NoiseFloor {
 
 /// First estimates of the noise floor of the output, by up to three ways.
 ///
-/// **Differences**, for unequal steps too; for equal ones a = b = 1/2 and the factor is 2/3:
+/// **Differences** of orders p = 2 to 7, for unequal steps too, of which the least counts; order 2 is [Gasser1986]:
 ///
 /// ```text
-/// σ² = mean of (a y_(k−1) + b y_(k+1) − y_k)² / (a² + b² + 1)        [Gasser1986]
-/// a = (t_(k+1) − t_k) / (t_(k+1) − t_(k−1)),  b = 1 − a
+/// σ² = mean of (Σ w_i y_(k+i))² / Σ w_i²,  i = 0..p
+/// w_i = Π 1 / (t_(k+i) − t_(k+j)),  j ≠ i
 /// ```
 ///
 /// T. Gasser, L. Sroka and C. Jennen-Steinmetz, Residual variance and residual pattern in nonlinear
 /// regression, Biometrika 73 (1986) 625–633, doi:10.1093/biomet/73.3.625. It sees white noise only:
-/// a lower bound where noise has memory. Motion y(t) counts as noise by √(2/3) y'' Δt²/2, hence the
+/// a lower bound where noise has memory. Motion y(t) counts as noise by its p-th derivative times Δt^p, hence the higher orders, and the
 /// second version by 1.4826 × the median of the magnitudes instead of the mean of the squares.
 ///
 /// **Holds** longer than [`NoiseConfig::hold_s`], from [`NoiseConfig::settle_s`] after their start:
@@ -245,31 +265,61 @@ impl<'a> Scaled<'a> {
 
 fn difference_noise(recording: &Recording, output: Scaled<'_>) -> Option<DifferenceNoise> {
     let time_s = recording.time_s();
-    let longest_step_s = match recording.sampling() {
-        Sampling::Uniform { .. } => f64::INFINITY,
-        Sampling::Jittered { median_dt_s, .. } => GAP_FACTOR * median_dt_s,
+    let (longest_step_s, is_uniform) = match recording.sampling() {
+        Sampling::Uniform { .. } => (f64::INFINITY, true),
+        Sampling::Jittered { median_dt_s, .. } => (GAP_FACTOR * median_dt_s, false),
         Sampling::Untimed => return None,
     };
-    let mut residuals = Vec::with_capacity(time_s.len());
-    for (k, t) in time_s.windows(3).enumerate() {
-        let (before, after) = (t[1] - t[0], t[2] - t[1]);
-        // Weights of infinite steps have no value.
-        let a = 1.0 / (1.0 + before / after);
-        if before > longest_step_s || after > longest_step_s || !a.is_finite() {
-            continue;
+    let of_order = |order: usize| {
+        let equal: Vec<f64> = (0..=order).map(|k| k as f64).collect();
+        let equal = weights(&equal);
+        let mut found = Vec::with_capacity(time_s.len());
+        for (k, t) in time_s.windows(order + 1).enumerate() {
+            let own;
+            let weights = if is_uniform {
+                &equal
+            } else {
+                if t.windows(2).any(|two| two[1] - two[0] > longest_step_s) {
+                    continue;
+                }
+                own = weights(t);
+                &own
+            };
+            let Some(weights) = weights else { continue };
+            let sum = weights
+                .iter()
+                .enumerate()
+                .map(|(i, w)| w * output.at(k + i));
+            found.push(sum.sum::<f64>().abs());
         }
-        let b = 1.0 - a;
-        let residual = a * output.at(k) + b * output.at(k + 2) - output.at(k + 1);
-        residuals.push((residual / (a * a + b * b + 1.0).sqrt()).abs());
-    }
-    let samples = residuals.len();
-    let squares: f64 = residuals.iter().map(|r| r * r).sum();
-    let deviation = NORMAL_OVER_MAD * median(&mut residuals)?;
+        let samples = found.len();
+        let squares: f64 = found.iter().map(|r| r * r).sum();
+        let deviation = NORMAL_OVER_MAD * median(&mut found)?;
+        Some((squares / samples as f64, deviation * deviation, samples))
+    };
+    let (.., samples) = of_order(ORDERS.start)?;
+    let all: Vec<(f64, f64, usize)> = ORDERS.filter_map(of_order).collect();
+    let least =
+        |of: fn(&(f64, f64, usize)) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
     Some(DifferenceNoise {
-        standard_deviation: output.unscaled(squares / samples as f64),
-        robust_standard_deviation: output.unscaled(deviation * deviation),
+        standard_deviation: output.unscaled(least(|one| one.0)),
+        robust_standard_deviation: output.unscaled(least(|one| one.1)),
         samples,
     })
+}
+
+/// Weights of samples at some times in their divided difference, with squares that sum to 1: of white noise it has the deviation, of a
+/// polynomial of lower order nothing. `None` where steps are too unequal for numbers.
+fn weights(time_s: &[f64]) -> Option<Vec<f64>> {
+    let span_s = time_s[time_s.len() - 1] - time_s[0];
+    let of = |i: usize| -> f64 {
+        let others = (0..time_s.len()).filter(|j| *j != i);
+        let product: f64 = others.map(|j| (time_s[i] - time_s[j]) / span_s).product();
+        product.recip()
+    };
+    let weights: Vec<f64> = (0..time_s.len()).map(of).collect();
+    let norm = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+    (norm.is_finite() && norm > 0.0).then(|| weights.iter().map(|w| w / norm).collect())
 }
 
 fn hold_noise(

@@ -23,7 +23,7 @@ const STEPS_HERE: f64 = 2.0;
 const STEPS: f64 = 10.0;
 
 /// How near the neighbors are to one another then, over that distance, but for as many steps of a slope as lie between them:
-/// beside a step they are not.
+/// beside a step they are not. There, steps on either side are as small beside that of the neighbors.
 const ALIKE: f64 = 0.2;
 
 /// Share of the range below which no distance is usual: a drive that is held has none.
@@ -160,14 +160,14 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
         let is_at_no_level = |run: &Range<usize>| !ordered.has_level(drive[run.start]);
         alone.into_iter().filter(is_at_no_level).collect()
     });
-    let is_after_a_step = |run: &Range<usize>| {
+    let follows = |run: &Range<usize>| {
         let mut drives = drives.iter();
-        drives.any(|(drive, ordered)| is_after_a_step(drive, A_STEP * ordered.range(), run))
+        drives.any(|(drive, ordered)| follows_the_drive(drive, A_STEP * ordered.range(), run))
     };
     let converter = quantization_step(recording.output()).unwrap_or(0.0);
     let least = (LEAST * output.range()).max(STEPS / FAR * converter);
     let mut of_output = wild_in(recording.output(), least, LONGEST);
-    of_output.retain(|run| !is_after_a_step(run));
+    of_output.retain(|run| !follows(run));
     let series = ["drive", "antagonist drive"]
         .into_iter()
         .zip(recording.drives().zip(of_drives))
@@ -283,10 +283,11 @@ fn shortest_stay(drive: &[f64], ordered: &Ordered, alone: &[Range<usize>]) -> us
     stays.min().unwrap_or(usize::MAX)
 }
 
-/// True if the drive makes a step larger than `large` just before a run or within it.
-fn is_after_a_step(drive: &[f64], large: f64, run: &Range<usize>) -> bool {
+/// True if the drive makes steps larger than `large` there and back, just before a run or within it: a fast rod follows it.
+fn follows_the_drive(drive: &[f64], large: f64, run: &Range<usize>) -> bool {
     let before = &drive[run.start.saturating_sub(2)..run.end];
-    before.windows(2).any(|two| (two[1] - two[0]).abs() > large)
+    let steps = || before.windows(2).map(|two| two[1] - two[0]);
+    steps().any(|step| step > large) && steps().any(|step| step < -large)
 }
 
 /// Middle of absolute values, as the standard deviation of a normal distribution.
@@ -339,8 +340,12 @@ fn is_wild(values: &[f64], run: Range<usize>, usual: f64) -> bool {
         .all(|value| (value - first).abs() <= usual);
     let around = Around::of(values, &run, distance);
     let across = (run.len() + 1) as f64 * around.nearest;
+    let gap = (after - before).abs();
+    // Between two levels, farther from both than these are from one another.
+    let outside = (first - before).abs().min((first - after).abs());
+    let is_between_levels = around.nearest < ALIKE * gap && outside > gap;
     is_one_value
-        && (after - before).abs() < ALIKE * distance + across
+        && (gap < ALIKE * distance + across || is_between_levels)
         && (first - median_around(values, &run)).abs() > 0.5 * distance
         && distance > STEPS_HERE * around.step
         && distance > FAR_HERE * around.noise

@@ -55,7 +55,8 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
     let holds = pooled(&|floor| floor.holds.map(|holds| holds.standard_deviation));
     let repeats = pooled(&|floor| floor.repeats.map(|repeats| repeats.standard_deviation));
     let least = holds.into_iter().chain(repeats).reduce(f64::min);
-    let least = least.unwrap_or(lower).max(0.0);
+    let white = pooled(&|floor| Some(floor.white())).unwrap_or(0.0);
+    let least = least.unwrap_or(white).max(0.0);
     Measured {
         gate: gate(least, rounding),
         lower: lower.sqrt(),

@@ -184,7 +184,7 @@ pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
             let floor = noise_floor(recording, NoiseConfig::default());
             let known = floor.map_or(0.0, |floor| {
                 let held = floor.holds.map_or(0.0, |holds| holds.standard_deviation);
-                floor.lower().max(held)
+                floor.white().max(held)
             });
             known.max(ROUNDING * (highest - lowest))
         })

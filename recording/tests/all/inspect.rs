@@ -295,7 +295,7 @@ fn unequal_steps_change_no_estimate() {
 
 #[test]
 fn noise_with_memory_lies_between_the_bounds() {
-    // First-order, coefficient 0.9: differences see 1 − 4/3 · 0.9 + 1/3 · 0.81 = 0.07 of its variance.
+    // First-order, coefficient 0.9: differences of order 7 see Σ w_i w_j 0.9^|i − j| = 0.0567 of its variance.
     let mut noise = Noise(8);
     let mut colored = 0.0;
     let drive = pulses(20_000, 4000, 3000, 5000);
@@ -310,7 +310,7 @@ fn noise_with_memory_lies_between_the_bounds() {
     let sigma = 0.01 / (1.0_f64 - 0.81).sqrt();
     assert_within(
         floor.differences.standard_deviation,
-        sigma * 0.07_f64.sqrt(),
+        sigma * 0.0567_f64.sqrt(),
         0.05,
     );
     let held = floor.holds.unwrap();
@@ -318,6 +318,31 @@ fn noise_with_memory_lies_between_the_bounds() {
     assert_within(held.lag1_autocorrelation, 0.9, 0.05);
     assert_within(floor.upper().unwrap(), sigma, 0.1);
     assert!(floor.lower() < 0.3 * sigma);
+}
+
+#[test]
+fn the_curvature_of_the_signal_is_no_noise() {
+    // Three samples a time constant, and no rest: a line between neighbors misses the signal by more than the noise.
+    let drive: Vec<f64> = (0..400).map(|k| (0.08 * k as f64).sin().powi(2)).collect();
+    let signal = response(&drive, 1.0, 3.0);
+    let bounds: Vec<f64> = (0..200)
+        .map(|seed| {
+            let mut noise = Noise(seed);
+            let output = signal
+                .iter()
+                .map(|y| 4.0 * y + 0.005 * noise.normal())
+                .collect();
+            let floor = noise_floor(
+                &recording(1.0, drive.clone(), output),
+                NoiseConfig::default(),
+            );
+            floor.unwrap().lower()
+        })
+        .collect();
+    let above = bounds.iter().filter(|bound| **bound > 0.005).count();
+    assert!(above <= 10, "{above} of 200");
+    let mean = bounds.iter().sum::<f64>() / 200.0;
+    assert!(mean > 0.0042, "{mean}");
 }
 
 #[test]
@@ -846,7 +871,9 @@ fn floor_is_the_least_and_the_largest_of_its_parts() {
         repeats: None,
         rounding: Some(0.001),
     };
-    assert_eq!((floor.lower(), floor.upper()), (0.02, None));
+    assert_eq!((floor.white(), floor.upper()), (0.02, None));
+    // 1 − 1.25/√100 of it.
+    assert_within(floor.lower(), 0.0175, 1e-12);
     let coarse = NoiseFloor {
         rounding: Some(0.05),
         ..floor

@@ -91,6 +91,22 @@ fn a_single_sample_at_a_level_is_a_dropout_where_the_drive_stays_otherwise() {
     assert_eq!(wild(&with(&short, &[])), []);
 }
 
+#[test]
+fn a_glitch_beside_a_step_is_found_and_an_overshoot_is_none() {
+    // The first and the last sample of a level, which is 1 from 20 to 40 s.
+    for k in [200, 399] {
+        assert_eq!(wild(&with(&[(k, 2.5)], &[]))[0].samples, [k]);
+        assert_eq!(wild(&with(&[(k, 1.4)], &[])), []);
+    }
+}
+
+#[test]
+fn an_output_that_falls_out_as_the_drive_steps_is_found() {
+    for k in [200, 201, 400, 401] {
+        assert_eq!(wild(&with(&[], &[(k, -3.0)]))[0].samples, [k]);
+    }
+}
+
 /// Samples of the drive and of the output that are wild in a triangle with its answer, some of which are others.
 fn wild_in_a_triangle(drive: &[(usize, f64)], output: &[(usize, f64)]) -> [Vec<usize>; 2] {
     let mut up: Vec<f64> = (0..400)
