@@ -5,11 +5,11 @@ use std::fmt;
 use crate::Recording;
 use crate::holds::HOLD_TOLERANCE;
 use crate::order::rising;
+use crate::ordered::{Ordered, usual_size};
 use crate::quantity::Quantity;
 use crate::sampling::Sampling;
 use crate::stretches::{Stretch, stretches};
 use crate::warning::quantity;
-use crate::wild::{Ordered, usual_size};
 
 /// Share of the drive's range below which noise is harmless: it stays within what counts as held, four deviations either way.
 const LEAST: f64 = HOLD_TOLERANCE / 8.0;

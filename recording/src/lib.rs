@@ -101,6 +101,7 @@ mod lines;
 mod mended;
 mod noise;
 pub mod order;
+mod ordered;
 mod quantity;
 mod quantization;
 mod rates;

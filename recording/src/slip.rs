@@ -6,10 +6,10 @@ use std::path::Path;
 
 use crate::Recording;
 use crate::holds::HOLD_TOLERANCE;
+use crate::ordered::{Ordered, usual_size};
 use crate::quantization::quantization_step;
 use crate::sampling::Sampling;
 use crate::warning::{Short, WithUnit, quantity};
-use crate::wild::{Ordered, usual_size};
 
 /// Step of the output over what neighbors usually differ by, from which it may be a slip: the same as of a sample that stands apart.
 const FAR: f64 = 30.0;

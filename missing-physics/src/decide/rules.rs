@@ -253,3 +253,21 @@ pub const RULES: [Rule; 15] = [
         reason: "what is explained is explained by what is named, on recordings that were not used",
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_threshold_may_be_a_quarter_more_or_less() {
+        let times = |id: RuleId, factor: f64| id.rule().threshold_times(factor);
+        // What a probability lacks of 1 is multiplied, and whatever is no share near 1 itself.
+        assert!((times(RuleId::Set, 1.25) - 0.9375).abs() < 1e-12);
+        assert!((times(RuleId::Set, 0.75) - 0.9625).abs() < 1e-12);
+        assert!((times(RuleId::UnseenShare, 1.25) - 0.75).abs() < 1e-12);
+        assert!((times(RuleId::UnseenGain, 1.25) - 0.625).abs() < 1e-12);
+        assert!((times(RuleId::Own, 1.25) - 0.0125).abs() < 1e-12);
+        assert!((times(RuleId::Told, 0.75) - 0.75).abs() < 1e-12);
+        assert!((times(RuleId::Tone, 0.75) - 4.5).abs() < 1e-12);
+    }
+}
