@@ -377,10 +377,7 @@ impl fmt::Display for Warning {
             Self::Wild {
                 wild,
                 is_replaced: false,
-            } => write!(
-                f,
-                "{wild}: if the rig did not see it, take it out of the file, or every fit follows it"
-            ),
+            } => write!(f, "{wild}: {}", wild.advice()),
             Self::Slip(slip) => write!(f, "{slip}"),
             Self::NoisyDrive {
                 noise,

@@ -104,6 +104,15 @@ impl Wild {
         }
     }
 
+    /// What to do where nothing is replaced.
+    pub(crate) fn advice(&self) -> &'static str {
+        if self.is_of_clock() {
+            "if the sample was taken in step, correct it in the file"
+        } else {
+            "if the rig did not see it, take it out of the file, or every fit follows it"
+        }
+    }
+
     /// Description of the values that replace the samples, with its verb.
     pub(crate) fn replacement(&self) -> &'static str {
         let is = if self.samples.len() == 1 { "is" } else { "are" };

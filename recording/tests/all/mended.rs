@@ -175,6 +175,10 @@ fn a_time_out_of_step_is_put_back() {
             "a time between samples in step, 21.05 s in sample 210, is replaced by the mean of its neighbors"
         ]
     );
+    let kept = inspect_as_recorded(&odd).warnings();
+    let kept = kept.iter().map(ToString::to_string);
+    let advice = "a time between samples in step, 21.05 s in sample 210: if the sample was taken in step, correct it in the file";
+    assert_eq!(kept.filter(|text| text == advice).count(), 1);
 }
 
 #[test]

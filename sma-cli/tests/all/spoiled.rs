@@ -74,7 +74,7 @@ fn recordings() -> [Vec<Row>; 4] {
 }
 
 /// Verdict and names.
-fn diagnosed(folder: &Path, rows: &[Row]) -> (String, Vec<String>) {
+fn diagnosed(folder: &Path, rows: &[Row], effort: &str) -> (String, Vec<String>) {
     let mut text = "time_s,current_a,displacement_mm\n".to_owned();
     for [time_s, drive, output] in rows {
         writeln!(text, "{time_s:.3},{drive:.4},{output:.4}").unwrap();
@@ -82,7 +82,9 @@ fn diagnosed(folder: &Path, rows: &[Row]) -> (String, Vec<String>) {
     fs::write(folder.join("train.csv"), text).unwrap();
     let (code, json, said) = sma(
         folder,
-        "diagnose rod.toml --train train.csv --threads 1 --quiet --json -",
+        &format!(
+            "diagnose rod.toml --train train.csv --effort {effort} --threads 1 --quiet --json -"
+        ),
     );
     assert!(code == 0 || code == 4, "{said}");
     let document: Value = serde_json::from_str(&json).unwrap();
@@ -99,12 +101,17 @@ fn diagnosed(folder: &Path, rows: &[Row]) -> (String, Vec<String>) {
 fn one_spoiled_sample_changes_no_verdict() {
     let n_places = std::env::var("SMA_SPOILED").ok();
     let n_places: Option<usize> = n_places.map(|text| text.parse().unwrap());
+    let effort = if n_places.is_some() {
+        "normal"
+    } else {
+        "quick"
+    };
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), rod_file()).unwrap();
     let mut others = Vec::new();
     let mut n_tried = 0;
     for (wire, rows) in recordings().into_iter().enumerate() {
-        let sound = diagnosed(folder.path(), &rows);
+        let sound = diagnosed(folder.path(), &rows, effort);
         println!("wire {wire}: {sound:?}");
         for place in 0..n_places.unwrap_or(1) {
             // The first three and the last three stand beside no others.
@@ -118,7 +125,7 @@ fn one_spoiled_sample_changes_no_verdict() {
                 let mut spoiled = rows.clone();
                 spoil(&mut spoiled, k);
                 n_tried += 1;
-                let found = diagnosed(folder.path(), &spoiled);
+                let found = diagnosed(folder.path(), &spoiled, effort);
                 if found != sound {
                     others.push(format!(
                         "wire {wire}, row {k}, {name}: {found:?} instead of {sound:?}"
