@@ -12,8 +12,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+use recording::{Recording, RecordingParts, wild};
 use serde_json::Value;
-use truth_plant::{Draw, LatentHeat, Noise, NoiseKind, OutputFilter, Shape, TruthPlant};
+use truth_plant::{Converter, Draw, LatentHeat, Noise, NoiseKind, OutputFilter, Shape, TruthPlant};
 
 use crate::folder::sma;
 use crate::make_fleet::rod_file;
@@ -95,6 +96,37 @@ fn diagnosed(folder: &Path, rows: &[Row], effort: &str) -> (String, Vec<String>)
             .map(|one| one["effect"].as_str().unwrap().to_owned())
             .collect(),
     )
+}
+
+#[test]
+fn sound_recordings_have_no_wild_samples() {
+    for shape in Shape::ALL {
+        // From four samples a time constant to eighty.
+        for (seed, n) in (1..).zip([150, 300, 600, 1500, 3000]) {
+            let plant = TruthPlant {
+                displacement_noise: Some(Noise {
+                    kind: NoiseKind::White,
+                    deviation: 3e-6,
+                }),
+                converter: Some(Converter {
+                    full_scale_m: 10e-3,
+                    lowest_m: -1e-3,
+                    bits: 12,
+                }),
+                ..TruthPlant::default()
+            };
+            let drive = Draw::new(seed).drive(shape, &plant, n).drive;
+            let traces = plant.simulate(&drive, 600.0 / n as f64, seed).unwrap();
+            let recording = Recording::new(RecordingParts {
+                time_s: Some(traces.time_s),
+                drive,
+                output: traces.displacement_mm,
+                output_unit: "mm".to_owned(),
+                ..RecordingParts::default()
+            });
+            assert_eq!(wild(&recording.unwrap()), [], "{shape:?}, {n}");
+        }
+    }
 }
 
 #[test]
