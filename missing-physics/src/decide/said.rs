@@ -31,3 +31,26 @@ impl Verdict {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Verdict;
+
+    #[test]
+    fn a_verdict_has_its_own_name_in_files() {
+        for verdict in [
+            Verdict::Adequate,
+            Verdict::Explained,
+            Verdict::Ambiguous,
+            Verdict::ExplainedInPart,
+            Verdict::Unexplained,
+            Verdict::NotConverged,
+        ] {
+            let words = verdict.id().split('_').map(|word| {
+                let (first, rest) = word.split_at(1);
+                first.to_uppercase() + rest
+            });
+            assert_eq!(words.collect::<String>(), format!("{verdict:?}"));
+        }
+    }
+}

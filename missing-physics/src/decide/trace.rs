@@ -78,3 +78,50 @@ impl Traces {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_hangs_on_its_threshold_where_a_quarter_more_or_less_turns_it() {
+        let [told, own] = [RuleId::Told, RuleId::Own].map(RuleId::rule);
+        let mut traces = Traces::default();
+        assert!(!traces.hang_on(told, 1.25));
+        assert!(traces.ask(RuleId::Told, "backlash", 1.1));
+        assert!(traces.hang_on(told, 1.25) && !traces.hang_on(told, 0.75));
+        // What another rule was asked says nothing of this one.
+        assert!(!traces.hang_on(own, 1.25));
+        assert!(!traces.ask(RuleId::Own, "backlash", 0.012));
+        assert!(traces.hang_on(own, 1.25) && !traces.hang_on(own, 0.75));
+    }
+
+    #[test]
+    fn what_is_asked_aside_hangs_as_well_and_is_no_step() {
+        let mut others = Traces::default();
+        others.ask(RuleId::Told, "backlash", 1.1);
+        let mut traces = Traces::default();
+        traces.set_aside(others);
+        assert!(traces.steps.is_empty());
+        assert!(traces.hang_on(RuleId::Told.rule(), 1.25));
+    }
+
+    #[test]
+    fn a_set_hangs_on_its_threshold_wherever_it_ended() {
+        let mut traces = Traces::default();
+        traces.ask(RuleId::Set, "backlash", 0.9999);
+        for factor in [0.75, 1.25] {
+            assert!(traces.hang_on(RuleId::Set.rule(), factor));
+        }
+    }
+
+    #[test]
+    fn another_threshold_is_that_of_one_rule_and_stays_when_begun_again() {
+        let moved = Traces::with_threshold_times(RuleId::Told.rule(), 1.25);
+        for mut traces in [moved.begun_again(), moved] {
+            assert!(!traces.ask(RuleId::Told, "backlash", 1.1));
+            assert!(traces.ask(RuleId::Matters, "backlash", 1.1));
+            assert!(!traces.steps[0].passed && traces.steps[1].passed);
+        }
+    }
+}
