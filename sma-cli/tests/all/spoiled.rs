@@ -101,7 +101,7 @@ fn diagnosed(folder: &Path, rows: &[Row], effort: &str) -> (String, Vec<String>)
 #[test]
 fn sound_recordings_have_no_wild_samples() {
     for shape in Shape::ALL {
-        // From four samples a time constant to eighty.
+        // From two samples a time constant to fifty.
         for (seed, n) in (1..).zip([150, 300, 600, 1500, 3000]) {
             let plant = TruthPlant {
                 displacement_noise: Some(Noise {
