@@ -104,7 +104,7 @@ impl Wild {
         }
     }
 
-    /// What to do where nothing is replaced.
+    /// Advice where nothing is replaced.
     pub(crate) fn advice(&self) -> &'static str {
         if self.is_of_clock() {
             "if the sample was taken in step, correct it in the file"
