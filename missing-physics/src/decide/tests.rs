@@ -173,6 +173,26 @@ fn a_name_that_loses_to_the_curve_does_not_hold() {
 }
 
 #[test]
+fn what_is_left_is_that_of_all_that_lead_though_one_of_them_is_a_suspect() {
+    let mut population = with_lag(3.0, 0.0);
+    let left = |share: f64| {
+        let rest = sum(&noise(1.0, 1), &trace(share, 2));
+        let with_curve = sum(&rest, &noise(0.1, 7));
+        (rest, with_curve)
+    };
+    let both = [EffectId::OutputLag, EffectId::EndStop];
+    for (names, (rest, with_curve)) in [(&both[..1], left(0.10)), (&both[..], left(0.0))] {
+        population.models.push(model(names, rest, with_curve));
+    }
+    population.models.remove(1);
+    let decided = decide(&population, &known());
+    let suspects: Vec<&str> = decided.suspects.iter().map(|one| one.effect.id()).collect();
+    assert_eq!(named(&decided), ["output-lag"]);
+    assert_eq!(suspects, ["end-stop"]);
+    assert_eq!(decided.verdict, Verdict::Explained);
+}
+
+#[test]
 fn two_names_that_do_as_well_are_one_set() {
     let mut population = with_lag(3.0, 0.0);
     let twin = population.models[1].evidence.residual.clone();
