@@ -34,7 +34,7 @@ fn blocks() -> Vec<Block> {
         recording: 0,
         output: start..start + 4,
         temperature: None,
-        removed: vec![start.saturating_sub(1)..(start + 5).min(N)],
+        removed: std::iter::once(start.saturating_sub(1)..(start + 5).min(N)).collect(),
     });
     each.collect()
 }

@@ -110,7 +110,7 @@ fn an_output_that_falls_out_as_the_drive_steps_is_found() {
 /// Samples of the drive and of the output that are wild in a triangle with its answer, some of which are others.
 fn wild_in_a_triangle(drive: &[(usize, f64)], output: &[(usize, f64)]) -> [Vec<usize>; 2] {
     let mut up: Vec<f64> = (0..400)
-        .map(|k| 0.02 * (200 - (k as i32 - 200).abs()) as f64)
+        .map(|k| 0.02 * (200 - (k - 200_i32).abs()) as f64)
         .collect();
     let mut noise = Noise(4);
     // Transforms within six samples near the middle of either slope.
