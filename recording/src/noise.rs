@@ -163,7 +163,7 @@ impl NoiseFloor {
 
 /// First estimates of the noise floor of the output, by up to three ways.
 ///
-/// **Differences** of orders p = 2 to 7, for unequal steps too, of which the least counts; order 2 is [Gasser1986]:
+/// **Differences** of orders p = 2 to 7, for unequal steps too, of which the least counts; order 2 is that of Gasser et al.:
 ///
 /// ```text
 /// σ² = mean of (Σ w_i y_(k+i))² / Σ w_i²,  i = 0..p

@@ -370,6 +370,33 @@ fn what_is_less_than_any_formula_is_exact_to_has_no_name() {
 }
 
 #[test]
+fn the_baseline_model_has_a_verdict_of_its_own() {
+    let nameless = |population: &Population, known: &Known| decide(population, known).nameless;
+    assert_eq!(nameless(&nothing(), &known()), Verdict::Adequate);
+    // A lag is left, though it has a name.
+    let with_lag = with_lag(3.0, 0.0);
+    assert_eq!(decide(&with_lag, &known()).verdict, Verdict::Explained);
+    assert_eq!(nameless(&with_lag, &known()), Verdict::Unexplained);
+    let odd = Known {
+        disturbed: 1.0,
+        ..known()
+    };
+    assert_eq!(nameless(&nothing(), &odd), Verdict::Unexplained);
+    let unlike = Known {
+        output_squares: N as f64,
+        ..known()
+    };
+    assert_eq!(nameless(&nothing(), &unlike), Verdict::Unexplained);
+}
+
+#[test]
+fn a_share_is_explained_where_something_leads() {
+    assert_eq!(decide(&nothing(), &known()).explained, None);
+    let explained = decide(&with_lag(3.0, 0.0), &known()).explained;
+    assert!(explained.is_some_and(|share| share > 0.95), "{explained:?}");
+}
+
+#[test]
 fn what_follows_the_state_or_has_a_tone_is_no_noise() {
     let disturbed = around(&nothing(), RuleId::Disturbed, |known, share| {
         known.disturbed = share
