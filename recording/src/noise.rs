@@ -297,8 +297,8 @@ fn difference_noise(recording: &Recording, output: Scaled<'_>) -> Option<Differe
         let deviation = NORMAL_OVER_MAD * median(&mut found)?;
         Some((squares / samples as f64, deviation * deviation, samples))
     };
-    let (.., samples) = of_order(ORDERS.start)?;
     let all: Vec<(f64, f64, usize)> = ORDERS.filter_map(of_order).collect();
+    let &(.., samples) = all.first()?;
     let least =
         |of: fn(&(f64, f64, usize)) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
     Some(DifferenceNoise {

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::runs::{FAR, wild_in};
-use crate::ordered::Ordered;
+use crate::recording::Recording;
+use crate::sampling::Sampling;
 
 /// Single times that are replaced at most unless the output plainly says that they are its own.
 const A_FEW: usize = 3;
@@ -18,17 +19,17 @@ const PLAINLY: f64 = 16.0;
 /// Single times that stand apart from what a clock with a regular step would say. A sample that was taken late has its own time: its
 /// output lies nearer to the line between its neighbors there than at the time in the middle. Of a few the output has to say so
 /// plainly, because a line is a poor guess where it bends; of many it has to deny it.
-pub(super) fn off_the_beat(time_s: &[f64], output: &[f64]) -> Vec<Range<usize>> {
-    let steps = time_s.windows(2).map(|two| two[1] - two[0]);
-    let Some(step_s) = Ordered::of(steps.collect()).middle() else {
+pub(super) fn off_the_beat(recording: &Recording) -> Vec<Range<usize>> {
+    let Sampling::Jittered { median_dt_s, .. } = recording.sampling() else {
         return Vec::new();
     };
+    let (time_s, output) = (recording.time_s(), recording.output());
     let late_s: Vec<f64> = time_s
         .iter()
         .enumerate()
-        .map(|(k, time_s)| time_s - k as f64 * step_s)
+        .map(|(k, time_s)| time_s - k as f64 * median_dt_s)
         .collect();
-    let found = wild_in(&late_s, OFF_THE_BEAT / FAR * step_s, 1);
+    let found = wild_in(&late_s, OFF_THE_BEAT / FAR * median_dt_s, 1);
     let squares = |share_at: &dyn Fn(usize) -> f64| -> f64 {
         let off = found.iter().map(|run| {
             let k = run.start;

@@ -159,7 +159,7 @@ pub fn wild(recording: &Recording) -> Vec<Wild> {
         recording.output(),
         of_output,
     );
-    let clock = off_the_beat(recording.time_s(), recording.output());
+    let clock = off_the_beat(recording);
     let time = ("time", "s", recording.time_s(), clock);
     let series = [time].into_iter().chain(series).chain([output]);
     let found = series.filter_map(|(role, unit, values, runs)| {

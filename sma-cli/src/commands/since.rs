@@ -23,7 +23,10 @@ pub(crate) fn since_reference(
 ) -> anyhow::Result<Outcome> {
     let (reference, copies) = each_once(read_all(&rig.rod, &args.reference)?);
     rig.notes.extend(copies);
-    let is_in_it = |one: &&Recording| is_trained_on(one, &reference);
+    let is_in_it = |one: &&Recording| {
+        let is_named = reference.iter().any(|run| run.name() == one.name());
+        is_named || is_trained_on(one, &reference)
+    };
     if let Some(twice) = rig.training.iter().find(is_in_it) {
         return Err(WorkbenchError::InReference {
             recording: twice.name().to_owned(),
