@@ -19,6 +19,7 @@ mod input_path;
 mod least_squares;
 mod loop_model;
 mod moments;
+mod odd_step;
 mod of_family;
 mod of_rig;
 mod own_anew;
@@ -64,6 +65,7 @@ pub use identifiability::UnfixedDirection;
 pub use input_path::OneWay;
 pub use least_squares::{LeastSquaresConfig, Termination};
 pub use loop_model::LoopModel;
+pub use odd_step::{OddStep, odd_step};
 pub use of_family::{
     SECOND_POPULATION_PARAMETERS, SHAPE_PARAMETERS, is_of_family, parameters_of_family,
 };

@@ -1,6 +1,6 @@
 //! An identified model as a value that can be kept.
 
-use recording::Recording;
+use recording::{DriveResolution, Recording, drive_resolution};
 use serde::{Deserialize, Serialize};
 use wiener::WienerParams;
 use wiener::hysteresis::{LoopFamily, Rule};
@@ -108,6 +108,20 @@ pub struct SavedRecording {
     /// Largest drive in it, in its unit: beyond, the model is extrapolated.
     #[serde(deserialize_with = "not_negative")]
     pub largest_drive: f64,
+    /// Step of its supply, in the unit of the drive; `None` where none is seen.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "positive_if_any"
+    )]
+    pub drive_step: Option<f64>,
+    /// Lowest drive of its supply beside nothing, in its unit; `None` where no dead zone is seen.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "positive_if_any"
+    )]
+    pub drive_dead_zone: Option<f64>,
     /// Root mean square of recording - model, in the output unit.
     #[serde(deserialize_with = "not_negative")]
     pub rmse: f64,
@@ -201,14 +215,19 @@ impl SavedModel {
         } = identification;
         let trained = training.iter().zip(&fit.recordings);
         let checked = unseen.iter().zip(validated);
-        let kept = |recording: &Recording, role, rmse| SavedRecording {
-            name: recording.name().to_owned(),
-            role,
-            n_samples: recording.len(),
-            largest_drive: recording.largest_drive(),
-            sample_time_s: recording.sampling().usual_dt_s(),
-            rmse,
-            sensor: Sensor::of(recording),
+        let kept = |recording: &Recording, role, rmse| {
+            let resolution = drive_resolution(recording);
+            SavedRecording {
+                name: recording.name().to_owned(),
+                role,
+                n_samples: recording.len(),
+                largest_drive: recording.largest_drive(),
+                drive_step: resolution.step,
+                drive_dead_zone: resolution.dead_zone,
+                sample_time_s: recording.sampling().usual_dt_s(),
+                rmse,
+                sensor: Sensor::of(recording),
+            }
         };
         Self {
             rod: rod.clone(),
@@ -240,6 +259,21 @@ impl SavedModel {
         trained
             .filter_map(|one| one.sensor)
             .max_by(|a, b| a.jump().total_cmp(&b.jump()))
+    }
+
+    /// How finely the supply can be set: a duty in counts as they are, else the largest step and the largest dead zone of the training.
+    #[must_use]
+    pub fn drive_resolution(&self) -> DriveResolution {
+        let drive = self.rod.columns.drive.as_ref();
+        let counts = drive.and_then(|drive| drive.full_scale);
+        let largest = |value: fn(&SavedRecording) -> Option<f64>| {
+            let trained = self.recordings.iter().filter(|one| one.role == Role::Train);
+            trained.filter_map(value).max_by(f64::total_cmp)
+        };
+        DriveResolution {
+            step: counts.map(f64::recip).or(largest(|one| one.drive_step)),
+            dead_zone: largest(|one| one.drive_dead_zone),
+        }
     }
 
     /// Largest drive of the training, in its unit.

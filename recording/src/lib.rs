@@ -58,6 +58,7 @@
 //! | which samples do not belong to the series, and a recording without them? | [`wild`], [`mended`] |
 //! | where does the output slip? | [`slips`] |
 //! | is the column of the drive noisy? | [`drive_noise`] |
+//! | in what steps can the supply be set, and from where on? | [`drive_resolution`] |
 //! | where is the drive constant? | [`holds`] |
 //! | which are its whole cycles, which repeat? | [`cycles`], [`repeats`] |
 //! | how far apart are runs of the same drive? | [`repeat_floor`] |
@@ -110,6 +111,7 @@ mod recording;
 mod repeated;
 mod resample;
 mod resistance;
+mod resolution;
 mod sampling;
 mod slip;
 mod stretches;
@@ -139,6 +141,7 @@ pub use recording::{Recording, RecordingParts};
 pub use repeated::{Apart, Difference, Part, RepeatFloor, RepeatedDrive, repeat_floor};
 pub use resample::resample;
 pub use resistance::Resistance;
+pub use resolution::{DriveResolution, drive_resolution};
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
 pub use slip::{Slip, slips};
 pub use survey::{Meaning, Survey, SurveyedColumn, survey};

@@ -10,6 +10,7 @@ use crate::quantity::Quantity;
 use crate::resistance::Resistance;
 use crate::sampling::{Gap, Sampling, gaps};
 use crate::unit::output_symbol;
+use crate::warning::WithUnit;
 
 /// A recording of an actuator: samples of drive and output, checked and in known units.
 ///
@@ -468,6 +469,28 @@ impl Recording {
             }
         }
         moved
+    }
+
+    /// This recording with another drive in one sample, counted from 0, which says so among its [`Recording::adaptations`].
+    ///
+    /// # Panics
+    ///
+    /// Panics if there is no such sample.
+    #[must_use]
+    pub fn driven_in(&self, sample: usize, drive: f64) -> Self {
+        let with_unit = |value| WithUnit(value, self.drive_unit()).to_string();
+        let place = match self.time_s().get(sample) {
+            Some(time_s) => format!("at {time_s} s"),
+            None => format!("in sample {sample}"),
+        };
+        let recorded = with_unit(self.drive()[sample]);
+        let done = format!(
+            "the drive of {recorded} {place} does not fit the output: {} is taken, as beside it",
+            with_unit(drive)
+        );
+        let mut changed = self.clone();
+        changed.drive_mut()[sample] = drive;
+        changed.also_adapted_by(Adaptation::of_recording(done))
     }
 
     /// The samples from one time to another, s, both included, as a recording of their own, which says so among its

@@ -4,9 +4,9 @@
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use recording::{
-    NoiseConfig, Quantity, Recording, RecordingParts, clipping, cycles, drive_noise, has_one_rate,
-    holds, inspect, mended, noise_floor, quantization_step, repeat_floor, repeats, resample, slips,
-    wild,
+    NoiseConfig, Quantity, Recording, RecordingParts, clipping, cycles, drive_noise,
+    drive_resolution, has_one_rate, holds, inspect, mended, noise_floor, quantization_step,
+    repeat_floor, repeats, resample, slips, wild,
 };
 
 #[derive(Debug, Arbitrary)]
@@ -84,6 +84,17 @@ fuzz_target!(|drawn: Drawn| {
         holds(&recording, 1.0),
     );
     let _ = (quantization_step(recording.output()), recording.gaps());
+    let resolution = drive_resolution(&recording);
+    assert!(
+        resolution
+            .step
+            .is_none_or(|step| step > 0.0 && step.is_finite())
+    );
+    assert!(
+        resolution
+            .dead_zone
+            .is_none_or(|edge| edge > 0.0 && edge.is_finite())
+    );
     let pair = [recording.clone(), recording.clone()];
     let _ = (
         has_one_rate(&pair),

@@ -9,8 +9,8 @@ fuzz_target!(|text: &str| {
     match model_file::parse_with("model.toml", text, &known_effects) {
         Err(error) => assert!(error.to_string().contains("model.toml"), "{error}"),
         Ok(model) => {
-            let written = model_file::to_toml(&model)
-                .expect("a model that was read can be written");
+            let written =
+                model_file::to_toml(&model).expect("a model that was read can be written");
             let again = model_file::parse_with("model.toml", &written, &known_effects)
                 .expect("what was written can be read");
             assert_eq!(model_file::to_toml(&again).expect("and written"), written);

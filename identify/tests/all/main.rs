@@ -10,6 +10,7 @@ mod cross_check;
 mod doubts;
 mod ended;
 mod many_parameters;
+mod odd_step;
 mod recover;
 mod specific_heat;
 mod starts;

@@ -16,7 +16,7 @@ use identify::{
     Bounds, Fit, FitConfig, Identification, InputFile, ParameterInfo, Provenance, RigModel, Role,
     SavedModel, Scale, fit, predict, validate,
 };
-use recording::Recording;
+use recording::{ColumnSpec, DriveResolution, Recording};
 use rig_files::{model_file, rod_file};
 use wiener::hysteresis::Rule;
 
@@ -32,11 +32,15 @@ fn fitted(model: &RigModel, training: &[Recording], config: &FitConfig) -> Fit {
 }
 
 fn saved(text: &str) -> Saved {
-    let rod = rod(text);
     let training = vec![
         recording("a.csv", triangles(900, 4.2), 0.5),
         recording("b \"2\".csv", steps(500), -1.25),
     ];
+    saved_of(text, training)
+}
+
+fn saved_of(text: &str, training: Vec<Recording>) -> Saved {
+    let rod = rod(text);
     let unseen = [recording("c.csv", triangles(600, 3.9), 2.0)];
     let model = RigModel::new(&rod, Rule::Nested, &training).unwrap();
     let fit = fitted(&model, &training, &FitConfig::default());
@@ -105,6 +109,39 @@ fn what_is_written_is_read_back() {
             );
         }
     }
+}
+
+#[test]
+fn the_steps_of_a_supply_are_kept() {
+    assert_eq!(
+        saved(ROD).saved.drive_resolution(),
+        DriveResolution::default()
+    );
+    // Of 50 mA, and nothing below 0.4 A.
+    let supply = |drive: f64| {
+        if drive < 0.4 {
+            0.0
+        } else {
+            (20.0 * drive).round() / 20.0
+        }
+    };
+    let ramps = |k: usize| 4.0 * (1.0 - ((k % 600) as f64 / 300.0 - 1.0).abs());
+    let coarse = recording("a.csv", (0..1800).map(ramps).map(supply).collect(), 0.5);
+    let Saved { saved, .. } = saved_of(ROD, vec![coarse]);
+    let written = model_file::to_toml(&saved).unwrap();
+    let mut read = model_file::parse("model.toml", &written).unwrap();
+    let found = read.drive_resolution();
+    assert_eq!(found, saved.drive_resolution());
+    let [step, dead_zone] = [found.step.unwrap(), found.dead_zone.unwrap()];
+    assert!(
+        (step - 0.05).abs() < 1e-12 && (dead_zone - 0.4).abs() < 1e-12,
+        "{found:?}"
+    );
+    // Counts say their step themselves.
+    let mut pwm = ColumnSpec::name("pwm").in_unit("counts");
+    pwm.full_scale = Some(255.0);
+    read.rod.columns.drive = Some(pwm);
+    assert_eq!(read.drive_resolution().step, Some(1.0 / 255.0));
 }
 
 #[test]

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use identify::{
-    FitConfig, FitProgress, IdentifyError, RigModel, Rod, WienerModel, early_output, predict,
-    static_effects,
+    FitConfig, FitProgress, ForwardModel, IdentifyError, OddStep, RigModel, Rod, WienerModel,
+    early_output, odd_step, predict, static_effects,
 };
 use missing_physics::{
     DiagnoseConfig, DiagnoseProgress, Diagnosis, Effort, SearchStep, Stage, Verdict, diagnose,
@@ -250,11 +250,22 @@ pub(crate) struct Rig {
     pub(crate) notes: Vec<String>,
 }
 
+impl Rig {
+    /// Puts a sample of the training right, with a note.
+    fn put_right(&mut self, odd: &OddStep) {
+        let recording = &mut self.training[odd.recording];
+        *recording = odd.put_right(recording);
+        let done = recording.adaptations().last();
+        self.notes
+            .extend(done.map(|done| format!("{}: {done}", recording.name())));
+    }
+}
+
 fn with_time(
     args: &DiagnoseArgs,
     model: &RigModel,
     plain: &WienerModel,
-    rig: Rig,
+    mut rig: Rig,
     places: Places,
     unread: Unread,
 ) -> anyhow::Result<Outcome> {
@@ -281,6 +292,26 @@ fn with_time(
             ControlFlow::Continue(())
         },
     )?;
+    // A second search has no time of its own.
+    let odd = match args.time_limit_s {
+        None => odd_sample(plain, &rig, &diagnosis)?,
+        Some(_) => None,
+    };
+    if let Some(odd) = odd {
+        rig.put_right(&odd);
+        // Starts of before have ended at other recordings.
+        config.baseline.ended = Vec::new();
+        diagnosis = diagnose(
+            plain,
+            &rig.training,
+            &rig.unseen,
+            &config,
+            &mut |progress| {
+                show(&mut shown, &progress);
+                ControlFlow::Continue(())
+            },
+        )?;
+    }
     shown.end();
     let specific_heat = carry_specific_heat(&rig.rod, plain, &mut diagnosis);
     let resistivity = carry_resistivity(&rig.rod, &mut diagnosis);
@@ -378,6 +409,22 @@ fn with_time(
     } else {
         Outcome::NotDescribed
     })
+}
+
+/// A drive sample of the training that does not fit the output by the last model of a diagnosis, unless recordings are used as they are.
+fn odd_sample(
+    plain: &WienerModel,
+    rig: &Rig,
+    diagnosis: &Diagnosis,
+) -> Result<Option<OddStep>, IdentifyError> {
+    if !rig.rod.columns.may_mend() {
+        return Ok(None);
+    }
+    let (model, fit): (&dyn ForwardModel, _) = match &diagnosis.extended {
+        Some(extended) => (&extended.model, &extended.stage.fit),
+        None => (plain, &diagnosis.baseline.fit),
+    };
+    odd_step(model, fit, &rig.training)
 }
 
 /// Why the last model of a diagnosis cannot be, if it cannot.

@@ -13,7 +13,9 @@ use pid_tune::{
     Answers, AntiWindup, ClosedLoop, CostWeights, DerivativeOf, InverseRun, Pace, Pid, PidGains,
     PidParams, Reference, Requirements, Screen, Task, TuneError, TunerConfig,
 };
-use recording::{ColumnSpec, Columns, Quantity, ReadOptions, Recording, RecordingError};
+use recording::{
+    ColumnSpec, Columns, DriveResolution, Quantity, ReadOptions, Recording, RecordingError,
+};
 use rig_files::model_file;
 use sma_effects::{Member, Turned};
 
@@ -203,7 +205,7 @@ struct Required {
 /// Sensor, delay and supply between the controller and the rig.
 #[derive(Debug, Args)]
 struct Real {
-    /// An ideal sensor, and no delay: margins are required still.
+    /// An ideal sensor, a supply without steps, and no delay: margins are required still.
     #[arg(long, conflicts_with_all = ["quantization_step", "noise", "dead_time_samples"])]
     ideal: bool,
     /// Step of the converter that measures, in the output's unit: 5 mm in 12 bits are 0.00122 [default: as recorded].
@@ -215,12 +217,12 @@ struct Real {
     /// Samples from a measurement to its effect on the drive [default: 1, the time to compute it].
     #[arg(long, value_name = "N")]
     dead_time_samples: Option<usize>,
-    /// Step of the drive, in its unit; 0 for none.
-    #[arg(long, default_value_t = 0.0, value_name = "U")]
-    drive_step: f64,
-    /// Drive up to which nothing acts; 0 for none.
-    #[arg(long, default_value_t = 0.0, value_name = "U")]
-    drive_dead_zone: f64,
+    /// Step of the drive, in its unit; 0 for none [default: as recorded].
+    #[arg(long, value_name = "U")]
+    drive_step: Option<f64>,
+    /// Drive up to which nothing acts; 0 for none [default: as recorded].
+    #[arg(long, value_name = "U")]
+    drive_dead_zone: Option<f64>,
 }
 
 /// How the responses of several rods are combined.
@@ -490,6 +492,17 @@ impl TuneArgs {
         })
     }
 
+    fn resolution(&self, saved: &SavedModel) -> DriveResolution {
+        let recorded = match self.is_ideal() {
+            true => DriveResolution::default(),
+            false => saved.drive_resolution(),
+        };
+        DriveResolution {
+            step: self.real.drive_step.or(recorded.step),
+            dead_zone: self.real.drive_dead_zone.or(recorded.dead_zone),
+        }
+    }
+
     fn dead_time_samples(&self) -> usize {
         let usual = usize::from(!self.is_ideal());
         self.real.dead_time_samples.unwrap_or(usual)
@@ -531,8 +544,7 @@ impl<'a> Job<'a> {
                 pid,
                 sensor: args.sensor(saved)?,
                 dead_time_samples: args.dead_time_samples(),
-                drive_step: args.real.drive_step,
-                drive_dead_zone: args.real.drive_dead_zone,
+                resolution: args.resolution(saved),
                 seed: args.seed,
             },
         };

@@ -186,6 +186,42 @@ fn an_ideal_sensor_is_one_that_was_asked_for() {
 }
 
 #[test]
+fn a_supply_has_the_steps_that_were_recorded() {
+    let folder = identified();
+    let supply = |args: &[&str]| json(folder.path(), args)["supply"].clone();
+    let ideal = serde_json::json!({ "step": 0.0, "dead_zone": 0.0 });
+    assert_eq!(supply(&["--draws", "0"]), ideal);
+    let path = folder.path().join("model.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let coarse = "drive_step = 0.02\ndrive_dead_zone = 0.3\nlargest_drive = ";
+    std::fs::write(&path, text.replace("largest_drive = ", coarse)).unwrap();
+    let args = ["--drive-max", "5.5", "--draws", "0"];
+    let assert = tune(folder.path(), &args).assert().success();
+    let said = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
+    let sentence =
+        "The supply sets the drive in steps of 0.02000 A, and gives nothing below 0.3000 A.";
+    assert!(said.contains(sentence), "{said}");
+    assert_eq!(supply(&["--draws", "0", "--ideal"]), ideal);
+    let own = [
+        "--draws",
+        "0",
+        "--drive-step",
+        "0.01",
+        "--drive-dead-zone",
+        "0",
+    ];
+    assert_eq!(
+        supply(&own),
+        serde_json::json!({ "step": 0.01, "dead_zone": 0.0 })
+    );
+    let spoiled = coarse.replace("0.02", "-0.02");
+    std::fs::write(&path, text.replace("largest_drive = ", &spoiled)).unwrap();
+    let (code, error) = refusal(folder.path(), &args);
+    assert_eq!(code, 3);
+    assert!(error.contains("expected a finite number > 0"), "{error}");
+}
+
+#[test]
 fn a_gentle_controller_is_slower_than_a_fast_one() {
     let folder = identified();
     let rise_time_s = |pace| {

@@ -9,6 +9,7 @@ use pid_tune::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use recording::DriveResolution;
 use sma_effects::Turned;
 
 use super::CHATTER;
@@ -40,10 +41,8 @@ pub struct Bench<'a> {
     pub sensor: Sensor,
     /// Samples from a measurement to what is commanded by it.
     pub dead_time_samples: usize,
-    /// Step of the drive, in its unit; 0 for none.
-    pub drive_step: f64,
-    /// Drive up to which nothing acts; 0 for none.
-    pub drive_dead_zone: f64,
+    /// How finely the drive can be set; 0 or `None` for an ideal one.
+    pub resolution: DriveResolution,
     /// Seed of the sensor's noise.
     pub seed: u64,
 }
@@ -94,8 +93,8 @@ impl<'a> Bench<'a> {
                 measurement_noise: (!noise.is_empty()).then_some(noise),
                 quantization_step: self.sensor.step,
                 dead_time_samples: self.dead_time_samples,
-                drive_step: self.drive_step,
-                drive_dead_zone: self.drive_dead_zone,
+                drive_step: self.resolution.step.unwrap_or(0.0),
+                drive_dead_zone: self.resolution.dead_zone.unwrap_or(0.0),
                 ..Disturbances::default()
             },
         })?)

@@ -119,6 +119,7 @@ impl<'a> Results<'a> {
             set_point: args.step_output,
             pid: bench.pid,
             sensor: bench.sensor,
+            resolution: bench.resolution,
             dead_time_samples: bench.dead_time_samples,
             requirements: (args.preset != Preset::Sadeghi)
                 .then(|| *best.structured.screen.requirements()),

@@ -49,6 +49,10 @@ impl TunedReport<'_> {
                 "noise": self.sensor.noise,
                 "correlation_s": self.sensor.correlation_s,
             },
+            "supply": {
+                "step": self.resolution.step.unwrap_or(0.0),
+                "dead_zone": self.resolution.dead_zone.unwrap_or(0.0),
+            },
             "dead_time_samples": self.dead_time_samples,
             "controller": {
                 "anti_windup": match self.pid.anti_windup {

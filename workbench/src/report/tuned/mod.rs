@@ -12,6 +12,7 @@ use pid_tune::{
     BoundEnd, Complex, CostWeights, Ending, FrontPoint, LoopAnalysis, Margins, Passage, PidGains,
     PidParams, Requirements, Robustness, SecondOpinion, Sensitivity, Terms, Tuned, Verdict,
 };
+use recording::DriveResolution;
 
 pub use schedule::Schedules;
 
@@ -38,6 +39,8 @@ pub struct TunedReport<'a> {
     pub pid: PidParams,
     /// Step and noise of the sensor in all that is simulated.
     pub sensor: Sensor,
+    /// How finely the drive can be set in all that is simulated; 0 or `None` for an ideal one.
+    pub resolution: DriveResolution,
     /// Samples from a measurement to what is commanded by it.
     pub dead_time_samples: usize,
     /// Requirements that the gains meet; `None` if nothing is required.

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use pid_tune::{AntiWindup, DerivativeOf};
+use recording::DriveResolution;
 
 use super::tables::endless;
 use super::{Checked, GAINS, TunedReport, gains};
@@ -72,6 +73,9 @@ impl TunedReport<'_> {
         }
         let _ = writeln!(text, "{}", self.margins_sentence());
         let _ = writeln!(text, "{}", self.sensor_sentence());
+        if let Some(supply) = self.supply_sentence() {
+            let _ = writeln!(text, "{supply}");
+        }
         text += &self.rest_sentence();
         if let Some(limit) = self.limit_sentence() {
             let _ = write!(text, "\n{limit}");
@@ -193,6 +197,24 @@ impl TunedReport<'_> {
                 percent(required.largest_kick)
             )),
         )
+    }
+
+    /// How finely the drive can be set, unless it is taken for ideal.
+    fn supply_sentence(&self) -> Option<String> {
+        let unit = &self.rig.drive_unit;
+        let seen = |value: Option<f64>| value.filter(|value| *value > 0.0).map(significant);
+        let DriveResolution { step, dead_zone } = self.resolution;
+        let what = match (seen(step), seen(dead_zone)) {
+            (Some(step), None) => format!("sets the drive in steps of {step} {unit}"),
+            (None, Some(edge)) => format!("gives nothing below {edge} {unit}"),
+            (Some(step), Some(edge)) => {
+                format!(
+                    "sets the drive in steps of {step} {unit}, and gives nothing below {edge} {unit}"
+                )
+            }
+            (None, None) => return None,
+        };
+        Some(format!("The supply {what}."))
     }
 
     /// How the tuned loop ends, and what would help where it does not rest.
