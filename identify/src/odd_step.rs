@@ -102,7 +102,7 @@ pub fn odd_step(
     Ok(best)
 }
 
-/// What a rod does after a step of its drive.
+/// Answer of a rod to a step of its drive.
 #[derive(Debug)]
 struct Answer {
     recording: usize,

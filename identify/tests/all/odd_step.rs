@@ -17,7 +17,7 @@ fn sound() -> [Recording; 2] {
     })
 }
 
-/// What is found beside the steps of two recordings.
+/// Odd sample that is found in recordings.
 fn found(training: &[Recording]) -> Option<OddStep> {
     let (model, fit) = fitted(ROD, training);
     odd_step(&model, &fit, training).unwrap()
