@@ -1,5 +1,6 @@
 //! Noise in the column of a drive.
 
+use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
 use crate::Recording;
@@ -27,8 +28,11 @@ const LONGEST: usize = 1_000_000;
 /// 1/6. A smooth curve has 1, a chatter from sample to sample -1.
 const OF_INDEPENDENT: [f64; 2] = [-2.0 / 3.0, 1.0 / 6.0];
 
-/// How far from these the correlations of noise may be; of a thousand bends they scatter by 0.03.
+/// How far from these the correlations of noise may be, beside their scatter.
 const NEAR_INDEPENDENT: f64 = 0.12;
+
+/// Their scatter, times the root of the number of bends: as far as nine of ten are.
+const SCATTER: f64 = 1.5;
 
 /// Fewest samples at rest from which the noise is known to be there without a drive, too.
 const FEWEST_AT_REST: usize = 10;
@@ -98,7 +102,7 @@ pub(crate) fn smooth(recording: &Recording) -> Option<(DriveNoise, Option<Vec<f6
     let bend = usual_size(bends.iter().copied());
     // Each has one sample and half of two others.
     let sigma = bend / 1.5_f64.sqrt();
-    if !(sigma > LEAST * range && sigma < MOST * range && is_independent(&bends, bend)) {
+    if !(sigma > LEAST * range && sigma < MOST * range && is_independent(&bends)) {
         return None;
     }
     let found = stretches(drive, sigma);
@@ -124,20 +128,24 @@ pub(crate) fn smooth(recording: &Recording) -> Option<(DriveNoise, Option<Vec<f6
     Some((noise, smooth))
 }
 
-/// True if neighboring bends correlate as those of independent numbers do; bends at steps are left out.
-fn is_independent(bends: &[f64], usual: f64) -> bool {
-    let small = |bend: &f64| bend.abs() < 4.0 * usual;
+/// True if neighboring bends correlate as those of independent numbers do. The correlation is that of a normal distribution whose neighbors have
+/// equal signs as often: bends at steps, which may be as large as noise makes them, count no more than others.
+///
+/// ```text
+/// ρ = sin(π/2 · mean of sign(b_k b_(k+lag)))
+/// ```
+fn is_independent(bends: &[f64]) -> bool {
     let correlation = |lag: usize| {
-        let pairs = || {
-            let pairs = bends.iter().zip(&bends[lag..]);
-            pairs.filter(|(a, b)| small(a) && small(b))
-        };
-        let product: f64 = pairs().map(|(a, b)| a * b).sum();
-        let squares: f64 = pairs().map(|(a, b)| 0.5 * (a * a + b * b)).sum();
-        product / squares
+        let pairs = bends.iter().zip(&bends[lag..]);
+        let products = pairs.map(|(a, b)| a * b).filter(|product| *product != 0.0);
+        let (n, signs) = products.fold((0.0, 0.0), |(n, signs), product| {
+            (n + 1.0, signs + product.signum())
+        });
+        (FRAC_PI_2 * signs / n).sin()
     };
+    let near = NEAR_INDEPENDENT + SCATTER / (bends.len() as f64).sqrt();
     let mut lags = OF_INDEPENDENT.iter().enumerate();
-    lags.all(|(k, expected)| (correlation(k + 1) - expected).abs() < NEAR_INDEPENDENT)
+    lags.all(|(k, expected)| (correlation(k + 1) - expected).abs() < near)
 }
 
 /// Standard deviation within the stretches where the drive rests; `None` if they are short.

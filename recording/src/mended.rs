@@ -62,6 +62,7 @@ pub fn mended(recording: &Recording) -> Recording {
     }
     if let Some((noise, Some(smooth))) = smooth(&mended) {
         mended.drive_mut().copy_from_slice(&smooth);
+        mended.parts.smoothed_noise = noise.standard_deviation;
         let what = format!("{noise}, at rest, too: {}", noise.replacement());
         mended = mended.also_adapted_by(Adaptation::of_recording(what));
     }

@@ -410,6 +410,7 @@ impl<'a> Rows<'a> {
             time_s: time.map(|_| self.time_s).or(counted_s),
             drive_quantity,
             drive: self.drive,
+            smoothed_noise: 0.0,
             antagonist_drive: antagonist.map(|_| self.antagonist_drive),
             drive_unit: match drive.unit {
                 Unit::Own => drive.unit_text,

@@ -59,6 +59,9 @@ pub struct RecordingParts {
     pub drive: Vec<f64>,
     /// Drive of a second actuator that pulls the other way, in the unit of `drive`. `None` beside a drive that is a temperature.
     pub antagonist_drive: Option<Vec<f64>>,
+    /// Standard deviation of the noise that was taken out of `drive`, in its unit: what is left of it in levels and ramps no column
+    /// shows. 0 where none was.
+    pub smoothed_noise: f64,
     /// Unit of `drive` where a [`Quantity::Temperature`] stands for another input of a static loop, a
     /// stress or the voltage of a source; empty otherwise.
     pub drive_unit: String,
@@ -125,6 +128,25 @@ impl Recording {
             ..self.parts.clone()
         };
         Ok(Self::new(parts)?.adapted_by(self.adaptations.clone()))
+    }
+
+    /// This recording with another drive in the same unit.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Recording::new`]: another number of samples, numbers that are not finite.
+    pub fn driven_by(&self, drive: Vec<f64>) -> Result<Self, RecordingError> {
+        let parts = RecordingParts {
+            drive,
+            ..self.parts.clone()
+        };
+        Ok(Self::new(parts)?.adapted_by(self.adaptations.clone()))
+    }
+
+    /// Standard deviation of the noise that was taken out of the drive, in its unit; 0 where none was.
+    #[must_use]
+    pub fn smoothed_noise(&self) -> f64 {
+        self.parts.smoothed_noise
     }
 
     /// Puts the times right.
@@ -431,6 +453,7 @@ impl Recording {
             time_s: self.parts.time_s.as_ref().map(part),
             drive_quantity: self.parts.drive_quantity,
             drive: part(&self.parts.drive),
+            smoothed_noise: self.parts.smoothed_noise,
             antagonist_drive: self.parts.antagonist_drive.as_ref().map(part),
             drive_unit: self.parts.drive_unit.clone(),
             output_unit: self.parts.output_unit.clone(),

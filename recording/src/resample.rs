@@ -129,6 +129,7 @@ pub fn resample(recording: &Recording, dt_s: f64) -> Result<Recording, Recording
         antagonist_drive: recording
             .antagonist_drive()
             .map(|drive| averaged_drive(recording, drive, dt_s, n_new)),
+        smoothed_noise: recording.smoothed_noise() * (own_dt_s / dt_s).sqrt(),
         drive_unit: recording.own_drive_unit(),
         output_unit: recording.output_unit().to_owned(),
         output: filter.apply(recording.output()),

@@ -134,6 +134,7 @@ impl Recording {
                 _ => heating(self.drive()),
             },
             antagonist_drive: self.antagonist_drive().map(heating),
+            smoothed_noise: self.smoothed_noise() / (n as f64).sqrt(),
             drive_unit: self.own_drive_unit(),
             output_unit: self.output_unit().to_owned(),
             output: mean(self.output()),

@@ -79,6 +79,7 @@ proptest! {
         scale in (-6.0..6.0_f64).prop_map(|exponent| 10f64.powf(exponent)),
         output in size(),
         rounding in size(),
+        of_drive in size(),
         disturbed in 0.0..1.0_f64,
         left in oddness(),
         left_by_plain in oddness(),
@@ -87,6 +88,7 @@ proptest! {
         let known = Known {
             output_squares: output * scale * scale * N as f64,
             rounding: rounding * scale,
+            of_drive: of_drive * scale,
             disturbed,
             left,
             left_by_plain,

@@ -18,6 +18,8 @@ pub(crate) struct Known {
     pub(crate) output_squares: f64,
     /// Variance of the converter's rounding, in the square of the output's unit; 0 where no step is seen.
     pub(crate) rounding: f64,
+    /// Mean square of the output that noise in the columns of drives may have left there, in the square of the output's unit.
+    pub(crate) of_drive: f64,
     /// Candidates that may be found.
     pub(crate) catalogue: CandidateSet,
     /// Candidates that could not be tried, because an input that they need is missing.
@@ -46,7 +48,8 @@ pub(crate) struct Oddness {
 impl Known {
     /// Root mean square from which on it matters what an effect shows, in the output's unit.
     pub(crate) fn least_that_matters(&self, n_outputs: usize) -> f64 {
-        EXACT * self.output_deviation(n_outputs)
+        let exact = EXACT * self.output_deviation(n_outputs);
+        exact.max(self.of_drive.sqrt())
     }
 
     /// Standard deviation of the output.
@@ -54,7 +57,7 @@ impl Known {
         (self.output_squares / n_outputs as f64).sqrt()
     }
 
-    /// Asks whether a mean square that is predicted is more than rounding, and than any formula is exact to.
+    /// Asks whether a mean square that is predicted is more than rounding, than noise of the drive leaves, and than any formula is exact to.
     pub(crate) fn is_material(
         &self,
         traces: &mut Traces,

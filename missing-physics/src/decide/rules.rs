@@ -183,11 +183,11 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Matters,
         name: "matters",
-        statistic: "root mean square that is predicted, over a thousandth of the output's standard deviation, or over the converter's rounding if that is more",
+        statistic: "root mean square that is predicted, over a thousandth of the output's standard deviation, or over the converter's rounding or what noise of the drive may leave, if that is more",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Chosen,
-        reason: "no formula of a loop, and hardly a sensor, is exact to a thousandth of what it shows, and rounding follows the output as physics does",
+        reason: "no formula of a loop, and hardly a sensor, is exact to a thousandth of what it shows, and rounding follows the output as physics does, errors of the drive the drive",
     },
     Rule {
         id: RuleId::Disturbed,

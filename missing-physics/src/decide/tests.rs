@@ -92,6 +92,7 @@ pub(super) fn known() -> Known {
         segments: std::iter::once(0..N).collect(),
         output_squares: 1e4 * N as f64,
         rounding: 0.0,
+        of_drive: 0.0,
         catalogue: EffectId::ALL.into_iter().map(Into::into).collect(),
         untried: CandidateSet::EMPTY,
         disturbed: 0.0,

@@ -103,6 +103,7 @@ impl Measured {
             lower: self.lower,
             upper: self.upper,
             class: self.class(case, best),
+            of_drive: 0.0,
         }
     }
 

@@ -9,6 +9,8 @@ pub struct Floor {
     pub upper: Option<f64>,
     /// Class of the noise.
     pub class: NoiseClass,
+    /// Error that noise of the drives may make in the training, root mean square, though it was smoothed; 0 where none was.
+    pub of_drive: f64,
 }
 
 /// Class of noise, which decides what may be claimed.

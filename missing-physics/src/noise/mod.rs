@@ -2,6 +2,7 @@
 
 pub(crate) mod floor;
 pub(crate) mod kind;
+pub(crate) mod of_drive;
 pub(crate) mod slip;
 pub(crate) mod slowness;
 pub(crate) mod tone;

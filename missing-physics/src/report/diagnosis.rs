@@ -75,6 +75,7 @@ impl Diagnosis {
                 lower: noise.lower,
                 upper: noise.upper,
                 class: NoiseClass::Colored,
+                of_drive: 0.0,
             },
             repeats,
             simulations: Simulations {

@@ -10,6 +10,7 @@ use crate::decide::{Decided, RuleId, Traces, Verdict};
 use crate::model::case::Node;
 use crate::model::elsewhere::{is_drift, predicted, spread};
 use crate::model::unseen::{Unseen, validated_by};
+use crate::noise::of_drive::of_drive;
 use crate::report::catalogue::HALF_95;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
@@ -250,7 +251,9 @@ pub(crate) fn held_plainly(
         1.0
     } else {
         let spread = spread(model, &plain.fit, &plain.validated, unseen)?;
-        (noise + TWICE.powi(2) * spread) / error
+        let points = plain.validated.iter().map(|one| one.point.as_slice());
+        let of_drive = of_drive(model, unseen.iter().zip(points), 1)?;
+        (noise + TWICE.powi(2) * spread + of_drive) / error
     };
     if !decided.traces.ask(RuleId::UnseenShare, "", made) {
         decided.verdict = Verdict::Unexplained;

@@ -155,10 +155,11 @@ impl Reporting<'_, '_> {
         )?;
         let next_experiment = self.next_experiment((search, effects), &decided)?;
         let best = search.get(effects).unwrap_or(search.baseline());
-        let noise_floor = match search.case.whole(self.training) {
+        let mut noise_floor = match search.case.whole(self.training) {
             Some(whole) => self.noise[1].floor(&whole, &whole.stands(best)?),
             None => self.noise[1].floor(search.case, best),
         };
+        noise_floor.of_drive = known.of_drive.sqrt();
         // Last: it may visit models that are no rivals.
         let of_errors = (&mut errors, between);
         let ladder = ladder(search, baseline, extended.as_ref(), of_errors)?;

@@ -10,6 +10,7 @@ use crate::evidence::{Block, Population, disturbed};
 use crate::model::case::{Case, Node};
 use crate::model::series::Channel;
 use crate::noise::floor::Measured;
+use crate::noise::of_drive::of_drive;
 use crate::noise::slip::slip;
 use crate::noise::slowness::slowness;
 use crate::noise::tone::tone;
@@ -30,12 +31,14 @@ pub(crate) fn known(
     };
     let rounding = noise.rounding.map_or(0.0, |rounding| rounding.powi(2));
     let plain = search.baseline();
-    let disturbed = if plain.mean_square() > 2.0 * rounding {
+    let points = plain.points.iter().map(Vec::as_slice);
+    let of_drive = of_drive(&plain.model, training.iter().zip(points), config.seed)?;
+    let disturbed = if plain.mean_square() > 2.0 * rounding.max(of_drive) {
         let sensitivities = search.sensitivities(plain)?;
         let evidence = &population.plain().evidence;
         disturbed(case, plain, evidence, &sensitivities, blocks, config.seed)?
     } else {
-        // All of it may be rounding, which is a function of the output.
+        // All of it may be rounding, which is a function of the output, or an error of the drive.
         0.0
     };
     // A tone may be faster than the samples on which models are judged.
@@ -45,7 +48,8 @@ pub(crate) fn known(
         Some(whole) => Ok::<f64, IdentifyError>(loudest(whole, &whole.stands(node)?)),
     };
     let oddness = |node: &Node| {
-        if noise.is_coarse(node.mean_square()) {
+        let is_of_drive = of_drive > 0.0 && node.mean_square() < of_drive + noise.gate;
+        if is_of_drive || noise.is_coarse(node.mean_square()) {
             return Ok::<Oddness, IdentifyError>(Oddness::default());
         }
         let own = |channel| {
@@ -71,6 +75,7 @@ pub(crate) fn known(
             .collect(),
         output_squares: case.output_squares(),
         rounding,
+        of_drive,
         catalogue: all,
         untried: all
             .iter()

@@ -99,6 +99,7 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
                         ambient_degc: ambient,
                         stress_pa: stress,
                         resistance: ohm.map(Resistance::Ohm),
+                        smoothed_noise: 0.0,
                     }
                 },
             )

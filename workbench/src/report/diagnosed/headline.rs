@@ -173,7 +173,17 @@ fn error(diagnosis: &Diagnosis) -> String {
             beside_noise(diagnosis, trained)
         ),
     };
-    of_output + &of_temperature([stage, stage])
+    of_output + &of_drive(diagnosis) + &of_temperature([stage, stage])
+}
+
+/// Error that noise of the drive may have left, a sentence to follow another; nothing where no drive was smoothed.
+fn of_drive(diagnosis: &Diagnosis) -> String {
+    let of_drive = diagnosis.noise_floor.of_drive;
+    if of_drive <= 0.0 {
+        return String::new();
+    }
+    let size = spoken(of_drive) + &unit(diagnosis);
+    format!(" Noise of the drive, though it was smoothed, may make up to {size} in training.")
 }
 
 /// Error of a model on the recorded temperatures, beside that of another where it differs: a sentence to follow another, where temperatures

@@ -45,7 +45,7 @@ impl Diagnosed<'_> {
             "verdict": diagnosis.verdict.id(),
             "implausible": sanity::to_json(&self.implausible),
             "output_unit": diagnosis.baseline.fit.output_unit,
-            "noise_floor": {"lower": floor.lower, "upper": floor.upper, "class": floor.class.id()},
+            "noise_floor": {"lower": floor.lower, "upper": floor.upper, "class": floor.class.id(), "of_drive": floor.of_drive},
             "repeats": diagnosis.repeats.as_ref().map(repeated::json),
             "runs": runs::json(diagnosis),
             "baseline": stage(&diagnosis.baseline),
