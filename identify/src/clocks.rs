@@ -111,7 +111,7 @@ fn refined(
     let config = RefineConfig {
         least_squares: LeastSquaresConfig {
             iterations: ITERATIONS,
-            relative_offset: 1e-2,
+            relative_offset: 1e-3,
             ..LeastSquaresConfig::default()
         },
         ..RefineConfig::default()

@@ -79,3 +79,29 @@ fn an_output_before_its_drive_is_said_and_a_dead_time_is_not() {
         assert_eq!(early_output(&model, &training, &fit).unwrap(), None);
     }
 }
+
+/// Of one rate, time constant and loop follow the wrong clock a long way.
+#[test]
+fn an_output_before_its_drive_is_said_of_one_rate_too() {
+    // Up within 14 s, held for 8, down within 6, at rest for 12.
+    let cycle = |k: usize| match (0.25 * k as f64) % 40.0 {
+        t if t < 14.0 => 4.2 * t / 14.0,
+        t if t < 22.0 => 4.2,
+        t if t < 28.0 => 4.2 * (28.0 - t) / 6.0,
+        _ => 0.0,
+    };
+    let whole = recording("a.csv", (0..600).map(cycle).collect(), 0.5);
+    let noise = |k: usize| 0.004 * ((k * k) as f64 * 0.7).sin();
+    let early = shifted(&whole, 4, true);
+    let output = early.output().iter().enumerate();
+    let noisy = output.map(|(k, y)| y + noise(k)).collect();
+    let training = [with_output(&whole, "mm", noisy)];
+    let (model, fit) = fitted(ROD, &training);
+    let found = early_output(&model, &training, &fit).unwrap();
+    assert!(
+        found.is_some_and(|found| (0.7..1.4).contains(&found.by_s)),
+        "{found:?}, {} of {}",
+        fit.train_rmse,
+        fit.noise.lag_1
+    );
+}
