@@ -132,6 +132,29 @@ fn sound_recordings_have_no_wild_samples() {
     }
 }
 
+#[test]
+fn a_spoiled_sample_beside_a_step_is_put_right_by_the_model() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("rod.toml"), rod_file()).unwrap();
+    let [_, _, rows, _] = recordings();
+    // A step a sample late, and one that overshoots; the drives before and behind it are as near.
+    for (k, factor) in [(260, 1.5), (204, 10.0)] {
+        let mut spoiled = rows.clone();
+        spoiled[k][1] *= factor;
+        let found = diagnosed(folder.path(), &spoiled, "quick");
+        assert_eq!(
+            found,
+            ("explained".to_owned(), vec!["output-lag".to_owned()])
+        );
+        let (_, _, said) = sma(
+            folder.path(),
+            "diagnose rod.toml --train train.csv --effort quick --threads 1",
+        );
+        let note = format!("at {k} s does not fit the output");
+        assert!(said.contains(&note), "{note}: {said}");
+    }
+}
+
 /// Places that are tried in each recording, if it is not a few, and the effort of the diagnoses.
 fn asked_for() -> (Option<usize>, &'static str) {
     let n_places = std::env::var("SMA_SPOILED").ok();
