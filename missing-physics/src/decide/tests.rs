@@ -494,6 +494,11 @@ fn a_drift_that_slips_is_no_drift() {
         known.slip = Some((EffectId::OutputLag.into(), slip));
     });
     assert_eq!(found, [Verdict::Explained, Verdict::Unexplained]);
+    // Another name than the drift's.
+    let found = around(&with_lag(3.0, 0.0), RuleId::Slip, |known, slip| {
+        known.slip = Some((EffectId::SensorDrift.into(), slip));
+    });
+    assert_eq!(found, [Verdict::Explained; 2]);
     // Where no drift goes with the recordings, neither does a slip.
     let found = around(&nothing(), RuleId::Slip, |known, slip| {
         known.slip = Some((EffectId::OutputLag.into(), slip));

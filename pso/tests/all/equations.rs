@@ -17,6 +17,10 @@ fn draw(generator: &mut ChaCha8Rng) -> f64 {
     (generator.next_u64() / 2_u64.pow(11)) as f64 / 2.0_f64.powi(53)
 }
 
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
 /// First index of the lowest cost among those who inform a particle.
 fn leader(topology: Topology, particle: usize, costs: &[f64]) -> usize {
     let informs = |other: &usize| {
@@ -117,6 +121,7 @@ fn assert_moves(inertia: Inertia, topology: Topology, weight: impl Fn(u32) -> f6
                 best[particle] = x[particle].clone();
             }
         }
+        assert_eq!(bits(swarm.best_costs()), bits(&best_costs));
         for particle in 0..PARTICLES {
             let leader = &best[leader(topology, particle, &best_costs)];
             for j in 0..COORDINATES {
