@@ -339,6 +339,51 @@ fn around(population: &Population, id: RuleId, set: impl Fn(&mut Known, f64)) ->
     })
 }
 
+/// Statistic of a rule that was asked of the whole.
+fn asked(population: &Population, known: &Known, id: RuleId) -> f64 {
+    let steps = decide(population, known).traces.steps;
+    let mut of_rule = steps.iter().filter(|trace| trace.rule.id == id);
+    of_rule.next().map_or(f64::NAN, |trace| trace.value)
+}
+
+#[test]
+fn the_statistics_of_a_verdict_are_what_they_are_called() {
+    // Of the output's variance, four times the noise, the best model leaves a quarter; of none there is no share.
+    let small = Known {
+        output_squares: 4.0 * N as f64,
+        ..known()
+    };
+    let share = asked(&with_lag(3.0, 0.0), &small, RuleId::Describes);
+    assert!((share - 0.75).abs() < 0.02, "{share}");
+    let none = Known {
+        output_squares: 0.0,
+        ..known()
+    };
+    let share = asked(&nothing(), &none, RuleId::Describes);
+    assert!(share.abs() <= 0.0, "{share}");
+    // A baseline model is sure of itself where a curve finds nothing, and impossible where one, or a name, finds all.
+    let curve_finds = Population {
+        models: vec![model(
+            &[],
+            sum(&noise(1.0, 1), &trace(3.0, 1)),
+            noise(1.0, 1),
+        )],
+    };
+    for (population, expected) in [
+        (nothing(), 1.0),
+        (curve_finds, 0.0),
+        (with_lag(3.0, 0.0), 0.0),
+    ] {
+        let plain = asked(&population, &known(), RuleId::Missing);
+        assert!((plain - expected).abs() < 0.05, "{plain} for {expected}");
+    }
+    // Beside a lag that explains all no curve is needed, beside one that does not one is.
+    for (beside, expected) in [(0.0, 0.0), (3.0, 1.0)] {
+        let needed = asked(&with_lag(3.0, beside), &known(), RuleId::Remainder);
+        assert!((needed - expected).abs() < 0.05, "{needed} for {expected}");
+    }
+}
+
 #[test]
 fn a_plain_model_that_predicts_too_little_describes_nothing() {
     let population = nothing();
