@@ -78,7 +78,10 @@ fn recordings() -> [Vec<Row>; 4] {
 }
 
 /// Verdict and names.
-fn diagnosed(folder: &Path, rows: &[Row], effort: &str) -> (String, Vec<String>) {
+type Said = (String, Vec<String>);
+
+/// Diagnosis of a recording, as JSON.
+fn document(folder: &Path, rows: &[Row], effort: &str) -> Value {
     let mut text = "time_s,current_a,displacement_mm\n".to_owned();
     for [time_s, drive, output] in rows {
         writeln!(text, "{time_s:.3},{drive:.4},{output:.4}").unwrap();
@@ -91,7 +94,10 @@ fn diagnosed(folder: &Path, rows: &[Row], effort: &str) -> (String, Vec<String>)
         ),
     );
     assert!(code == 0 || code == 4, "{said}");
-    let document: Value = serde_json::from_str(&json).unwrap();
+    serde_json::from_str(&json).unwrap()
+}
+
+fn said(document: &Value) -> Said {
     let findings = document["findings"].as_array().unwrap().iter();
     (
         document["verdict"].as_str().unwrap().to_owned(),
@@ -99,6 +105,10 @@ fn diagnosed(folder: &Path, rows: &[Row], effort: &str) -> (String, Vec<String>)
             .map(|one| one["effect"].as_str().unwrap().to_owned())
             .collect(),
     )
+}
+
+fn diagnosed(folder: &Path, rows: &[Row], effort: &str) -> Said {
+    said(&document(folder, rows, effort))
 }
 
 #[test]
@@ -137,22 +147,20 @@ fn a_spoiled_sample_beside_a_step_is_put_right_by_the_model() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), rod_file()).unwrap();
     let [_, _, rows, _] = recordings();
-    // A step a sample late, and one that overshoots; the drives before and behind it are as near.
-    for (k, factor) in [(260, 1.5), (204, 10.0)] {
-        let mut spoiled = rows.clone();
-        spoiled[k][1] *= factor;
-        let found = diagnosed(folder.path(), &spoiled, "quick");
-        assert_eq!(
-            found,
-            ("explained".to_owned(), vec!["output-lag".to_owned()])
-        );
-        let (_, _, said) = sma(
-            folder.path(),
-            "diagnose rod.toml --train train.csv --effort quick --threads 1",
-        );
-        let note = format!("at {k} s does not fit the output");
-        assert!(said.contains(&note), "{note}: {said}");
-    }
+    // A step a sample late: the drives before and behind it are as near.
+    let mut spoiled = rows;
+    spoiled[260][1] *= 1.5;
+    let document = document(folder.path(), &spoiled, "quick");
+    assert_eq!(
+        said(&document),
+        ("explained".to_owned(), vec!["output-lag".to_owned()])
+    );
+    let mut notes = document["notes"].as_array().unwrap().iter();
+    let note = "at 260 s does not fit the output";
+    assert!(
+        notes.any(|one| one.as_str().unwrap().contains(note)),
+        "{document}"
+    );
 }
 
 /// Places that are tried in each recording, if it is not a few, and the effort of the diagnoses.
@@ -173,8 +181,8 @@ fn noise_in_the_column_of_the_drive_has_no_name() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("rod.toml"), rod_file()).unwrap();
     let (mut n_tried, mut n_found) = (0, 0);
-    for (wire, rows) in recordings().into_iter().enumerate() {
-        let (_, names) = diagnosed(folder.path(), &rows, effort);
+    let concealed: [&[&str]; 4] = [&[], &["latent-heat"], &["output-lag"], &[]];
+    for ((wire, rows), names) in recordings().into_iter().enumerate().zip(concealed) {
         let highest = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
         for share in shares {
             for seed in seeds.clone() {
@@ -188,7 +196,10 @@ fn noise_in_the_column_of_the_drive_has_no_name() {
                     .collect();
                 let found = diagnosed(folder.path(), &noisy, effort);
                 println!("wire {wire}, {share}, {seed}: {found:?}");
-                let strangers = found.1.iter().filter(|name| !names.contains(name));
+                let strangers = found
+                    .1
+                    .iter()
+                    .filter(|name| !names.contains(&name.as_str()));
                 assert_eq!(
                     strangers.count(),
                     0,
