@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use identify::{
-    FitConfig, FitProgress, ForwardModel, IdentifyError, OddStep, RigModel, Rod, WienerModel,
-    early_output, odd_step, predict, static_effects,
+    EndedStart, FitConfig, FitProgress, ForwardModel, IdentifyError, OddStep, RigModel, Rod,
+    WienerModel, early_output, odd_step, predict, static_effects,
 };
 use missing_physics::{
     DiagnoseConfig, DiagnoseProgress, Diagnosis, Effort, SearchStep, Stage, Verdict, diagnose,
@@ -279,19 +279,8 @@ fn with_time(
         config.baseline.starts,
         "diagnose {bar:20}  {msg}",
     );
-    let mut diagnosis = diagnose(
-        plain,
-        &rig.training,
-        &rig.unseen,
-        &config,
-        &mut |progress| {
-            show(&mut shown, &progress);
-            if let DiagnoseProgress::Baseline(so_far) = &progress {
-                starts.keep(&so_far.ended);
-            }
-            ControlFlow::Continue(())
-        },
-    )?;
+    let mut keep = |ended: &EndedStart| starts.keep(ended);
+    let mut diagnosis = diagnosed(plain, &rig, &config, &mut shown, &mut keep)?;
     // A second search has no time of its own.
     let odd = match args.time_limit_s {
         None => odd_sample(plain, &rig, &diagnosis)?,
@@ -301,16 +290,7 @@ fn with_time(
         rig.put_right(&odd);
         // Starts of before have ended at other recordings.
         config.baseline.ended = Vec::new();
-        diagnosis = diagnose(
-            plain,
-            &rig.training,
-            &rig.unseen,
-            &config,
-            &mut |progress| {
-                show(&mut shown, &progress);
-                ControlFlow::Continue(())
-            },
-        )?;
+        diagnosis = diagnosed(plain, &rig, &config, &mut shown, &mut |_| ())?;
     }
     shown.end();
     let specific_heat = carry_specific_heat(&rig.rod, plain, &mut diagnosis);
@@ -408,6 +388,23 @@ fn with_time(
         Outcome::Done
     } else {
         Outcome::NotDescribed
+    })
+}
+
+/// The diagnosis of a rig, with its progress shown; starts of the baseline model are kept as they end.
+fn diagnosed(
+    plain: &WienerModel,
+    rig: &Rig,
+    config: &DiagnoseConfig,
+    shown: &mut Progress,
+    keep: &mut (dyn FnMut(&EndedStart) + Send),
+) -> Result<Diagnosis, IdentifyError> {
+    diagnose(plain, &rig.training, &rig.unseen, config, &mut |progress| {
+        show(shown, &progress);
+        if let DiagnoseProgress::Baseline(so_far) = &progress {
+            keep(&so_far.ended);
+        }
+        ControlFlow::Continue(())
     })
 }
 
