@@ -131,7 +131,7 @@ pub use error::{Position, RecordingError};
 pub use files::{open_regular, read_text};
 pub use holds::{HOLD_TOLERANCE, Hold, holds};
 pub use inspect::{Channel, Inspection, LONG_HOLD_S, SETTLE_S, inspect, inspect_as_recorded};
-pub use mended::mended;
+pub use mended::{mended, smoothed};
 pub use noise::{DifferenceNoise, HoldNoise, NoiseConfig, NoiseFloor, RepeatNoise, noise_floor};
 pub use quantity::Quantity;
 pub use quantization::quantization_step;

@@ -60,11 +60,18 @@ pub fn mended(recording: &Recording) -> Recording {
         );
         mended = mended.also_adapted_by(Adaptation::of_recording(done));
     }
-    if let Some((noise, Some(smooth))) = smooth(&mended) {
-        mended.drive_mut().copy_from_slice(&smooth);
-        mended.parts.smoothed_noise = noise.standard_deviation;
-        let what = format!("{noise}, at rest, too: {}", noise.replacement());
-        mended = mended.also_adapted_by(Adaptation::of_recording(what));
-    }
-    mended
+    smoothed(mended)
+}
+
+/// The recording without a sensor's noise in its drive ([`drive_noise`](crate::drive_noise)), which is replaced by levels and ramps:
+/// the last step of [`mended`].
+#[must_use]
+pub fn smoothed(mut recording: Recording) -> Recording {
+    let Some((noise, Some(smooth))) = smooth(&recording) else {
+        return recording;
+    };
+    recording.drive_mut().copy_from_slice(&smooth);
+    recording.parts.smoothed_noise = noise.standard_deviation;
+    let what = format!("{noise}, at rest, too: {}", noise.replacement());
+    recording.also_adapted_by(Adaptation::of_recording(what))
 }

@@ -187,7 +187,7 @@ pub const RULES: [Rule; 15] = [
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Chosen,
-        reason: "no formula of a loop, and hardly a sensor, is exact to a thousandth of what it shows, and rounding follows the output as physics does, errors of the drive the drive",
+        reason: "no formula of a loop, and hardly a sensor, is exact to a thousandth of what it shows, and rounding follows the output, and an error of the drive the drive, as physics does",
     },
     Rule {
         id: RuleId::Disturbed,

@@ -4,7 +4,7 @@ use identify::{ForwardModel, IdentifyError, predict};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use recording::{Quantity, Recording, mended};
+use recording::{Quantity, Recording, smoothed};
 
 /// Noises that are drawn: one more exceeds all of them in one of twenty cases.
 const DRAWN: usize = 19;
@@ -39,7 +39,7 @@ pub(crate) fn of_drive<'m>(
                     _ => noisy,
                 }
             });
-            let again = mended(&recording.driven_by(noisy.collect())?);
+            let again = smoothed(recording.driven_by(noisy.collect())?);
             let other = predict(model, point, &again)?.output;
             let pairs = smooth.iter().zip(other);
             *squares += pairs.map(|(one, other)| (one - other).powi(2)).sum::<f64>();
@@ -69,7 +69,7 @@ mod tests {
             of_drive(&base, pairs, 1).unwrap()
         };
         assert_eq!(left(&training).to_bits(), 0.0_f64.to_bits());
-        let smoothed: Vec<f64> = [0.01, 0.02]
+        let errors_mm: Vec<f64> = [0.01, 0.02]
             .into_iter()
             .map(|sigma| {
                 let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -77,17 +77,17 @@ mod tests {
                     let normal: f64 = StandardNormal.sample(&mut rng);
                     drive + sigma * normal
                 });
-                training[1] = mended(&training[1].driven_by(noisy.collect()).unwrap());
+                training[1] = smoothed(training[1].driven_by(noisy.collect()).unwrap());
                 let told = training[1].smoothed_noise();
                 assert!((told / sigma - 1.0).abs() < 0.1, "{told}");
                 left(&training).sqrt()
             })
             .collect();
         // Twice the noise leaves about twice the error, and a part of the stroke of 5 mm alone.
-        let [half, whole] = smoothed[..] else {
+        let [half, whole] = errors_mm[..] else {
             unreachable!()
         };
-        assert!(half > 0.001 && whole < 0.5, "{smoothed:?}");
-        assert!((1.3..3.0).contains(&(whole / half)), "{smoothed:?}");
+        assert!(half > 0.001 && whole < 0.5, "{errors_mm:?}");
+        assert!((1.3..3.0).contains(&(whole / half)), "{errors_mm:?}");
     }
 }
