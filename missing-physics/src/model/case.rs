@@ -7,6 +7,7 @@ use identify::{
 use recording::Recording;
 
 use crate::config::Part;
+use crate::model::coarse::coarse_at;
 use crate::model::elsewhere::is_drift;
 use crate::model::extended_model::LoopFreedom;
 use crate::model::series::{Channel, Layout, Noise};
@@ -258,6 +259,18 @@ impl<'a> Case<'a> {
             refined.points,
             node.simulations + refined.simulations,
         )
+    }
+
+    /// A node at its end, sought on means of its samples first.
+    ///
+    /// They are means of what the node leaves, so that both have nearly one end: all samples are needed for the last of the way.
+    pub(crate) fn finished_by_means(&self, node: &Node) -> Result<Node, IdentifyError> {
+        let few = coarse_at(&node.model, &node.points, self.fit.tau_s(), self.training)?;
+        let means = self.on(&few);
+        if !means.is_thinned(self.training) {
+            return self.finished(node);
+        }
+        self.finished(&means.finished(node)?)
     }
 
     /// A node where a fit of its model ended.

@@ -8,6 +8,7 @@ pub(crate) mod extended_model;
 pub(crate) mod projection;
 pub(crate) mod rig;
 pub(crate) mod series;
+pub(crate) mod straight;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub(crate) mod tangent;

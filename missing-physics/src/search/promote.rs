@@ -83,7 +83,7 @@ fn begun<'c>(
 
 /// The end of a coarse search's model on the judged samples; its simulations are those on them.
 fn on_judged(case: &Case<'_>, coarse: &Node) -> Result<Node, IdentifyError> {
-    let mut node = case.finished(coarse)?;
+    let mut node = case.finished_by_means(coarse)?;
     node.simulations -= coarse.simulations;
     Ok(node)
 }
