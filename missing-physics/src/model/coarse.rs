@@ -9,7 +9,7 @@ use recording::{Quantity, Recording, RecordingParts};
 use crate::model::straight::straight_means;
 
 /// Samples of all recordings together on which models are searched, about.
-const SAMPLES: usize = 1_500;
+const SAMPLES: usize = 1_000;
 
 /// Those on which models are judged, about, if there are at least twice as many: the search then takes no longer for more of them. Of a run
 /// of a quarter of an hour that is one each 0.1 s, and each is the mean of those around it.

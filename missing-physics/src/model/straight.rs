@@ -80,7 +80,7 @@ mod tests {
         (0..N).step_by(EVERY).collect()
     }
 
-    /// What straight means are off from a truth by at each kept sample, with uniform noise of variance 1.
+    /// Distance of straight means from a truth at each kept sample, with uniform noise of variance 1.
     fn off(truth: impl Fn(f64) -> f64) -> Vec<f64> {
         let mut random = ChaCha8Rng::seed_from_u64(1);
         let noise = |random: &mut ChaCha8Rng| 12.0_f64.sqrt() * (random.random::<f64>() - 0.5);
