@@ -12,7 +12,7 @@ use crate::model::straight::straight_means;
 const SAMPLES: usize = 1_000;
 
 /// Those on which models are judged, about, if there are at least twice as many: the search then takes no longer for more of them. Of a run
-/// of a quarter of an hour that is one each 0.1 s, and each is the mean of those around it.
+/// of a quarter of an hour that is one each 0.2 s, and each is the mean of those around it.
 const ENOUGH: usize = 4_000;
 
 /// Longest distance between samples, as a share of the time constant.
