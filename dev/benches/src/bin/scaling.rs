@@ -97,7 +97,7 @@ fn figure(rows: &[Row]) -> Figure {
     };
     Figure {
         name: "time-over-samples",
-        caption: "One run of 717 s, recorded more or less often: models are searched on about 1,500 samples and judged on about 8,000."
+        caption: "One run of 717 s, recorded more or less often: models are searched on about 1,000 samples and judged on about 4,000."
             .to_owned(),
         across: "samples of the training recording, powers of ten".to_owned(),
         up: "time, s".to_owned(),
