@@ -1,6 +1,7 @@
 //! Recordings with fewer samples that tell about as much: few on which models are searched, and enough on which they are judged.
 
 use std::borrow::Cow;
+use std::iter;
 use std::ops::Range;
 
 use identify::{Fit, ForwardModel, IdentifyError, predict};
@@ -35,7 +36,7 @@ const STEPS: f64 = 0.25;
 /// samples as it is straight over.
 ///
 /// Between turns the loop knows temperatures and no time: on the same temperatures the baseline model shows the same, however long a step
-/// is. Where the drive does not change from one sample to the next, so does one with another time constant. What bends is not averaged:
+/// is. Where the drive is constant from one sample to the next, a rod with another time constant shows the same, too. What bends is not averaged:
 /// else another model, though it were the true one, would be off by what of its difference bends there.
 ///
 /// # Errors
@@ -233,16 +234,10 @@ fn turns(temperature_degc: &[f64]) -> Vec<usize> {
 
 /// Where a drive steps, if it does so seldom among so many samples that are kept.
 fn steps(drive: &[f64], n_kept: usize) -> Vec<usize> {
-    let change = |k: usize| (drive[k] - drive[k - 1]).abs();
-    let is_step = |&k: &usize| {
-        let before = if k > 1 { change(k - 1) } else { 0.0 };
-        let after = if k + 1 < drive.len() {
-            change(k + 1)
-        } else {
-            0.0
-        };
-        change(k) > STEP * before.max(after)
-    };
+    // That of each sample from the one before; at both ends there is none.
+    let inner = drive.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let changes: Vec<f64> = iter::once(0.0).chain(inner).chain([0.0]).collect();
+    let is_step = |&k: &usize| changes[k] > STEP * changes[k - 1].max(changes[k + 1]);
     let most = (STEPS * n_kept as f64) as usize;
     let steps: Vec<usize> = (1..drive.len()).filter(is_step).take(most + 1).collect();
     if steps.len() > most {
