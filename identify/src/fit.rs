@@ -40,8 +40,8 @@ pub struct FitConfig {
     pub swarm: SwarmConfig,
     /// Moves of each swarm.
     pub swarm_iterations: u64,
-    /// Independent starts: a swarm and a least-squares search each. That several agree is the
-    /// evidence that the minimum is the lowest. At least one is made, unless `from` gives some.
+    /// Most independent starts: a swarm and a least-squares search each. That several agree is the
+    /// evidence that the minimum is the lowest. At least one is made, unless `from` gives some; none after eight that all agree.
     pub starts: u64,
     /// Least-squares search from the best point of each swarm.
     pub least_squares: LeastSquaresConfig,
@@ -173,14 +173,15 @@ pub fn fit(
             start.search(number, &problem, few.as_ref(), config)
         })?;
         for ((_, start), ended) in group.iter().zip(ended) {
-            search.take(&ended);
+            search.take(*start, &ended);
             let so_far = FitProgress {
                 starts: search.ends.len() as u64,
                 of: starts.len() as u64,
                 lowest_rmse: (search.lowest() / n).sqrt(),
                 ended,
             };
-            let is_over = progress(&so_far).is_break();
+            let is_over =
+                progress(&so_far).is_break() || search.has_one_minimum(problem.rounding());
             if is_over && matches!(start, Start::Swarm(_)) {
                 break 'all;
             }
@@ -191,9 +192,7 @@ pub fn fit(
         return Err(IdentifyError::NothingFinite);
     }
     let starts = search.ends.len() as u64;
-    let agreed = 1.01 * search.lowest() + problem.rounding();
-    let agrees = |end: &&Minimum| end.sum_of_squares <= agreed;
-    let mut agreeing_starts = search.ends.iter().filter(agrees).count() as u64;
+    let mut agreeing_starts = search.agreeing(problem.rounding()) as u64;
     // Before weights change it: the outputs' own spread.
     let spread = problem.spread();
     rising(&mut search.ends, |end| end.sum_of_squares);
@@ -340,15 +339,36 @@ pub(crate) const VERY_STRONG: f64 = 10.0;
 struct Search {
     /// Where each start ended.
     ends: Vec<Minimum>,
+    /// Those of them that began with a swarm.
+    swarms: usize,
     rejected_costs: u64,
     simulations: u64,
 }
 
+/// Starts that all end at one minimum after which another is not to be expected.
+///
+/// Of w minima that n independent starts have found, w (n - 1)/(n - w - 2) are to be expected in all [BoenderRinnooyKan1987]. That rounds to one
+/// from n = 8 on.
+const ALL_AT_ONE: usize = 8;
+
 impl Search {
-    fn take(&mut self, ended: &EndedStart) {
+    fn take(&mut self, start: Start<'_>, ended: &EndedStart) {
+        self.swarms += usize::from(matches!(start, Start::Swarm(_)));
         self.rejected_costs += ended.rejected_costs;
         self.simulations += ended.simulations;
         self.ends.push(ended.minimum.clone());
+    }
+
+    /// Starts that end as low as the lowest, where sums of squares are told to `rounding`.
+    fn agreeing(&self, rounding: f64) -> usize {
+        let agreed = 1.01 * self.lowest() + rounding;
+        let ends = self.ends.iter();
+        ends.filter(|end| end.sum_of_squares <= agreed).count()
+    }
+
+    /// True if so many swarms led to one minimum that another is not to be expected.
+    fn has_one_minimum(&self, rounding: f64) -> bool {
+        self.swarms >= ALL_AT_ONE && self.agreeing(rounding) == self.ends.len()
     }
 
     fn lowest(&self) -> f64 {

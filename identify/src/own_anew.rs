@@ -12,6 +12,13 @@ const ROUNDS: usize = 4;
 /// Sum of squares over that before, from which something else was found.
 const LOWER: f64 = 0.99;
 
+/// The search of one recording's own parameters ends where it tells whether it came lower: all are sought together after it.
+const ALONE: LeastSquaresConfig = LeastSquaresConfig {
+    iterations: 40,
+    relative_offset: 1e-2,
+    least_gain: 0.1 * (1.0 - LOWER),
+};
+
 /// The end of a search, or a lower one that is found by seeking the beginning of each recording anew for the rod of that end.
 ///
 /// Beginnings have minima of their own, on either branch of the loop, so that of R recordings there are some 3^R together. Where the
@@ -23,7 +30,7 @@ pub(crate) fn own_anew(
 ) -> Result<Minimum, IdentifyError> {
     let mut lowest = end;
     for _ in 0..ROUNDS {
-        let Some(point) = anew(problem, &lowest, config)? else {
+        let Some(point) = anew(problem, &lowest)? else {
             break;
         };
         let next = minimize(problem, problem.bounds(), &point, config)?;
@@ -37,11 +44,7 @@ pub(crate) fn own_anew(
 }
 
 /// The end with what was found lower for a recording alone; `None` if nothing was.
-fn anew(
-    problem: &Problem<'_>,
-    end: &Minimum,
-    config: &LeastSquaresConfig,
-) -> Result<Option<Vec<f64>>, IdentifyError> {
+fn anew(problem: &Problem<'_>, end: &Minimum) -> Result<Option<Vec<f64>>, IdentifyError> {
     let solved = problem.solve_one(&end.point)?;
     let mut values: Vec<Vec<f64>> = (0..problem.n_recordings())
         .map(|r| problem.values(&end.point, &solved, r))
@@ -59,7 +62,7 @@ fn anew(
         let before = alone.sums(&[alone.vector().coordinates(known)])?[0];
         let ends = starts
             .iter()
-            .map(|start| minimize(&alone, alone.bounds(), start, config))
+            .map(|start| minimize(&alone, alone.bounds(), start, &ALONE))
             .collect::<Result<Vec<Minimum>, _>>()?;
         let lowest = ends
             .into_iter()

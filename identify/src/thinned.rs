@@ -8,10 +8,11 @@ use crate::problem::Problem;
 use crate::{IdentifyError, ParameterVector};
 
 /// Samples of all recordings together from which a basin is found as well as from more.
-const ENOUGH: usize = 2_000;
+const ENOUGH: usize = 500;
 
-/// Shortest time constant that is told, over the distance of samples.
-const SHORTEST: f64 = 8.0;
+/// Shortest time constant that is told, over the distance of samples: what the rod does within such a distance, and a mean over it hides, is 1 %
+/// of what it does within a time constant.
+const SHORTEST: f64 = 3.0;
 
 /// The search on them is no longer than this: another one follows on all samples.
 const NEAR: LeastSquaresConfig = LeastSquaresConfig {

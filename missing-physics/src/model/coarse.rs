@@ -10,14 +10,15 @@ use recording::{Quantity, Recording, RecordingParts};
 use crate::model::straight::straight_means;
 
 /// Samples of all recordings together on which models are searched, about.
-const SAMPLES: usize = 1_000;
+const SAMPLES: usize = 400;
 
 /// Those on which models are judged, about, if there are at least twice as many: the search then takes no longer for more of them. Of a run
-/// of a quarter of an hour that is one each 0.2 s, and each is the mean of those around it.
-const ENOUGH: usize = 4_000;
+/// of a quarter of an hour that is one each 0.6 s, and each is the mean of those around it.
+const ENOUGH: usize = 1_500;
 
-/// Longest distance between samples, as a share of the time constant.
-const LONGEST: f64 = 0.25;
+/// Longest distance between samples on which models are searched and judged, as shares of the time constant: what an effect does within a step
+/// matters more where its size is told.
+const LONGEST: [f64; 2] = [0.5, 0.25];
 
 /// Fewest samples of a recording.
 const FEWEST: usize = 50;
@@ -61,8 +62,23 @@ pub(crate) fn coarse_at(
     tau_s: f64,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let stride = (samples(training) / SAMPLES).min(longest(tau_s, training));
+    let stride = (samples(training) / SAMPLES).min(longest(LONGEST[0] * tau_s, training));
     thinned(model, points, tau_s, training, stride)
+}
+
+/// Recordings at the samples on which models are judged, by any model, as [`coarse_at`].
+///
+/// # Errors
+///
+/// Any error of simulating the model.
+pub(crate) fn judged_at(
+    model: &dyn ForwardModel,
+    points: &[Vec<f64>],
+    tau_s: f64,
+    recordings: &[Recording],
+) -> Result<Vec<Recording>, IdentifyError> {
+    let stride = stride_of_judged(tau_s, recordings);
+    thinned(model, points, tau_s, recordings, stride)
 }
 
 /// Samples of the training on which models are judged, and those of the recordings that were not used: as they were recorded, or thinned
@@ -77,17 +93,21 @@ pub(crate) fn judged<'r>(
     [training, unseen]: [&'r [Recording]; 2],
 ) -> Result<[Cow<'r, [Recording]>; 2], IdentifyError> {
     let tau_s = fit.tau_s();
-    let n = samples(training);
-    if n < 2 * ENOUGH {
+    let stride = stride_of_judged(tau_s, training);
+    if stride < 2 {
         return Ok([training, unseen].map(Cow::Borrowed));
     }
-    let stride = (n / ENOUGH).min(longest(tau_s, training));
     let unlike = vec![fit.point(0); unseen.len()];
-    let of_unseen = stride.min(longest(tau_s, unseen));
+    let of_unseen = stride.min(longest(LONGEST[1] * tau_s, unseen));
     Ok([
         Cow::Owned(thinned(model, &fit.points(), tau_s, training, stride)?),
         Cow::Owned(thinned(model, &unlike, tau_s, unseen, of_unseen)?),
     ])
+}
+
+/// Samples from one on which models are judged to the next.
+fn stride_of_judged(tau_s: f64, recordings: &[Recording]) -> usize {
+    (samples(recordings) / ENOUGH).min(longest(LONGEST[1] * tau_s, recordings))
 }
 
 /// Recordings with as many samples as models are judged on, each the mean of those around it, before a model is known; `None` where there
@@ -135,12 +155,12 @@ fn thinned(
         .collect()
 }
 
-/// Most samples from one that is kept to the next.
-fn longest(tau_s: f64, recordings: &[Recording]) -> usize {
+/// Most samples from one that is kept to the next, if they may be so far apart, s.
+fn longest(apart_s: f64, recordings: &[Recording]) -> usize {
     let of_each = recordings.iter().map(|recording| {
         let time_s = recording.time_s();
         let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
-        (LONGEST * tau_s / dt_s) as usize
+        (apart_s / dt_s) as usize
     });
     of_each.fold(usize::MAX, usize::min)
 }
