@@ -40,9 +40,11 @@ pub struct FitConfig {
     pub swarm: SwarmConfig,
     /// Moves of each swarm.
     pub swarm_iterations: u64,
-    /// Most independent starts: a swarm and a least-squares search each. That several agree is the
-    /// evidence that the minimum is the lowest. At least one is made, unless `from` gives some; none after eight that all agree.
+    /// Independent starts: a swarm and a least-squares search each. That several agree is the
+    /// evidence that the minimum is the lowest. At least one is made, unless `from` gives some.
     pub starts: u64,
+    /// True if eight starts that all agree are enough: no other is made then.
+    pub until_agreed: bool,
     /// Least-squares search from the best point of each swarm.
     pub least_squares: LeastSquaresConfig,
     /// Loss function to minimize.
@@ -87,6 +89,7 @@ impl Default for FitConfig {
             },
             swarm_iterations: 20,
             starts: 4,
+            until_agreed: false,
             least_squares: LeastSquaresConfig::default(),
             loss: Loss::Squares,
             prior: Prior::Nothing,
@@ -180,8 +183,8 @@ pub fn fit(
                 lowest_rmse: (search.lowest() / n).sqrt(),
                 ended,
             };
-            let is_over =
-                progress(&so_far).is_break() || search.has_one_minimum(problem.rounding());
+            let is_enough = config.until_agreed && search.has_one_minimum(problem.rounding());
+            let is_over = progress(&so_far).is_break() || is_enough;
             if is_over && matches!(start, Start::Swarm(_)) {
                 break 'all;
             }

@@ -93,6 +93,7 @@ impl Default for DiagnoseConfig {
             limits: Limits::default(),
             baseline: FitConfig {
                 starts: Effort::Normal.starts(),
+                until_agreed: true,
                 ..FitConfig::default()
             },
             effort: Effort::Normal,

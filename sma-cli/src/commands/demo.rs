@@ -364,7 +364,9 @@ impl Run {
                     .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], y| {
                         [low.min(*y), high.max(*y)]
                     });
-                let there_s = (there < held).then_some(there as f64 * DT_S);
+                // One that passes by at the very end is not there.
+                let stays = there + last.len() <= held;
+                let there_s = stays.then_some(there as f64 * DT_S);
                 (there_s, ends[1] - ends[0])
             })
             .collect()

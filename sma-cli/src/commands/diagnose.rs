@@ -551,6 +551,7 @@ impl DiagnoseArgs {
             baseline: FitConfig {
                 from,
                 starts: Effort::from(self.effort).starts(),
+                until_agreed: self.effort != EffortArg::Thorough,
                 ..preset.baseline.clone()
             },
             effort: self.effort.into(),
