@@ -9,16 +9,34 @@ use recording::{Quantity, Recording, RecordingParts};
 
 use crate::model::straight::straight_means;
 
-/// Samples of all recordings together on which models are searched, about.
-const SAMPLES: usize = 400;
+/// How many samples of all recordings together are enough, about, and their longest distance as a share of the time constant.
+#[derive(Debug, Clone, Copy)]
+struct Enough {
+    samples: usize,
+    longest: f64,
+}
 
-/// Those on which models are judged, about, if there are at least twice as many: the search then takes no longer for more of them. Of a run
-/// of a quarter of an hour that is one each 0.6 s, and each is the mean of those around it.
-const ENOUGH: usize = 1_500;
+/// To search models by.
+const SEARCHED: Enough = Enough {
+    samples: 400,
+    longest: 0.5,
+};
 
-/// Longest distance between samples on which models are searched and judged, as shares of the time constant: what an effect does within a step
-/// matters more where its size is told.
-const LONGEST: [f64; 2] = [0.5, 0.25];
+/// To compare runs by.
+const COMPARED: Enough = Enough {
+    samples: 1_000,
+    longest: 0.25,
+};
+
+/// To judge models by, if there are at least twice as many: the search then takes no longer for more of them. Of a run of a quarter of an hour that
+/// is one each 0.36 s, and each is the mean of those around it.
+const JUDGED: Enough = Enough {
+    samples: 2_500,
+    longest: 0.25,
+};
+
+/// Samples on which the baseline model is searched before anything is known of it, about.
+const BEFORE: usize = 1_500;
 
 /// Fewest samples of a recording.
 const FEWEST: usize = 50;
@@ -62,23 +80,23 @@ pub(crate) fn coarse_at(
     tau_s: f64,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let stride = (samples(training) / SAMPLES).min(longest(LONGEST[0] * tau_s, training));
+    let stride = SEARCHED.stride(tau_s, training);
     thinned(model, points, tau_s, training, stride)
 }
 
-/// Recordings at the samples on which models are judged, by any model, as [`coarse_at`].
+/// Runs of one rig at the samples on which they are compared, by any model, as [`coarse_at`].
 ///
 /// # Errors
 ///
 /// Any error of simulating the model.
-pub(crate) fn judged_at(
+pub(crate) fn compared_at(
     model: &dyn ForwardModel,
     points: &[Vec<f64>],
     tau_s: f64,
-    recordings: &[Recording],
+    runs: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let stride = stride_of_judged(tau_s, recordings);
-    thinned(model, points, tau_s, recordings, stride)
+    let stride = COMPARED.stride(tau_s, runs);
+    thinned(model, points, tau_s, runs, stride)
 }
 
 /// Samples of the training on which models are judged, and those of the recordings that were not used: as they were recorded, or thinned
@@ -93,36 +111,30 @@ pub(crate) fn judged<'r>(
     [training, unseen]: [&'r [Recording]; 2],
 ) -> Result<[Cow<'r, [Recording]>; 2], IdentifyError> {
     let tau_s = fit.tau_s();
-    let stride = stride_of_judged(tau_s, training);
+    let stride = JUDGED.stride(tau_s, training);
     if stride < 2 {
         return Ok([training, unseen].map(Cow::Borrowed));
     }
     let unlike = vec![fit.point(0); unseen.len()];
-    let of_unseen = stride.min(longest(LONGEST[1] * tau_s, unseen));
+    let of_unseen = stride.min(JUDGED.longest(tau_s, unseen));
     Ok([
         Cow::Owned(thinned(model, &fit.points(), tau_s, training, stride)?),
         Cow::Owned(thinned(model, &unlike, tau_s, unseen, of_unseen)?),
     ])
 }
 
-/// Samples from one on which models are judged to the next.
-fn stride_of_judged(tau_s: f64, recordings: &[Recording]) -> usize {
-    (samples(recordings) / ENOUGH).min(longest(LONGEST[1] * tau_s, recordings))
-}
-
-/// Recordings with as many samples as models are judged on, each the mean of those around it, before a model is known; `None` where there
-/// are not many more.
+/// Recordings with fewer samples, each the mean of those around it, before a model is known; `None` where there are not many more than that takes.
 ///
 /// # Errors
 ///
 /// As [`Recording::decimated`].
 pub(crate) fn decimated(recordings: &[Recording]) -> Result<Option<Vec<Recording>>, IdentifyError> {
     let n = samples(recordings);
-    if n < 2 * ENOUGH {
+    if n < 2 * BEFORE {
         return Ok(None);
     }
     let few = recordings.iter().map(|one| {
-        let every = (n / ENOUGH).min(one.len() / FEWEST);
+        let every = (n / BEFORE).min(one.len() / FEWEST);
         Ok(match every {
             0..=1 => one.clone(),
             _ => one.decimated(every)?,
@@ -155,14 +167,21 @@ fn thinned(
         .collect()
 }
 
-/// Most samples from one that is kept to the next, if they may be so far apart, s.
-fn longest(apart_s: f64, recordings: &[Recording]) -> usize {
-    let of_each = recordings.iter().map(|recording| {
-        let time_s = recording.time_s();
-        let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
-        (apart_s / dt_s) as usize
-    });
-    of_each.fold(usize::MAX, usize::min)
+impl Enough {
+    /// Samples from one that is kept to the next.
+    fn stride(self, tau_s: f64, recordings: &[Recording]) -> usize {
+        (samples(recordings) / self.samples).min(self.longest(tau_s, recordings))
+    }
+
+    /// Most samples from one that is kept to the next.
+    fn longest(self, tau_s: f64, recordings: &[Recording]) -> usize {
+        let of_each = recordings.iter().map(|recording| {
+            let time_s = recording.time_s();
+            let dt_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+            (self.longest * tau_s / dt_s) as usize
+        });
+        of_each.fold(usize::MAX, usize::min)
+    }
 }
 
 fn of_every(
