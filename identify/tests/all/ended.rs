@@ -11,7 +11,7 @@ use crate::common;
 use std::ops::ControlFlow;
 
 use common::{ROD, recording, rod, triangles};
-use identify::{EndedStart, Fit, FitConfig, WienerModel, fit};
+use identify::{EndedStart, Fit, FitConfig, LeastSquaresConfig, WienerModel, fit};
 use wiener::hysteresis::Rule;
 
 /// The fit, and where its starts ended; interrupted after so many.
@@ -83,4 +83,35 @@ fn of_two_searches_with_one_seed_each_finds_its_own_starts() {
     own[0] = edited(&own[0], &[("rejected_costs", "7")]);
     let (resumed, _) = fitted([others, own].concat(), 1, None);
     assert_eq!(resumed.rejected_costs, 7);
+}
+
+#[test]
+fn eight_starts_that_all_agree_are_enough_where_that_is_asked() {
+    let training = [recording("a.csv", triangles(600, 4.2), 0.5)];
+    let model = WienerModel::new(&rod(ROD), Rule::LastReversal, &training).unwrap();
+    let made = |config| {
+        let asked = FitConfig {
+            starts: 10,
+            ..config
+        };
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let fit = fit(&model, &training, &asked, go_on).unwrap();
+        [fit.agreeing_starts, fit.starts]
+    };
+    let until_agreed = FitConfig {
+        until_agreed: true,
+        ..FitConfig::default()
+    };
+    assert_eq!(made(FitConfig::default()), [10, 10]);
+    assert_eq!(made(until_agreed.clone()), [8, 8]);
+    // Of swarms without a search after them the ends differ.
+    let rough = LeastSquaresConfig {
+        iterations: 0,
+        ..LeastSquaresConfig::default()
+    };
+    let [agreeing, starts] = made(FitConfig {
+        least_squares: rough,
+        ..until_agreed
+    });
+    assert!(agreeing < 8 && starts == 10, "{agreeing}");
 }
