@@ -8,7 +8,7 @@ use crate::problem::Problem;
 use crate::{IdentifyError, ParameterVector};
 
 /// Samples of all recordings together from which a basin is found as well as from more.
-const ENOUGH: usize = 500;
+const ENOUGH: usize = 2_000;
 
 /// Shortest time constant that is told, over the distance of samples: what the rod does within such a distance, and a mean over it hides, is 1 %
 /// of what it does within a time constant.
