@@ -12,7 +12,7 @@ pub enum Effort {
     /// Six starts of the baseline model ([`Self::starts`], to be set in [`DiagnoseConfig::baseline`]); loops of other families and other
     /// starting points of the chosen model are left out.
     Quick,
-    /// Sixteen starts; loops of other families where they may do instead of the findings. Trials are made with this.
+    /// Sixteen starts at most; loops of other families where they may do instead of the findings. Trials are made with this.
     #[default]
     Normal,
     /// Forty-eight starts, and loops of other families wherever one of them comes near, relays of two populations among them.
@@ -28,6 +28,12 @@ impl Effort {
             Self::Normal => 16,
             Self::Thorough => 48,
         }
+    }
+
+    /// True if these are enough once eight all end at one minimum.
+    #[must_use]
+    pub fn until_agreed(self) -> bool {
+        self != Self::Thorough
     }
 }
 
@@ -93,7 +99,7 @@ impl Default for DiagnoseConfig {
             limits: Limits::default(),
             baseline: FitConfig {
                 starts: Effort::Normal.starts(),
-                until_agreed: true,
+                until_agreed: Effort::Normal.until_agreed(),
                 ..FitConfig::default()
             },
             effort: Effort::Normal,

@@ -17,7 +17,7 @@ use crate::changed::version::{Version, What};
 use crate::config::DiagnoseConfig;
 use crate::diagnose::diagnosed;
 use crate::model::case::Case;
-use crate::model::coarse::compared_at;
+use crate::model::coarse::{COMPARED, coarse_at};
 use crate::model::unseen::validated;
 use crate::report::catalogue::HALF_95;
 use crate::watch::{Caller, DiagnoseProgress};
@@ -124,7 +124,12 @@ impl Reference {
 
     /// Takes effects that all runs ask for into the laws; then leaves each run out.
     fn learn(&mut self, is_law: impl Fn(Candidate) -> bool) -> Result<(), IdentifyError> {
-        let few = compared_at(&self.model, &self.points, self.tau_s, &self.runs)?;
+        let few = coarse_at(
+            COMPARED,
+            &self.model,
+            (&self.points, self.tau_s),
+            &self.runs,
+        )?;
         let case = Case::new(&self.base, &self.plain, &few, self.config.setting);
         let all: Vec<usize> = (0..few.len()).collect();
         let laws: CandidateSet = self.catalogue().iter().filter(|&one| is_law(one)).collect();
@@ -245,7 +250,7 @@ impl Reference {
         let mut points = self.points.clone();
         let (own, _) = validated(&self.model, &points[0], today)?;
         points.extend(own.iter().map(|one| one.point.clone()));
-        let few = compared_at(&self.model, &points, self.tau_s, &all)?;
+        let few = coarse_at(COMPARED, &self.model, (&points, self.tau_s), &all)?;
         let case = Case::new(&self.base, &self.plain, &few, self.config.setting);
         let version = Version::unchanged(self.model.clone(), today);
         let none = Joint::unchanged(&case, version, &points)?;

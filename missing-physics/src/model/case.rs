@@ -7,7 +7,7 @@ use identify::{
 use recording::Recording;
 
 use crate::config::Part;
-use crate::model::coarse::coarse_at;
+use crate::model::coarse::{SEARCHED, coarse_at};
 use crate::model::elsewhere::is_drift;
 use crate::model::extended_model::LoopFreedom;
 use crate::model::series::{Channel, Layout, Noise};
@@ -265,7 +265,8 @@ impl<'a> Case<'a> {
     ///
     /// They are means of what the node leaves, so that both have nearly one end: all samples are needed for the last of the way.
     pub(crate) fn finished_by_means(&self, node: &Node) -> Result<Node, IdentifyError> {
-        let few = coarse_at(&node.model, &node.points, self.fit.tau_s(), self.training)?;
+        let at = (&node.points[..], self.fit.tau_s());
+        let few = coarse_at(SEARCHED, &node.model, at, self.training)?;
         let means = self.on(&few);
         if !means.is_thinned(self.training) {
             return self.finished(node);

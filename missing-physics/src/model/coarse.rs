@@ -11,19 +11,19 @@ use crate::model::straight::straight_means;
 
 /// How many samples of all recordings together are enough, about, and their longest distance as a share of the time constant.
 #[derive(Debug, Clone, Copy)]
-struct Enough {
+pub(crate) struct Enough {
     samples: usize,
     longest: f64,
 }
 
 /// To search models by.
-const SEARCHED: Enough = Enough {
+pub(crate) const SEARCHED: Enough = Enough {
     samples: 400,
     longest: 0.5,
 };
 
 /// To compare runs by.
-const COMPARED: Enough = Enough {
+pub(crate) const COMPARED: Enough = Enough {
     samples: 1_000,
     longest: 0.25,
 };
@@ -66,37 +66,22 @@ pub(crate) fn coarse(
     fit: &Fit,
     training: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    coarse_at(model, &fit.points(), fit.tau_s(), training)
+    coarse_at(SEARCHED, model, (&fit.points(), fit.tau_s()), training)
 }
 
-/// Coarse recordings by any model: `points` has one point for each recording, `tau_s` is the time constant of the rod, s.
+/// Coarse recordings with so many samples by any model: `points` has one point for each recording, `tau_s` is the time constant of the rod, s.
 ///
 /// # Errors
 ///
 /// Any error of simulating the model.
 pub(crate) fn coarse_at(
+    enough: Enough,
     model: &dyn ForwardModel,
-    points: &[Vec<f64>],
-    tau_s: f64,
-    training: &[Recording],
+    (points, tau_s): (&[Vec<f64>], f64),
+    recordings: &[Recording],
 ) -> Result<Vec<Recording>, IdentifyError> {
-    let stride = SEARCHED.stride(tau_s, training);
-    thinned(model, points, tau_s, training, stride)
-}
-
-/// Runs of one rig at the samples on which they are compared, by any model, as [`coarse_at`].
-///
-/// # Errors
-///
-/// Any error of simulating the model.
-pub(crate) fn compared_at(
-    model: &dyn ForwardModel,
-    points: &[Vec<f64>],
-    tau_s: f64,
-    runs: &[Recording],
-) -> Result<Vec<Recording>, IdentifyError> {
-    let stride = COMPARED.stride(tau_s, runs);
-    thinned(model, points, tau_s, runs, stride)
+    let stride = enough.stride(tau_s, recordings);
+    thinned(model, points, tau_s, recordings, stride)
 }
 
 /// Samples of the training on which models are judged, and those of the recordings that were not used: as they were recorded, or thinned

@@ -551,7 +551,7 @@ impl DiagnoseArgs {
             baseline: FitConfig {
                 from,
                 starts: Effort::from(self.effort).starts(),
-                until_agreed: self.effort != EffortArg::Thorough,
+                until_agreed: Effort::from(self.effort).until_agreed(),
                 ..preset.baseline.clone()
             },
             effort: self.effort.into(),
