@@ -20,8 +20,8 @@ mod watch;
 
 pub use changed::{
     Change, ChangeEvidence, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS,
-    FEWEST_RUNS, LEAST_EXPLAINED, LEAST_UNCHANGED, LeftOut, MOST_EXCESS, Reference, Standing,
-    StateSpread, TracedRun,
+    FEWEST_RUNS, LEAST_EXCESS, LEAST_EXPLAINED, LEAST_UNCHANGED, LeftOut, MOST_EXCESS, Reference,
+    Standing, StateSpread, TracedRun,
 };
 pub use config::{DiagnoseConfig, Effort, Part};
 pub use decide::Verdict;

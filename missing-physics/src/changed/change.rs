@@ -83,7 +83,8 @@ pub struct Considered {
 pub struct Changed {
     /// The likeliest.
     pub leading: Considered,
-    /// Alternatives that explain the runs as well: with the leading change, they hold 95 % of the probability.
+    /// Alternatives that explain the runs as well: with the leading change, they hold 95 % of the probability, or what they leave more is
+    /// less than formulas are off.
     pub could_also_be: Vec<Changing>,
 }
 
@@ -122,6 +123,8 @@ pub struct Change {
     /// Ratio of the mean square that these runs leave to the largest that a run of the reference left when left out:
     /// without a change and with the likeliest.
     pub excess: [f64; 2],
+    /// Share of the samples of these runs that were compared, 0 to 1: those in loops inside that no run of the reference makes were not.
+    pub share_compared: f64,
     /// Unit of the output.
     pub output_unit: String,
 }
@@ -138,12 +141,20 @@ pub const LEAST_UNCHANGED: f64 = 0.05;
 /// Probability that a set of names holds.
 const SET: f64 = 0.95;
 
-/// Largest mean square that runs may leave, over the largest that a run of the reference left: twice as much.
+/// Mean square that runs leave at least where something has changed, over the largest that a run of the reference left: its own runs
+/// differ by as much.
+pub const LEAST_EXCESS: f64 = 1.0;
+
+/// Largest mean square that runs may leave, over the same: twice as much.
 pub const MOST_EXCESS: f64 = 2.0;
 
-/// Share of what is more than that which a finding accounts for at least, where runs leave more. A flexible effect has to account for
+/// Share of what is more than [`LEAST_EXCESS`] which a finding accounts for at least, where runs leave more. A flexible effect has to account for
 /// all: it takes much of whatever has changed.
 pub const LEAST_EXPLAINED: f64 = 0.8;
+
+/// Share of its evidence by which a change must be better than another to be told from it: a formula of an effect is ideal, and
+/// leaves a hundredth of the squares where it is off by a tenth.
+const IDEAL: f64 = 0.01;
 
 /// Prior probability of no change; what may have changed shares the rest alike.
 const PRIOR: f64 = 0.5;
@@ -171,7 +182,8 @@ pub(super) fn decided(
     if runs < FEWEST_RUNS || coolings < FEWEST_COOLINGS {
         return (ChangeVerdict::ReferenceTooShort, None);
     }
-    let Some(leading) = considered.first().filter(|_| unchanged < LEAST_UNCHANGED) else {
+    let shows = unchanged < LEAST_UNCHANGED && excess[0] > LEAST_EXCESS;
+    let Some(leading) = considered.first().filter(|_| shows) else {
         let verdict = if excess[0] > MOST_EXCESS {
             ChangeVerdict::Unexplained
         } else {
@@ -179,7 +191,7 @@ pub(super) fn decided(
         };
         return (verdict, None);
     };
-    let explained = (excess[0] - excess[1]) / (excess[0] - 1.0);
+    let explained = (excess[0] - excess[1]) / (excess[0] - LEAST_EXCESS);
     let effect = leading.what.effect();
     let is_flexible = effect.is_some_and(|effect| effect.info().flexible);
     if excess[1] > MOST_EXCESS && (is_flexible || explained < LEAST_EXPLAINED) {
@@ -188,7 +200,8 @@ pub(super) fn decided(
     let mut held = leading.probability;
     let mut could_also_be: Vec<Changing> = Vec::new();
     for other in &considered[1..] {
-        if held >= SET * (1.0 - unchanged) {
+        let is_told = other.nats < (1.0 - IDEAL) * leading.nats;
+        if is_told && held >= SET * (1.0 - unchanged) {
             break;
         }
         held += other.probability;
@@ -217,7 +230,7 @@ mod tests {
             change: 1.0,
             ci95: None,
             probability,
-            nats: 0.0,
+            nats: 400.0 * probability,
         }
     }
 
@@ -240,6 +253,18 @@ mod tests {
         assert_eq!(verdict, ChangeVerdict::Changed);
         let others = finding.unwrap().could_also_be;
         assert_eq!(others, [Changing::Appeared(EffectId::DeadTime.into())]);
+        // A hundredth of the evidence tells formulas, not causes.
+        let told = |nats: [f64; 2]| {
+            let mut two = [all[0].clone(), all[2].clone()];
+            two[0].probability = 1.0;
+            (two[0].nats, two[1].nats) = (nats[0], nats[1]);
+            decided(&two, 1e-9, [30.0, 1.1], (2, 2))
+                .1
+                .unwrap()
+                .could_also_be
+                .is_empty()
+        };
+        assert!(told([1000.0, 980.0]) && !told([1000.0, 995.0]));
         let of = |unchanged, excess, reference| decided(&all, unchanged, excess, reference).0;
         assert_eq!(of(1e-9, [4.0, 2.5], (2, 2)), ChangeVerdict::Unexplained);
         // What it does not account for is no reason against what it does.
@@ -250,6 +275,9 @@ mod tests {
         assert_eq!(verdict([30.0, 1.1]), ChangeVerdict::Changed);
         assert_eq!(of(0.5, [2.5, 2.4], (2, 2)), ChangeVerdict::Unexplained);
         assert_eq!(of(0.5, [1.5, 1.4], (2, 2)), ChangeVerdict::Unchanged);
+        // Runs of the reference differ as much.
+        assert_eq!(of(1e-9, [0.98, 0.9], (2, 2)), ChangeVerdict::Unchanged);
+        assert_eq!(of(1e-9, [1.02, 0.9], (2, 2)), ChangeVerdict::Changed);
         for reference in [(1, 5), (3, 1)] {
             let verdict = of(1e-9, [30.0, 1.1], reference);
             assert_eq!(verdict, ChangeVerdict::ReferenceTooShort);

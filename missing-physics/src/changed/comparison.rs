@@ -21,6 +21,9 @@ const LED_BY: usize = 4;
 const LEADS: f64 = 2.0;
 const BETTER: f64 = 0.5;
 
+/// The likeliest changes that are told apart on more samples, at most.
+const TOLD_APART: usize = 6;
+
 /// Rounds of that.
 const ROUNDS: usize = 4;
 
@@ -57,24 +60,58 @@ impl Comparison<'_> {
         loop {
             let before = self.nats(&none);
             let mut found = self.ends(&none)?;
-            for one in &mut found {
-                one.nats -= before;
-            }
             let leading = found.iter().take(LED_BY);
-            let leading: Vec<&Ended> = leading.filter(|one| one.nats > LEADS).collect();
+            let leading: Vec<&Ended> = leading.filter(|one| one.nats > before + LEADS).collect();
             let again = try_in_parallel(&leading, |one| {
                 let version = none.version.clone();
                 let from = one.joint.in_version(&version, self.runs.len());
-                let there = self.settled(Joint::at(self.case, version, from)?)?;
-                Ok((self.nats(&there), there))
+                let here = Joint::at(self.case, version, from)?;
+                let there = self.settled(here.clone())?;
+                // Fewer squares need not be more density.
+                let both = [here, there].map(|joint| (self.nats(&joint), joint));
+                Ok(both.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)))
             })?;
-            let best = again.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-            match best {
-                Some((nats, better)) if nats > before + BETTER && round < ROUNDS => none = better,
-                _ => return Ok((none, found)),
+            let best = again
+                .into_iter()
+                .flatten()
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            let better = best.filter(|(nats, _)| *nats > before + BETTER);
+            if round == ROUNDS || better.is_none() {
+                let (unchanged, none) = better.unwrap_or((before, none));
+                for one in &mut found {
+                    one.nats -= unchanged;
+                }
+                return Ok((none, found));
+            }
+            if let Some((_, better)) = better {
+                none = better;
             }
             round += 1;
         }
+    }
+
+    /// Tells the likeliest changes apart by this comparison, where they were found by another, which says how likely a change is.
+    pub(crate) fn told_apart(&self, found: &mut Vec<Ended>) -> Result<(), IdentifyError> {
+        let n = found
+            .iter()
+            .take(TOLD_APART)
+            .filter(|one| one.nats > LEADS)
+            .count();
+        if n < 2 {
+            return Ok(());
+        }
+        let likeliest = found[0].nats;
+        let leading = &mut found[..n];
+        let told = try_in_parallel(leading, |one| {
+            let (version, start) = (one.joint.version.clone(), one.joint.coordinates.clone());
+            Ok(self.nats(&self.settled(Joint::at(self.case, version, start)?)?))
+        })?;
+        let highest = told.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (one, nats) in leading.iter_mut().zip(told) {
+            one.nats = likeliest + nats - highest;
+        }
+        falling(found, |one| one.nats);
+        Ok(())
     }
 
     pub(crate) fn settled(&self, joint: Joint) -> Result<Joint, IdentifyError> {

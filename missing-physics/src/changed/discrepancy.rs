@@ -29,6 +29,8 @@ pub(crate) struct Sampled {
     pub(crate) time_s: Vec<f64>,
     /// |dy/dt| over its root mean square.
     pub(crate) rate: Vec<f64>,
+    /// False for samples that are not compared.
+    pub(crate) is_compared: Vec<bool>,
 }
 
 /// The filter of one recording.
@@ -39,7 +41,8 @@ pub(crate) struct Filter {
     pub(crate) ln_determinant: f64,
 }
 
-#[derive(Debug, Clone, Copy)]
+/// Of a sample that is not compared nothing but what is kept.
+#[derive(Debug, Clone, Copy, Default)]
 struct Step {
     kept: [f64; 2],
     shown: [f64; 2],
@@ -52,6 +55,14 @@ impl Discrepancy {
     pub(crate) fn deviation(self, rate: f64) -> f64 {
         let timing = self.timing * rate;
         (self.noise * self.noise + self.slow * self.slow + timing * timing).sqrt()
+    }
+
+    /// This discrepancy with a noise of at least so much, in the unit of the output: samples that are means have less.
+    pub(crate) fn with_noise(self, least: f64) -> Self {
+        Self {
+            noise: self.noise.max(least),
+            ..self
+        }
     }
 
     /// This discrepancy with its variances multiplied by `factor`.
@@ -83,6 +94,13 @@ impl Filter {
                     }
                     p[i][i] += 1.0 - kept[i] * kept[i];
                 }
+            }
+            if !sampled.is_compared[k] {
+                steps.push(Step {
+                    kept,
+                    ..Step::default()
+                });
+                continue;
             }
             let shown = [discrepancy.slow, discrepancy.timing * rate];
             let ph = [0, 1].map(|i| p[i][0] * shown[0] + p[i][1] * shown[1]);
@@ -147,7 +165,12 @@ mod tests {
             noise + slow + 1.7 * 1.7 * rate[i] * rate[j] * (-apart_s / 0.9).exp()
         });
         let (inverse, ln_determinant) = definite_inverse(&covariance).unwrap();
-        let filter = Filter::of(&discrepancy, &Sampled { time_s, rate });
+        let sampled = Sampled {
+            time_s,
+            rate,
+            is_compared: vec![true; n],
+        };
+        let filter = Filter::of(&discrepancy, &sampled);
         assert!((filter.ln_determinant - ln_determinant).abs() < 1e-9);
         let series = |of: f64| -> Vec<f64> { (0..n).map(|k| (of * k as f64).cos()).collect() };
         let (one, other) = (series(0.2), series(0.5));

@@ -6,16 +6,18 @@ use identify::{ForwardModel, IdentifyError, ParameterVector, PriorRow, prior_row
 use recording::Recording;
 
 use crate::changed::discrepancy::{Discrepancy, Filter, Sampled};
+use crate::changed::partial_loops::{Turn, is_known, turns};
 use crate::changed::system::{Adjusted, System};
 use crate::changed::version::Version;
 use crate::model::case::Case;
 use crate::model::series::Channel;
 use crate::model::tangent::{Sensitivity, derivatives};
 
-/// The runs: where each stands, when it was sampled, how fast it moved.
-#[derive(Debug)]
+/// The runs: where each stands, when it was sampled, how fast it moved, where it turned back.
+#[derive(Debug, Clone)]
 pub(crate) struct Runs {
     sampled: Vec<Sampled>,
+    turns: Vec<Vec<Turn>>,
     ranges: Vec<Range<usize>>,
 }
 
@@ -53,23 +55,54 @@ impl Runs {
             .map(|(recording, range)| Sampled {
                 time_s: recording.time_s().to_vec(),
                 rate: rates(recording, &shown[range.clone()]),
+                is_compared: vec![true; range.len()],
             })
             .collect();
+        let ends = [f64::min, f64::max].map(|of| shown.iter().copied().reduce(of).unwrap_or(0.0));
+        let turns = ranges
+            .iter()
+            .map(|range| turns(&shown[range.clone()], ends));
+        let turns = turns.collect();
         let all = || sampled.iter().flat_map(|one| &one.rate);
         let square = all().map(|rate| rate * rate).sum::<f64>() / all().count() as f64;
         let per = 1.0 / square.sqrt().max(f64::MIN_POSITIVE);
         for one in &mut sampled {
             one.rate.iter_mut().for_each(|rate| *rate *= per);
         }
-        Self { sampled, ranges }
+        Self {
+            sampled,
+            turns,
+            ranges,
+        }
     }
 
     pub(crate) fn len(&self) -> usize {
         self.ranges.len()
     }
 
-    pub(crate) fn n_samples(&self, run: usize) -> usize {
-        self.ranges[run].len()
+    /// These runs, of which some are compared with the others only in loops that those have as well.
+    pub(crate) fn beside_others(&self, some: &[usize]) -> Self {
+        let others = (0..self.len()).filter(|run| !some.contains(run));
+        let others: Vec<Turn> = others.flat_map(|run| self.turns[run].clone()).collect();
+        let mut beside = self.clone();
+        for &run in some {
+            beside.sampled[run].is_compared =
+                is_known(&self.turns[run], &others, self.ranges[run].len());
+        }
+        beside
+    }
+
+    /// Samples of a run that are compared.
+    pub(crate) fn n_compared(&self, run: usize) -> usize {
+        let is_compared = self.sampled[run].is_compared.iter();
+        is_compared.filter(|one| **one).count()
+    }
+
+    /// Share of the samples of some runs that are compared.
+    pub(crate) fn share_compared(&self, some: &[usize]) -> f64 {
+        let compared: usize = some.iter().map(|&run| self.n_compared(run)).sum();
+        let all: usize = some.iter().map(|&run| self.ranges[run].len()).sum();
+        compared as f64 / all as f64
     }
 
     /// Root mean square of a series in a run, about its own mean.
@@ -83,7 +116,7 @@ impl Runs {
     /// Root mean square of a series over all samples of all runs, about the mean of each run.
     pub(crate) fn rms(&self, series: &[f64]) -> f64 {
         let of_runs = 0..self.len();
-        let squares = |run: usize| self.n_samples(run) as f64 * self.rms_of(run, series).powi(2);
+        let squares = |run: usize| self.ranges[run].len() as f64 * self.rms_of(run, series).powi(2);
         let n: usize = self.ranges.iter().map(ExactSizeIterator::len).sum();
         (of_runs.map(squares).sum::<f64>() / n as f64).sqrt()
     }

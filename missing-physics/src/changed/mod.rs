@@ -14,6 +14,7 @@ mod evidence;
 mod first_order;
 mod joint;
 mod likeliest;
+mod partial_loops;
 mod reference;
 mod standing;
 mod system;
@@ -21,7 +22,7 @@ mod version;
 
 pub use change::{
     Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS,
-    LEAST_EXPLAINED, LEAST_UNCHANGED, LeftOut, MOST_EXCESS,
+    LEAST_EXCESS, LEAST_EXPLAINED, LEAST_UNCHANGED, LeftOut, MOST_EXCESS,
 };
 pub use evidence::{ChangeEvidence, StateSpread, TracedRun};
 pub use reference::Reference;

@@ -17,8 +17,9 @@ use crate::changed::version::{Version, What};
 use crate::config::DiagnoseConfig;
 use crate::diagnose::diagnosed;
 use crate::model::case::Case;
-use crate::model::coarse::{COMPARED, coarse_at};
+use crate::model::coarse::{COMPARED, TOLD_APART, coarse_at};
 use crate::model::unseen::validated;
+use crate::noise::floor::measured;
 use crate::report::catalogue::HALF_95;
 use crate::watch::{Caller, DiagnoseProgress};
 use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel, Setting};
@@ -130,7 +131,8 @@ impl Reference {
             (&self.points, self.tau_s),
             &self.runs,
         )?;
-        let case = Case::new(&self.base, &self.plain, &few, self.config.setting);
+        let case =
+            Case::new(&self.base, &self.plain, &few, self.config.setting).as_free_as(&self.model);
         let all: Vec<usize> = (0..few.len()).collect();
         let laws: CandidateSet = self.catalogue().iter().filter(|&one| is_law(one)).collect();
         let version = Version::unchanged(self.model.clone(), &few);
@@ -188,7 +190,9 @@ impl Reference {
         let mut shares = Vec::new();
         for (left, (rmse, points)) in without.into_iter().enumerate() {
             let version = Version::unchanged(self.model.clone(), &few[left..=left]);
+            let beside_others = runs.beside_others(&[left]);
             let asked = Comparison {
+                runs: &beside_others,
                 changed: &[left],
                 catalogue: self.catalogue(),
                 with_laws: true,
@@ -251,23 +255,27 @@ impl Reference {
         let (own, _) = validated(&self.model, &points[0], today)?;
         points.extend(own.iter().map(|one| one.point.clone()));
         let few = coarse_at(COMPARED, &self.model, (&points, self.tau_s), &all)?;
-        let case = Case::new(&self.base, &self.plain, &few, self.config.setting);
+        let case =
+            Case::new(&self.base, &self.plain, &few, self.config.setting).as_free_as(&self.model);
         let version = Version::unchanged(self.model.clone(), today);
         let none = Joint::unchanged(&case, version, &points)?;
         let runs = Runs::of(&case, &none.residual);
         let which: Vec<usize> = (0..all.len()).collect();
+        let changed = &which[n_reference..];
+        let runs = runs.beside_others(changed);
         let enlarged = self.enlarged(today.len());
         let asked = Comparison {
             case: &case,
             runs: &runs,
             which: &which,
-            changed: &which[n_reference..],
+            changed,
             discrepancy: self.discrepancy.enlarged(enlarged),
             catalogue: self.catalogue(),
             with_laws: true,
         };
         let none = asked.settled(none)?;
-        let (none, found) = asked.made(none)?;
+        let (none, mut found) = asked.made(none)?;
+        self.tell_apart(&asked, &none, &all, &mut found)?;
         let nats: Vec<f64> = found.iter().map(|one| one.nats).collect();
         let (likely, each) = probabilities(&nats);
         let considered: Vec<Considered> = found
@@ -306,9 +314,33 @@ impl Reference {
                 .map(|(before, after)| (before.name.clone(), [before.rmse, after.rmse]))
                 .collect(),
             excess,
+            share_compared: runs.share_compared(changed),
             output_unit: all[0].output_unit().to_owned(),
         };
         Ok((change, evidence))
+    }
+
+    /// Tells the likeliest changes of `all` runs apart on more samples.
+    fn tell_apart(
+        &self,
+        asked: &Comparison<'_>,
+        none: &Joint,
+        all: &[Recording],
+        found: &mut Vec<Ended>,
+    ) -> Result<(), IdentifyError> {
+        let points = none.points(all.len());
+        let more = coarse_at(TOLD_APART, &self.model, (&points, self.tau_s), all)?;
+        let case =
+            Case::new(&self.base, &self.plain, &more, self.config.setting).as_free_as(&self.model);
+        let none = Joint::at(&case, none.version.clone(), none.coordinates.clone())?;
+        let noise = measured(&more, self.tau_s).lower;
+        Comparison {
+            case: &case,
+            runs: &Runs::of(&case, &none.residual).beside_others(asked.changed),
+            discrepancy: asked.discrepancy.with_noise(noise),
+            ..*asked
+        }
+        .told_apart(found)
     }
 
     fn considered(&self, one: &Ended, asked: &Comparison<'_>, probability: f64) -> Considered {
@@ -366,7 +398,7 @@ fn share(joint: &Joint, asked: &Comparison<'_>) -> f64 {
     let n: usize = asked
         .changed
         .iter()
-        .map(|&run| asked.runs.n_samples(run))
+        .map(|&run| asked.runs.n_compared(run))
         .sum();
     (squares(asked.which) - squares(&others)) / n as f64
 }

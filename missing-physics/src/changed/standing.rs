@@ -1,6 +1,6 @@
 //! Why a change that was considered is named, or is not.
 
-use crate::changed::change::{Change, ChangeVerdict, LEAST_UNCHANGED};
+use crate::changed::change::{Change, ChangeVerdict, LEAST_EXCESS, LEAST_UNCHANGED};
 
 /// Standing of one considered change in the answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub enum Standing {
     LessLikely,
     /// No change keeps too much probability for any name.
     NoChangeIsLikely,
+    /// Runs of the reference that were left out leave as much without it.
+    WithinReference,
     /// It is the likeliest, and the runs leave too much beside it.
     LeavesTooMuch,
     /// The reference is too short for any name.
@@ -46,6 +48,7 @@ impl Change {
                 }
             }
             _ if self.unchanged >= LEAST_UNCHANGED => Standing::NoChangeIsLikely,
+            _ if self.excess[0] <= LEAST_EXCESS => Standing::WithinReference,
             _ if place == 0 => Standing::LeavesTooMuch,
             _ => Standing::LessLikely,
         }
@@ -80,7 +83,8 @@ mod tests {
             left_out: Vec::new(),
             laws: Vec::new(),
             runs: Vec::new(),
-            excess: [1.0, 1.0],
+            excess: [1.5, 1.0],
+            share_compared: 1.0,
             output_unit: "mm".to_owned(),
         }
     }
@@ -89,7 +93,13 @@ mod tests {
     fn every_considered_change_has_a_reason() {
         use Standing::{
             CouldAlsoBe, LeavesTooMuch, LessLikely, Named, NoChangeIsLikely, ReferenceTooShort,
+            WithinReference,
         };
+        let as_before = Change {
+            excess: [0.9, 0.8],
+            ..change(ChangeVerdict::Unchanged, 0.01)
+        };
+        assert_eq!(as_before.standings(), [WithinReference; 3]);
         let of = |verdict, unchanged| change(verdict, unchanged).standings();
         assert_eq!(
             of(ChangeVerdict::Changed, 0.01),

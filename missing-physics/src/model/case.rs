@@ -140,6 +140,14 @@ impl<'a> Case<'a> {
         Self { watch, ..self }
     }
 
+    /// This case with as much free of its loops as a model has.
+    pub(crate) fn as_free_as(self, model: &ExtendedModel) -> Self {
+        Self {
+            freedom: model.loop_freedom(),
+            ..self
+        }
+    }
+
     /// True if a part of the search is to be left out.
     pub(crate) fn leaves_out(&self, part: Part) -> bool {
         self.watch.leaves_out(part)
@@ -566,5 +574,35 @@ impl Node {
             let mut values = self.points.iter().map(|point| point[first + k]);
             values.all(|value| value.abs() < least)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::synthetic::Synthetic;
+    use crate::{EffectId, EffectSet, EffectValues, LoopFamily};
+
+    #[test]
+    fn as_much_of_a_loop_is_free_with_another_effect_as_without() {
+        let effects = EffectValues::default();
+        let synthetic = Synthetic::with_loop(LoopFamily::Relays, EffectSet::EMPTY, effects, 1);
+        let plain = synthetic.case();
+        let setting = Setting {
+            loop_family: LoopFamily::Relays,
+            ..plain.setting
+        };
+        let model = ExtendedModel::new(plain.base, plain.fit, setting, CandidateSet::EMPTY);
+        let free = |model: &ExtendedModel| {
+            let of_loop = model.parameters()[..model.n_plain()].iter();
+            let free = of_loop.filter(|info| info.state == ParameterState::Free);
+            free.map(|info| info.name).collect::<Vec<_>>()
+        };
+        assert!(free(&model).contains(&"loop_bend_1"));
+        let case = Case::new(plain.base, plain.fit, plain.training, setting);
+        let backlash = CandidateSet::EMPTY.with(EffectId::Backlash);
+        assert!(!free(&case.model(backlash)).contains(&"loop_bend_1"));
+        let case = case.as_free_as(&model);
+        assert_eq!(free(&case.model(backlash)), free(&model));
     }
 }

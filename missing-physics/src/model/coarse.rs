@@ -28,6 +28,12 @@ pub(crate) const COMPARED: Enough = Enough {
     longest: 0.25,
 };
 
+/// To tell changes apart that answer runs almost alike: delays and lags differ within a step of what they are found by.
+pub(crate) const TOLD_APART: Enough = Enough {
+    samples: 10_000,
+    longest: 0.05,
+};
+
 /// To judge models by, if there are at least twice as many: the search then takes no longer for more of them. Of a run of a quarter of an hour that
 /// is one each 0.36 s, and each is the mean of those around it.
 const JUDGED: Enough = Enough {

@@ -120,6 +120,14 @@ impl ExtendedModel {
         self
     }
 
+    /// How much is free of its loop.
+    pub(crate) fn loop_freedom(&self) -> LoopFreedom {
+        let free = self.parameters.iter();
+        let free = free.filter(|info| info.state == ParameterState::Free);
+        let least = free.map(|info| LoopFreedom::of(info.name));
+        least.max().unwrap_or(LoopFreedom::Formula)
+    }
+
     /// Curves of its loop's branches.
     #[must_use]
     pub fn loop_family(&self) -> LoopFamily {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use comfy_table::{Cell, Table};
 use missing_physics::{
     Change, ChangeVerdict, Changed, Changing, Considered, FEWEST_COOLINGS, FEWEST_RUNS,
+    LEAST_UNCHANGED,
 };
 use serde_json::{Value, json};
 
@@ -28,6 +29,9 @@ const ROWS: usize = 6;
 
 /// Probability that is not told from certainty.
 const CERTAIN: f64 = 0.995;
+
+/// Share of the samples that is not told from all.
+const ALL: f64 = 0.995;
 
 /// Probability that a page does not tell from 0.
 const NOT_ZERO: f64 = 0.001;
@@ -73,6 +77,10 @@ impl SinceReference<'_> {
     fn verdict(&self) -> String {
         let change = self.change;
         match (change.verdict, &change.finding) {
+            (ChangeVerdict::Unchanged, _) if change.unchanged < LEAST_UNCHANGED => format!(
+                "nothing has changed since the reference that these runs could show: they leave {} times what a run of it that was left out does.",
+                spoken(change.excess[0])
+            ),
             (ChangeVerdict::Unchanged, _) => {
                 let likeliest = change.considered.first();
                 let likeliest = likeliest.map(|one| {
@@ -134,7 +142,15 @@ impl SinceReference<'_> {
         if change.finding.is_some() {
             let _ = write!(said, ", {}{unit} with the change", spoken(of_runs(1)));
         }
-        said + "; surroundings, heat loss and stroke of each run are its own."
+        said += "; surroundings, heat loss and stroke of each run are its own.";
+        if change.share_compared < ALL {
+            let _ = write!(
+                said,
+                " {} of the samples since lie in partial loops that the reference does not make, and were not compared.",
+                percent(1.0 - change.share_compared)
+            );
+        }
+        said
     }
 
     fn considered(&self) -> Table {
@@ -280,6 +296,7 @@ impl SinceReference<'_> {
             },
             "runs": runs.collect::<Value>(),
             "excess": change.excess,
+            "share_compared": change.share_compared,
             "output_unit": change.output_unit,
             "seed": self.seed,
         })

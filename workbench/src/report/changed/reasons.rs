@@ -18,10 +18,12 @@ pub(crate) fn how_to_read(change: &Change) -> String {
     format!(
         "Evidence: logarithm of how much likelier these runs are with the change than without, its size integrated out. Probability: against no \
          change, which has half before the runs are seen, and all others. A unit of 1: of the parameter's logarithm, or a share. The \
-         likeliest change is named if no change keeps less than {} (here {}), and the runs leave at most {} times what a run of the \
+         likeliest change is named if no change keeps less than {} (here {}), the runs leave more without a change than a run of the reference \
+         that was left out (here {} times as much), and they leave at most {} times what a run of the \
          reference left (here {}) or, of an effect with a form of its own, {} of the excess is explained. \"Could also be\" are those that are needed to hold 95 % of the probability that something has changed.",
         spoken_percent(LEAST_UNCHANGED),
         likelihood(change.unchanged),
+        spoken(change.excess[0]),
         spoken(MOST_EXCESS),
         spoken(change.excess[1]),
         spoken_percent(LEAST_EXPLAINED),
@@ -75,6 +77,7 @@ fn reason(change: &Change, one: &Considered, standing: Standing) -> String {
         Standing::PartOfNamed => "named in another row".to_owned(),
         Standing::LessLikely => "no: less likely".to_owned(),
         Standing::NoChangeIsLikely => "no: no change is likely".to_owned(),
+        Standing::WithinReference => "no: runs of the reference differ as much".to_owned(),
         Standing::LeavesTooMuch if effect.is_some_and(|effect| effect.info().flexible) => format!(
             "no: leaves {} × the reference; what can take any shape needs ≤ {}",
             spoken(change.excess[1]),
