@@ -131,8 +131,8 @@ impl Reference {
             (&self.points, self.tau_s),
             &self.runs,
         )?;
-        let case =
-            Case::new(&self.base, &self.plain, &few, self.config.setting).as_free_as(&self.model);
+        let case = Case::new(&self.base, &self.plain, &few, self.config.setting)
+            .with_freedom_of(&self.model);
         let all: Vec<usize> = (0..few.len()).collect();
         let laws: CandidateSet = self.catalogue().iter().filter(|&one| is_law(one)).collect();
         let version = Version::unchanged(self.model.clone(), &few);
@@ -255,8 +255,8 @@ impl Reference {
         let (own, _) = validated(&self.model, &points[0], today)?;
         points.extend(own.iter().map(|one| one.point.clone()));
         let few = coarse_at(COMPARED, &self.model, (&points, self.tau_s), &all)?;
-        let case =
-            Case::new(&self.base, &self.plain, &few, self.config.setting).as_free_as(&self.model);
+        let case = Case::new(&self.base, &self.plain, &few, self.config.setting)
+            .with_freedom_of(&self.model);
         let version = Version::unchanged(self.model.clone(), today);
         let none = Joint::unchanged(&case, version, &points)?;
         let runs = Runs::of(&case, &none.residual);
@@ -330,8 +330,8 @@ impl Reference {
     ) -> Result<(), IdentifyError> {
         let points = none.points(all.len());
         let more = coarse_at(TOLD_APART, &self.model, (&points, self.tau_s), all)?;
-        let case =
-            Case::new(&self.base, &self.plain, &more, self.config.setting).as_free_as(&self.model);
+        let case = Case::new(&self.base, &self.plain, &more, self.config.setting)
+            .with_freedom_of(&self.model);
         let none = Joint::at(&case, none.version.clone(), none.coordinates.clone())?;
         let noise = measured(&more, self.tau_s).lower;
         Comparison {

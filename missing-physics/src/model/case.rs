@@ -141,7 +141,7 @@ impl<'a> Case<'a> {
     }
 
     /// This case with as much free of its loops as a model has.
-    pub(crate) fn as_free_as(self, model: &ExtendedModel) -> Self {
+    pub(crate) fn with_freedom_of(self, model: &ExtendedModel) -> Self {
         Self {
             freedom: model.loop_freedom(),
             ..self
@@ -602,7 +602,7 @@ mod tests {
         let case = Case::new(plain.base, plain.fit, plain.training, setting);
         let backlash = CandidateSet::EMPTY.with(EffectId::Backlash);
         assert!(!free(&case.model(backlash)).contains(&"loop_bend_1"));
-        let case = case.as_free_as(&model);
+        let case = case.with_freedom_of(&model);
         assert_eq!(free(&case.model(backlash)), free(&model));
     }
 }
