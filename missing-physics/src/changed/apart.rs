@@ -47,7 +47,7 @@ pub(super) fn next_run(
     if effects.iter().any(may_drift) && !today.iter().any(is_recorded) {
         return Ok(Some(record_surroundings(effects)));
     }
-    let case = Case::new(of_all.base, of_all.fit, &today, of_all.setting);
+    let case = of_all.on(&today);
     let mut nodes: Vec<(Candidate, Node)> = Vec::new();
     for effect in effects {
         if let Some(ended) = found.iter().find(|one| one.what == What::Effect(effect)) {

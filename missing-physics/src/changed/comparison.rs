@@ -21,11 +21,11 @@ const LED_BY: usize = 4;
 const LEADS: f64 = 2.0;
 const BETTER: f64 = 0.5;
 
-/// The likeliest changes that are told apart on more samples, at most.
-const TOLD_APART: usize = 6;
-
 /// Rounds of that.
 const ROUNDS: usize = 4;
+
+/// The likeliest changes that are told apart on more samples, at most.
+const TOLD_APART: usize = 6;
 
 /// A change at the end of its search.
 #[derive(Debug, Clone)]
@@ -76,32 +76,23 @@ impl Comparison<'_> {
                 .flatten()
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             let better = best.filter(|(nats, _)| *nats > before + BETTER);
-            if round == ROUNDS || better.is_none() {
-                let (unchanged, none) = better.unwrap_or((before, none));
-                for one in &mut found {
-                    one.nats -= unchanged;
+            match better {
+                Some((_, better)) if round < ROUNDS => none = better,
+                _ => {
+                    let (unchanged, none) = better.unwrap_or((before, none));
+                    for one in &mut found {
+                        one.nats -= unchanged;
+                    }
+                    return Ok((none, found));
                 }
-                return Ok((none, found));
-            }
-            if let Some((_, better)) = better {
-                none = better;
             }
             round += 1;
         }
     }
 
-    /// Tells the likeliest changes apart by this comparison, where they were found by another, which says how likely a change is.
-    pub(crate) fn told_apart(&self, found: &mut Vec<Ended>) -> Result<(), IdentifyError> {
-        let n = found
-            .iter()
-            .take(TOLD_APART)
-            .filter(|one| one.nats > LEADS)
-            .count();
-        if n < 2 {
-            return Ok(());
-        }
-        let likeliest = found[0].nats;
-        let leading = &mut found[..n];
+    /// Tells changes apart by this comparison, where they were found by another, which says how likely the likeliest of them is.
+    pub(crate) fn told_apart(&self, leading: &mut [Ended]) -> Result<(), IdentifyError> {
+        let likeliest = leading[0].nats;
         let told = try_in_parallel(leading, |one| {
             let (version, start) = (one.joint.version.clone(), one.joint.coordinates.clone());
             Ok(self.nats(&self.settled(Joint::at(self.case, version, start)?)?))
@@ -110,7 +101,6 @@ impl Comparison<'_> {
         for (one, nats) in leading.iter_mut().zip(told) {
             one.nats = likeliest + nats - highest;
         }
-        falling(found, |one| one.nats);
         Ok(())
     }
 
@@ -195,4 +185,10 @@ impl Comparison<'_> {
         }
         (version, start)
     }
+}
+
+/// How many of the likeliest changes are to be told apart on more samples.
+pub(crate) fn to_tell_apart(found: &[Ended]) -> usize {
+    let leading = found.iter().take(TOLD_APART);
+    leading.filter(|one| one.nats > LEADS).count()
 }

@@ -184,4 +184,38 @@ mod tests {
         let found: f64 = pairs.map(|(a, b)| a * b).sum();
         assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0));
     }
+
+    #[test]
+    fn samples_that_are_not_compared_are_as_none() {
+        let discrepancy = Discrepancy {
+            noise: 0.3,
+            slow: 0.8,
+            slow_s: 5.0,
+            timing: 1.7,
+            timing_s: 0.9,
+        };
+        let is_compared = |k: &usize| !(7..15).contains(k);
+        let of = |which: Vec<usize>| {
+            let sampled = Sampled {
+                time_s: which.iter().map(|&k| 0.2 * k as f64).collect(),
+                rate: which
+                    .iter()
+                    .map(|&k| (0.3 * k as f64).sin().abs())
+                    .collect(),
+                is_compared: which.iter().map(is_compared).collect(),
+            };
+            let filter = Filter::of(&discrepancy, &sampled);
+            let mut series: Vec<f64> = which.iter().map(|&k| (0.2 * k as f64).cos()).collect();
+            filter.whiten(&mut series);
+            (filter.ln_determinant, series)
+        };
+        let (of_all, all) = of((0..40).collect());
+        let (of_few, few) = of((0..40).filter(is_compared).collect());
+        assert!((of_all - of_few).abs() < 1e-9);
+        assert!(all[7..15].iter().all(|value| value.abs() <= 0.0));
+        let compared = (0..40).filter(is_compared).zip(few);
+        for (k, value) in compared {
+            assert!((all[k] - value).abs() < 1e-9, "{k}");
+        }
+    }
 }

@@ -357,7 +357,8 @@ impl Joint {
     }
 }
 
-fn residual(
+/// Residual that a version leaves of all outputs at coordinates.
+pub(crate) fn residual(
     case: &Case<'_>,
     version: &Version,
     coordinates: &[f64],

@@ -1,5 +1,7 @@
 //! Partial loops of a run that no other run has: a loop is known inside only where a run has turned back there.
 
+use crate::model::turning::{TurningPoint, turning_points};
+
 /// Turn of the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Turn {
@@ -35,37 +37,13 @@ impl Turn {
 /// Turns of an output whose lowest and highest values over all runs are these; its beginning counts as one.
 pub(crate) fn turns(output: &[f64], [lowest, highest]: [f64; 2]) -> Vec<Turn> {
     let span = (highest - lowest).max(f64::MIN_POSITIVE);
-    let share = |k: usize| (output[k] - lowest) / span;
-    let mut turns = Vec::new();
-    let mut rises = None;
-    // Highest and lowest since the last turn.
-    let (mut top, mut bottom) = (0, 0);
-    for k in 0..output.len() {
-        if output[k] >= output[top] {
-            top = k;
-        }
-        if output[k] <= output[bottom] {
-            bottom = k;
-        }
-        let turned = if rises != Some(false) && share(top) - share(k) > SWING {
-            Some(top)
-        } else if rises != Some(true) && share(k) - share(bottom) > SWING {
-            Some(bottom)
-        } else {
-            None
-        };
-        if let Some(at) = turned {
-            let is_top = at == top;
-            turns.push(Turn {
-                at,
-                is_top,
-                share: share(at),
-            });
-            rises = Some(!is_top);
-            (top, bottom) = (k, k);
-        }
-    }
-    turns
+    let turn = |point: TurningPoint| Turn {
+        at: point.at,
+        is_top: point.is_top,
+        share: (output[point.at] - lowest) / span,
+    };
+    let points = turning_points(output, SWING * span);
+    points.into_iter().map(turn).collect()
 }
 
 /// Which of `n` samples of a run lie in loops that others have as well: those after a turn like one of theirs.

@@ -4,14 +4,15 @@ use std::ops::ControlFlow;
 
 use identify::{Fit, ForwardModel, IdentifyError, Scale, WienerModel, predict};
 use recording::Recording;
+use recording::order::falling;
 
 use crate::baseline::opened::{Opened, plain_fit};
 use crate::changed::answered::Answered;
 use crate::changed::change::{Change, Changing, Considered, LeftOut, decided, probabilities};
-use crate::changed::comparison::{Comparison, Ended};
+use crate::changed::comparison::{Comparison, Ended, to_tell_apart};
 use crate::changed::discrepancy::Discrepancy;
 use crate::changed::evidence::ChangeEvidence;
-use crate::changed::joint::{Joint, Runs};
+use crate::changed::joint::{Joint, Runs, residual};
 use crate::changed::likeliest::likeliest;
 use crate::changed::version::{Version, What};
 use crate::config::DiagnoseConfig;
@@ -328,19 +329,24 @@ impl Reference {
         all: &[Recording],
         found: &mut Vec<Ended>,
     ) -> Result<(), IdentifyError> {
+        let n = to_tell_apart(found);
+        if n < 2 {
+            return Ok(());
+        }
         let points = none.points(all.len());
         let more = coarse_at(TOLD_APART, &self.model, (&points, self.tau_s), all)?;
-        let case = Case::new(&self.base, &self.plain, &more, self.config.setting)
-            .with_freedom_of(&self.model);
-        let none = Joint::at(&case, none.version.clone(), none.coordinates.clone())?;
+        let case = asked.case.on(&more);
+        let left = residual(&case, &none.version, &none.coordinates)?;
         let noise = measured(&more, self.tau_s).lower;
-        Comparison {
+        let told = Comparison {
             case: &case,
-            runs: &Runs::of(&case, &none.residual).beside_others(asked.changed),
+            runs: &Runs::of(&case, &left).beside_others(asked.changed),
             discrepancy: asked.discrepancy.with_noise(noise),
             ..*asked
-        }
-        .told_apart(found)
+        };
+        told.told_apart(&mut found[..n])?;
+        falling(found, |one| one.nats);
+        Ok(())
     }
 
     fn considered(&self, one: &Ended, asked: &Comparison<'_>, probability: f64) -> Considered {

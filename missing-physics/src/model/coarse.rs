@@ -8,6 +8,7 @@ use identify::{Fit, ForwardModel, IdentifyError, predict};
 use recording::{Quantity, Recording, RecordingParts};
 
 use crate::model::straight::straight_means;
+use crate::model::turning::{TurningPoint, turning_points};
 
 /// How many samples of all recordings together are enough, about, and their longest distance as a share of the time constant.
 #[derive(Debug, Clone, Copy)]
@@ -245,21 +246,12 @@ fn of_every(
     Ok(Recording::new(parts)?)
 }
 
-/// Where a temperature turns back: a loop remembers that.
+/// Samples at which a temperature turns back: a loop remembers them. It begins low.
 fn turns(temperature_degc: &[f64]) -> Vec<usize> {
-    let (mut extreme, mut is_rising) = (0, true);
-    let mut turns = Vec::new();
-    for (k, &now_degc) in temperature_degc.iter().enumerate() {
-        let beyond_k = now_degc - temperature_degc[extreme];
-        let beyond_k = if is_rising { beyond_k } else { -beyond_k };
-        if beyond_k >= 0.0 {
-            extreme = k;
-        } else if beyond_k < -SWING_K {
-            turns.push(extreme);
-            (extreme, is_rising) = (k, !is_rising);
-        }
-    }
-    turns
+    let points = turning_points(temperature_degc, SWING_K);
+    let begins_low = |first: &TurningPoint| !first.is_top;
+    let since = usize::from(points.first().is_some_and(begins_low));
+    points[since..].iter().map(|point| point.at).collect()
 }
 
 /// Where a drive steps, if it does so seldom among so many samples that are kept.

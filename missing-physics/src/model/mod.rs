@@ -12,4 +12,5 @@ pub(crate) mod straight;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub(crate) mod tangent;
+pub(crate) mod turning;
 pub(crate) mod unseen;

@@ -20,7 +20,8 @@ pub(crate) fn how_to_read(change: &Change) -> String {
          change, which has half before the runs are seen, and all others. A unit of 1: of the parameter's logarithm, or a share. The \
          likeliest change is named if no change keeps less than {} (here {}), the runs leave more without a change than a run of the reference \
          that was left out (here {} times as much), and they leave at most {} times what a run of the \
-         reference left (here {}) or, of an effect with a form of its own, {} of the excess is explained. \"Could also be\" are those that are needed to hold 95 % of the probability that something has changed.",
+         reference left (here {}) or, of an effect with a form of its own, {} of the excess is explained. \"Could also be\" are those that are needed to hold 95 % of the probability that something has changed, and those within a \
+         hundredth of its evidence.",
         spoken_percent(LEAST_UNCHANGED),
         likelihood(change.unchanged),
         spoken(change.excess[0]),
