@@ -49,6 +49,9 @@ pub struct FitConfig {
     pub least_squares: LeastSquaresConfig,
     /// Loss function to minimize.
     pub loss: Loss,
+    /// Weight of recorded temperatures against the output in the search from each start, (output unit/K)²; `None` for equal
+    /// spreads. Where the fit ends, each is weighed by how well it is met.
+    pub temperature_weight: Option<f64>,
     /// How the priors of parameters count.
     pub prior: Prior,
     /// Seed; start k takes stream k of it.
@@ -92,6 +95,7 @@ impl Default for FitConfig {
             until_agreed: false,
             least_squares: LeastSquaresConfig::default(),
             loss: Loss::Squares,
+            temperature_weight: None,
             prior: Prior::Nothing,
             seed: 1,
             from: Vec::new(),
@@ -141,8 +145,7 @@ pub fn fit(
     if problem.vector().is_empty() {
         return Err(IdentifyError::NothingFree);
     }
-    problem.weigh_temperature(equal_spreads(&problem, training));
-    problem.set_prior(config.prior);
+    weigh(&mut problem, training, config);
     let few = match config.least_squares.iterations {
         // Nothing follows a swarm, as in the paper: it sees all.
         0 => None,
@@ -150,7 +153,7 @@ pub fn fit(
     };
     let few = few
         .as_deref()
-        .map(|few| Few::new(model, few, config.prior))
+        .map(|few| Few::new(model, few, config))
         .transpose()?;
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
@@ -414,8 +417,8 @@ fn leave_unfixed(parameters: &mut [FittedParameter]) {
     }
 }
 
-/// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays. The loop of one that is pressed
-/// is held within reach, at a cost that goes with the sum of squares so weighed.
+/// Weighs temperatures by how well they are met, and outliers by Huber, until the point stays, or until a round gains too little to go on
+/// for. The loop of one that is pressed is held within reach, at a cost that goes with the sum of squares so weighed.
 fn reweighed(
     problem: &mut Problem<'_>,
     mut minimum: Minimum,
@@ -444,7 +447,12 @@ fn reweighed(
         } else {
             WithinReach::free(problem)
         };
+        let sum_before = held.sums(std::slice::from_ref(&before))?[0];
         minimum = minimize(&held, problem.bounds(), &before, &config.least_squares)?;
+        let gain = sum_before - minimum.sum_of_squares;
+        if gain < config.least_squares.least_gain * sum_before {
+            break;
+        }
         let mut moves = before.iter().zip(&minimum.point).zip(problem.bounds());
         if moves.all(|((a, b), bound)| (a - b).abs() <= 1e-7 * (bound.upper - bound.lower)) {
             break;
@@ -477,6 +485,13 @@ pub(crate) fn huber_weights(residuals: &[Residuals]) -> Vec<Vec<f64>> {
         .iter()
         .map(|one| one.values.iter().map(weight).collect())
         .collect()
+}
+
+/// Weighs temperatures and priors as a search begins.
+fn weigh(problem: &mut Problem<'_>, training: &[Recording], config: &FitConfig) {
+    let weight = config.temperature_weight;
+    problem.weigh_temperature(weight.unwrap_or_else(|| equal_spreads(problem, training)));
+    problem.set_prior(config.prior);
 }
 
 /// Weight of temperatures before it is known how well they can be met: that of equal spreads.
@@ -527,11 +542,10 @@ impl<'a> Few<'a> {
     fn new(
         model: &'a dyn ForwardModel,
         recordings: &'a [Recording],
-        prior: Prior,
+        config: &FitConfig,
     ) -> Result<Self, IdentifyError> {
         let mut problem = Problem::new(model, recordings)?;
-        problem.weigh_temperature(equal_spreads(&problem, recordings));
-        problem.set_prior(prior);
+        weigh(&mut problem, recordings, config);
         Ok(Self {
             recordings,
             problem,

@@ -9,8 +9,8 @@ use crate::common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, steps, triangles, with_output};
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, Loss, OffsetSource, ParameterState,
-    ParameterVector, RefineConfig, WienerModel, fit, refine, validate,
+    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, Loss, OffsetSource,
+    ParameterState, ParameterVector, RefineConfig, WienerModel, fit, refine, validate,
 };
 use recording::{Quantity, Recording, RecordingParts};
 use std::ops::ControlFlow;
@@ -281,31 +281,71 @@ fn a_start_between_the_curves_is_found() {
     );
 }
 
-#[test]
-fn a_recorded_temperature_fixes_the_scale() {
-    // Heat capacity unknown, but the temperature is recorded: kelvins are kelvins again.
+/// A recording with the rod's temperature, and with ripples on both that no model has: of a millimeter and a kelvin, times `ripple`.
+fn with_temperature(ripple: f64) -> Recording {
     let plain = recording("a.csv", triangles(900, 4.2), 0.5);
     let truth = Wiener::new(Drive::Current, Rule::LastReversal, &[common::truth()]).unwrap();
     let profile = Profile::uniform(plain.drive(), 0.25, 21.0).unwrap();
     let mut temperature_degc = Vec::new();
     run(&truth, &mut truth.rest(21.0), &profile, |_, shown| {
-        temperature_degc.push(shown.temperature_degc[0]);
+        let bent_k = ripple * (0.03 * temperature_degc.len() as f64).cos();
+        temperature_degc.push(shown.temperature_degc[0] + bent_k);
     });
-    let training = [Recording::new(RecordingParts {
+    let output = plain.output().iter().enumerate();
+    let output = output.map(|(k, y)| y + ripple * (0.02 * k as f64).sin());
+    Recording::new(RecordingParts {
         name: "warm.csv".to_owned(),
         time_s: Some(plain.time_s().to_vec()),
         drive: plain.drive().to_vec(),
         output_unit: "mm".to_owned(),
-        output: plain.output().to_vec(),
+        output: output.collect(),
         temperature_degc: Some(temperature_degc),
         ..RecordingParts::default()
     })
-    .unwrap()];
+    .unwrap()
+}
+
+#[test]
+fn a_recorded_temperature_fixes_the_scale() {
+    // Heat capacity unknown, but the temperature is recorded: kelvins are kelvins again.
+    let training = [with_temperature(0.0)];
     let (model, fit) = fitted("surroundings.ambient_degc = 21.0", &training, 1);
     assert!(model.knows_temperature());
     assert!((value(&fit, "loop_center_degc") - 70.0).abs() < 0.01);
     assert!((value(&fit, "loop_half_width_k") - 8.0).abs() < 0.01);
     assert!(fit.temperature_rmse_k.unwrap() < 1e-3);
+}
+
+#[test]
+fn a_search_that_weighs_temperatures_as_they_are_met_stays_where_it_ended() {
+    let training = [with_temperature(0.2)];
+    let text = "surroundings.ambient_degc = 21.0";
+    let (model, first) = fitted(text, &training, 1);
+    let vector = ParameterVector::new(model.parameters(), 1);
+    let again = |temperature_weight| {
+        let config = FitConfig {
+            from: vec![first.coordinates(&vector)],
+            starts: 0,
+            temperature_weight,
+            least_squares: LeastSquaresConfig {
+                least_gain: 1e-6,
+                ..LeastSquaresConfig::default()
+            },
+            ..FitConfig::default()
+        };
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        fit(&model, &training, &config, go_on).unwrap()
+    };
+    let as_met = (first.train_rmse / first.temperature_rmse_k.unwrap()).powi(2);
+    let [equal_spreads, as_met] = [None, Some(as_met)].map(again);
+    for found in [&equal_spreads, &as_met] {
+        // Both channels count by the logarithms of their errors.
+        let [found, first] =
+            [found, &first].map(|fit| fit.train_rmse * fit.temperature_rmse_k.unwrap());
+        assert!((found / first - 1.0).abs() < 1e-3, "{found} {first}");
+    }
+    let simulations = [as_met, equal_spreads].map(|fit| fit.simulations);
+    assert!(4 * simulations[0] < 3 * simulations[1], "{simulations:?}");
 }
 
 #[test]

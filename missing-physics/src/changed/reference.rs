@@ -22,6 +22,7 @@ use crate::model::coarse::{COMPARED, TOLD_APART, coarse_at};
 use crate::model::unseen::validated;
 use crate::noise::floor::measured;
 use crate::report::catalogue::HALF_95;
+use crate::search::families::beside;
 use crate::watch::{Caller, DiagnoseProgress};
 use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel, Setting};
 
@@ -121,7 +122,8 @@ impl Reference {
     /// Effects that may have appeared.
     fn catalogue(&self) -> CandidateSet {
         let all = CandidateSet::all(self.config.catalogue, self.config.setting.hypotheses);
-        all.iter().filter(|one| !one.info().costly).collect()
+        let beside = beside(self.config.setting.loop_family, all);
+        beside.iter().filter(|one| !one.info().costly).collect()
     }
 
     /// Takes effects that all runs ask for into the laws; then leaves each run out.

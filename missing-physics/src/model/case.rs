@@ -328,6 +328,14 @@ impl<'a> Case<'a> {
         )
     }
 
+    /// Settings of fits of its models from a node, which end as refinements do.
+    pub(crate) fn fit_config_at(&self, node: &Node, seed: u64) -> FitConfig {
+        FitConfig {
+            temperature_weight: self.temperature_weight(node),
+            ..self.fit_config(&node.noise.output, seed)
+        }
+    }
+
     /// Settings of fits of its models near a residual, which end as refinements do.
     pub(crate) fn fit_config(&self, near: &ResidualNoise, seed: u64) -> FitConfig {
         FitConfig {
@@ -353,11 +361,6 @@ impl<'a> Case<'a> {
 
     /// Both channels count as well as they are met by a node from which the search goes out.
     fn config(&self, near: &Node, iterations: usize) -> RefineConfig {
-        let Noise {
-            output,
-            temperature,
-        } = &near.noise;
-        let per_k = self.layout.per_k;
         RefineConfig {
             least_squares: LeastSquaresConfig {
                 iterations,
@@ -366,17 +369,23 @@ impl<'a> Case<'a> {
                 } else {
                     (2.0 * LEFT_NATS / self.layout.len() as f64).sqrt()
                 },
-                least_gain: self.least_gain(output),
+                least_gain: self.least_gain(&near.noise.output),
             },
             race_iterations: RACE,
             weights: None,
             prior: prior(self.base, near.noise.n_effective()),
-            temperature_weight: if temperature.variance > 0.0 {
-                per_k.powi(2) * output.variance / temperature.variance
-            } else {
-                0.0
-            },
+            temperature_weight: self.temperature_weight(near).unwrap_or(0.0),
         }
+    }
+
+    /// Weight by which recorded temperatures count as well as a node meets them, (output unit/K)²; `None` if none are recorded.
+    fn temperature_weight(&self, node: &Node) -> Option<f64> {
+        let Noise {
+            output,
+            temperature,
+        } = &node.noise;
+        let ratio = output.variance / temperature.variance;
+        (temperature.variance > 0.0).then(|| self.layout.per_k.powi(2) * ratio)
     }
 
     pub(crate) fn node(

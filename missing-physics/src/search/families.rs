@@ -210,12 +210,11 @@ pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [OtherBaseline]) -> Vec<Case<
         .collect()
 }
 
-/// Those of the candidates that a loop of another family does not already have in it.
-pub(crate) fn beside(catalogue: CandidateSet) -> CandidateSet {
-    let own = catalogue
-        .iter()
-        .filter(|one| one.info().within_loop_families);
-    own.fold(catalogue, CandidateSet::without)
+/// Those of the candidates that a loop of this family does not already have in it.
+pub(crate) fn beside(family: LoopFamily, catalogue: CandidateSet) -> CandidateSet {
+    let is_beside =
+        |one: &Candidate| family == LoopFamily::Proximity || !one.info().within_loop_families;
+    catalogue.iter().filter(is_beside).collect()
 }
 
 /// Goes the whole way with the paper's loop, the first, and with each other that does not stay further from the recordings than
@@ -256,7 +255,7 @@ mod tests {
     use super::*;
     use crate::decide::OF_FORMULAS;
     use crate::model::synthetic::{NOISE_MM, Synthetic};
-    use crate::{EffectSet, EffectValues};
+    use crate::{EffectId, EffectSet, EffectValues};
 
     /// The value of [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on this test.
     #[test]
@@ -286,6 +285,18 @@ mod tests {
                     assert!(populated < 0.4 || !is_of_relays, "{what}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_loop_of_another_family_has_its_asymmetry_and_shape_in_it() {
+        let all = CandidateSet::all(EffectSet::all(), &[]);
+        assert_eq!(beside(LoopFamily::Proximity, all), all);
+        let own = [EffectId::LoopAsymmetry, EffectId::LoopShape].map(Candidate::from);
+        for family in OTHERS {
+            let beside = beside(family, all);
+            assert!(own.iter().all(|&one| !beside.contains(one)));
+            assert_eq!(beside.len() + own.len(), all.len());
         }
     }
 

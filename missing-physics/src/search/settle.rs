@@ -63,7 +63,7 @@ pub(crate) fn settled(
             .chain(ends.map(|(_, end)| end))
             .collect(),
         starts: swarms,
-        ..case.fit_config(&node.noise.output, seed)
+        ..case.fit_config_at(node, seed)
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     fit(&case.watched(&node.model), case.training, &config, go_on)
@@ -74,7 +74,7 @@ pub(crate) fn fitted(case: &Case<'_>, node: &Node, seed: u64) -> Result<Fit, Ide
     let config = FitConfig {
         from: vec![node.coordinates.clone()],
         starts: 0,
-        ..case.fit_config(&node.noise.output, seed)
+        ..case.fit_config_at(node, seed)
     };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     fit(&case.watched(&node.model), case.training, &config, go_on)

@@ -87,8 +87,8 @@ impl<'c> Survey<'c> {
         cases: &'c [Case<'c>],
         loops: &Loops,
     ) -> Result<(), IdentifyError> {
-        let beside = families::beside(self.catalogue);
         for case in cases {
+            let beside = families::beside(case.setting.loop_family, self.catalogue);
             let search = with_one(case, beside, &self.noise, self.config.seed)?;
             self.searches.push(search);
         }
