@@ -447,11 +447,13 @@ fn reweighed(
         } else {
             WithinReach::free(problem)
         };
-        let sum_before = held.sums(std::slice::from_ref(&before))?[0];
         minimum = minimize(&held, problem.bounds(), &before, &config.least_squares)?;
-        let gain = sum_before - minimum.sum_of_squares;
-        if gain < config.least_squares.least_gain * sum_before {
-            break;
+        let least_gain = config.least_squares.least_gain;
+        if least_gain > 0.0 {
+            let sum_before = held.sums(std::slice::from_ref(&before))?[0];
+            if sum_before - minimum.sum_of_squares < least_gain * sum_before {
+                break;
+            }
         }
         let mut moves = before.iter().zip(&minimum.point).zip(problem.bounds());
         if moves.all(|((a, b), bound)| (a - b).abs() <= 1e-7 * (bound.upper - bound.lower)) {

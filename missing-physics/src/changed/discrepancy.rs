@@ -144,15 +144,16 @@ mod tests {
 
     use super::*;
 
+    const DISCREPANCY: Discrepancy = Discrepancy {
+        noise: 0.3,
+        slow: 0.8,
+        slow_s: 5.0,
+        timing: 1.7,
+        timing_s: 0.9,
+    };
+
     #[test]
     fn products_of_white_series_are_those_under_the_inverse_covariance() {
-        let discrepancy = Discrepancy {
-            noise: 0.3,
-            slow: 0.8,
-            slow_s: 5.0,
-            timing: 1.7,
-            timing_s: 0.9,
-        };
         let n = 40;
         let time_s: Vec<f64> = (0..n)
             .map(|k| 0.2 * k as f64 + 0.05 * (k % 3) as f64)
@@ -170,7 +171,7 @@ mod tests {
             rate,
             is_compared: vec![true; n],
         };
-        let filter = Filter::of(&discrepancy, &sampled);
+        let filter = Filter::of(&DISCREPANCY, &sampled);
         assert!((filter.ln_determinant - ln_determinant).abs() < 1e-9);
         let series = |of: f64| -> Vec<f64> { (0..n).map(|k| (of * k as f64).cos()).collect() };
         let (one, other) = (series(0.2), series(0.5));
@@ -187,13 +188,6 @@ mod tests {
 
     #[test]
     fn samples_that_are_not_compared_are_as_none() {
-        let discrepancy = Discrepancy {
-            noise: 0.3,
-            slow: 0.8,
-            slow_s: 5.0,
-            timing: 1.7,
-            timing_s: 0.9,
-        };
         let is_compared = |k: &usize| !(7..15).contains(k);
         let of = |which: Vec<usize>| {
             let sampled = Sampled {
@@ -204,7 +198,7 @@ mod tests {
                     .collect(),
                 is_compared: which.iter().map(is_compared).collect(),
             };
-            let filter = Filter::of(&discrepancy, &sampled);
+            let filter = Filter::of(&DISCREPANCY, &sampled);
             let mut series: Vec<f64> = which.iter().map(|&k| (0.2 * k as f64).cos()).collect();
             filter.whiten(&mut series);
             (filter.ln_determinant, series)
