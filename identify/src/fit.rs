@@ -2,107 +2,21 @@
 
 use std::ops::ControlFlow;
 
-use pso::{Bound, Stop, Swarm, SwarmConfig};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use pso::Bound;
 use recording::Recording;
 use recording::order::rising;
 
+use crate::ended::{AS_LOW, is_one};
+use crate::fit_config::{FitConfig, Loss};
 use crate::fitted::{fitted_parameters, parameter_covariance};
 use crate::identifiability::unfixed_directions;
-use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
-use crate::moments::BATCH;
-use crate::own_anew::own_anew;
+use crate::least_squares::{Minimum, SumOfSquares, minimize};
 use crate::problem::{Problem, Residuals};
 use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
+use crate::start::{Begun, Few, Places, Start, ladder};
 use crate::tasks::try_in_parallel;
-use crate::thinned::{basin, thinned};
 use crate::uncertainty::covariance;
-use crate::{
-    EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, Prior, TrainedRecording,
-};
-
-/// Loss function that a fit minimizes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Loss {
-    /// The mean square: the paper's cost.
-    #[default]
-    Squares,
-    /// Huber's loss, by weights that are found anew until they stay: large residuals (a bumped table, a
-    /// lost sample) count by their size instead of its square.
-    Huber,
-}
-
-/// Settings of a fit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FitConfig {
-    /// Swarm that finds the basin.
-    pub swarm: SwarmConfig,
-    /// Moves of each swarm.
-    pub swarm_iterations: u64,
-    /// Independent starts: a swarm and a least-squares search each. That several agree is the
-    /// evidence that the minimum is the lowest. At least one is made, unless `from` gives some.
-    pub starts: u64,
-    /// True if eight starts that all agree are enough: no other is made then.
-    pub until_agreed: bool,
-    /// Least-squares search from the best point of each swarm.
-    pub least_squares: LeastSquaresConfig,
-    /// Loss function to minimize.
-    pub loss: Loss,
-    /// Weight of recorded temperatures against the output in the search from each start, (output unit/K)²; `None` for equal
-    /// spreads. Where the fit ends, each is weighed by how well it is met.
-    pub temperature_weight: Option<f64>,
-    /// How the priors of parameters count.
-    pub prior: Prior,
-    /// Seed; start k takes stream k of it.
-    pub seed: u64,
-    /// Coordinates of earlier results, from [`SavedModel::coordinates`](crate::SavedModel::coordinates) say:
-    /// a least-squares search from each is one more start.
-    pub from: Vec<Vec<f64>>,
-    /// Starts that an interrupted fit of the same model, recordings and settings has made: these are not made again. Those
-    /// of another seed are passed over.
-    pub ended: Vec<EndedStart>,
-}
-
-impl FitConfig {
-    /// The search of Sadeghi, section 4, for comparison with the paper: one swarm of 50 particles and 150
-    /// moves, and nothing after it. It proves no minimum, and the fit says so.
-    #[must_use]
-    pub fn sadeghi() -> Self {
-        Self {
-            swarm: SwarmConfig::sadeghi_identification(),
-            swarm_iterations: 150,
-            starts: 1,
-            least_squares: LeastSquaresConfig {
-                iterations: 0,
-                ..LeastSquaresConfig::default()
-            },
-            ..Self::default()
-        }
-    }
-}
-
-impl Default for FitConfig {
-    fn default() -> Self {
-        Self {
-            // As many particles as run side by side; more of them or longer found no lower floor.
-            swarm: SwarmConfig {
-                particles: BATCH,
-                ..SwarmConfig::reliable()
-            },
-            swarm_iterations: 20,
-            starts: 4,
-            until_agreed: false,
-            least_squares: LeastSquaresConfig::default(),
-            loss: Loss::Squares,
-            temperature_weight: None,
-            prior: Prior::Nothing,
-            seed: 1,
-            from: Vec::new(),
-            ended: Vec::new(),
-        }
-    }
-}
+use crate::{EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording};
 
 /// How far a fit is.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,15 +62,20 @@ pub fn fit(
     weigh(&mut problem, training, config);
     let few = match config.least_squares.iterations {
         // Nothing follows a swarm, as in the paper: it sees all.
-        0 => None,
-        _ => thinned(training)?,
+        0 => Vec::new(),
+        _ => ladder(training)?,
     };
-    let few = few
-        .as_deref()
-        .map(|few| Few::new(model, few, config))
-        .transpose()?;
+    let rungs = few
+        .iter()
+        .map(|few| {
+            let mut problem = Problem::new(model, few)?;
+            weigh(&mut problem, few, config);
+            Ok(Few::new(few, problem))
+        })
+        .collect::<Result<Vec<_>, IdentifyError>>()?;
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
+    let mut places = Places::default();
     let points = config.from.iter().map(|point| Start::Point(point));
     let swarms = config.starts.max(u64::from(config.from.is_empty()));
     let starts: Vec<(u64, Start<'_>)> = (0..)
@@ -164,7 +83,7 @@ pub fn fit(
         .collect();
     // Starts that take longer than others should not leave threads idle.
     'all: for group in starts.chunks(2 * rayon::current_num_threads()) {
-        let ended = try_in_parallel(group, |&(number, start)| {
+        let begun = try_in_parallel(group, |&(number, start)| {
             let is_it = |ended: &&EndedStart| {
                 (ended.seed, ended.start) == (config.seed, number)
                     && ended.minimum.point.len() == problem.vector().len()
@@ -173,11 +92,12 @@ pub fn fit(
             // again.
             for known in config.ended.iter().filter(is_it) {
                 if is_of(&problem, &known.minimum)? {
-                    return Ok(known.clone());
+                    return Ok((number, Begun::Ended(known.clone())));
                 }
             }
-            start.search(number, &problem, few.as_ref(), config)
+            Ok((number, start.begun(&problem, &rungs, config)?))
         })?;
+        let ended = places.complete(&begun, &problem, config)?;
         for ((_, start), ended) in group.iter().zip(ended) {
             search.take(*start, &ended);
             let so_far = FitProgress {
@@ -277,51 +197,6 @@ pub fn fit(
     })
 }
 
-/// Where a search starts.
-#[derive(Debug, Clone, Copy)]
-enum Start<'a> {
-    /// At a point.
-    Point(&'a [f64]),
-    /// At the best point of a swarm, which takes this stream of the seed.
-    Swarm(u64),
-}
-
-impl Start<'_> {
-    /// Searches on a problem of its own: what one start has solved is nothing to the others, so that all of them
-    /// count the same on any number of threads.
-    fn search(
-        self,
-        number: u64,
-        problem: &Problem<'_>,
-        few: Option<&Few<'_>>,
-        config: &FitConfig,
-    ) -> Result<EndedStart, IdentifyError> {
-        let problem = problem.apart();
-        let (point, rejected_costs) = match self {
-            Start::Point(point) if point.len() != problem.vector().len() => {
-                return Err(IdentifyError::StartLength {
-                    found: point.len(),
-                    expected: problem.vector().len(),
-                });
-            }
-            Start::Point(point) => (point.to_vec(), 0),
-            Start::Swarm(stream) => begun(&problem, few, config, stream)?,
-        };
-        let end = minimize(&problem, problem.bounds(), &point, &config.least_squares)?;
-        Ok(EndedStart {
-            seed: config.seed,
-            start: number,
-            minimum: match (self, few) {
-                // That was done on fewer samples.
-                (Start::Swarm(_), Some(_)) => end,
-                _ => own_anew(&problem, end, &config.least_squares)?,
-            },
-            rejected_costs,
-            simulations: problem.simulations(),
-        })
-    }
-}
-
 /// True if a minimum that was kept has the cost of its point, to rounding, and lies within the bounds.
 fn is_of(problem: &Problem<'_>, minimum: &Minimum) -> Result<bool, IdentifyError> {
     let inside = |(value, bound): (&f64, &Bound)| (bound.lower..=bound.upper).contains(value);
@@ -367,7 +242,7 @@ impl Search {
 
     /// Starts that end as low as the lowest, where sums of squares are told to `rounding`.
     fn agreeing(&self, rounding: f64) -> usize {
-        let agreed = 1.01 * self.lowest() + rounding;
+        let agreed = AS_LOW * self.lowest() + rounding;
         let ends = self.ends.iter();
         ends.filter(|end| end.sum_of_squares <= agreed).count()
     }
@@ -386,18 +261,16 @@ impl Search {
 /// Minima that are not one another's, of ends in the order of their height: the lowest, and what is near it in height
 /// but not in place.
 fn distinct(ends: &[Minimum], bounds: &[Bound]) -> Vec<Minimum> {
-    /// Share of a coordinate's range within which two ends are one.
-    const SAME: f64 = 0.05;
-    let is_same = |one: &Minimum, other: &Minimum| {
-        let mut pairs = one.point.iter().zip(&other.point).zip(bounds);
-        pairs.all(|((a, b), bound)| (a - b).abs() <= SAME * (bound.upper - bound.lower))
-    };
     let mut minima: Vec<Minimum> = Vec::new();
     for end in ends {
         let is_near = minima
             .first()
             .is_none_or(|lowest| end.sum_of_squares <= NEAR * lowest.sum_of_squares);
-        if is_near && !minima.iter().any(|known| is_same(known, end)) {
+        if is_near
+            && !minima
+                .iter()
+                .any(|known| is_one(&known.point, &end.point, bounds))
+        {
             minima.push(end.clone());
         }
     }
@@ -531,73 +404,4 @@ pub(crate) fn squares_about_own_mean(values: &[f64]) -> f64 {
 
 pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-/// Recordings with fewer samples, on which basins are found.
-#[derive(Debug)]
-struct Few<'a> {
-    recordings: &'a [Recording],
-    problem: Problem<'a>,
-}
-
-impl<'a> Few<'a> {
-    fn new(
-        model: &'a dyn ForwardModel,
-        recordings: &'a [Recording],
-        config: &FitConfig,
-    ) -> Result<Self, IdentifyError> {
-        let mut problem = Problem::new(model, recordings)?;
-        weigh(&mut problem, recordings, config);
-        Ok(Self {
-            recordings,
-            problem,
-        })
-    }
-}
-
-/// Where a search on all samples begins: at the end of one on fewer samples if there are such, else at the best point of a short
-/// swarm; and how many costs were no numbers.
-fn begun(
-    problem: &Problem<'_>,
-    few: Option<&Few<'_>>,
-    config: &FitConfig,
-    stream: u64,
-) -> Result<(Vec<f64>, u64), IdentifyError> {
-    if let Some(few) = few {
-        let own = few.problem.apart();
-        let (best, rejected_costs) = swarm_start(&own, config, stream)?;
-        let end = basin(&own, few.recordings, &best)?;
-        // One of them takes as long as the share of the samples that it has.
-        let share = own.n_samples() as f64 / problem.n_samples() as f64;
-        problem.count((own.simulations() as f64 * share).ceil() as u64);
-        if let Some(end) = end {
-            return Ok((end, rejected_costs));
-        }
-    }
-    swarm_start(problem, config, stream)
-}
-
-/// The best point of a short swarm, and how many costs were no numbers.
-fn swarm_start(
-    problem: &Problem<'_>,
-    config: &FitConfig,
-    stream: u64,
-) -> Result<(Vec<f64>, u64), IdentifyError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(config.seed);
-    rng.set_stream(stream);
-    let mut swarm = Swarm::new(config.swarm.clone(), problem.bounds(), rng)?;
-    let stop = Stop {
-        iterations: Some(config.swarm_iterations),
-        ..Stop::default()
-    };
-    while swarm.finished(&stop)?.is_none() {
-        let costs = problem.sums(swarm.ask())?;
-        swarm.tell(&costs)?;
-    }
-    // Where no cost was finite the middle is as good as any.
-    let best = swarm.best_point().map(<[f64]>::to_vec);
-    Ok((
-        best.unwrap_or_else(|| problem.middle()),
-        swarm.rejected_costs(),
-    ))
 }

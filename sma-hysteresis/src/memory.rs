@@ -76,6 +76,21 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
         }
     }
 
+    /// The branches of directions `sign` that return to no point.
+    #[inline(always)]
+    fn paths_without_return(&self, sign: &[f64; L], starts: &Starts<L>) -> Paths<L> {
+        match self.curves {
+            None => Paths::from_fn(
+                #[inline(always)]
+                |l| Path::without_return(self.limits, l, sign[l], starts.get(l)),
+            ),
+            Some(curves) => curves.paths(&Courses::from_fn(
+                #[inline(always)]
+                |l| Course::new(sign[l], starts.get(l), None),
+            )),
+        }
+    }
+
     /// Levels (`Turn::level_k`) of reversals at T̂ on branches.
     #[inline(always)]
     fn levels(&self, paths: &Paths<L>, temperature_k: &[f64; L]) -> [f64; L] {
@@ -114,8 +129,33 @@ impl<const L: usize, P: Proximity> Rules<'_, L, P> {
         }
     }
 
+    /// True if nothing but the last reversal counts.
+    #[inline(always)]
+    fn remember_one(&self) -> bool {
+        self.rule == Rule::LastReversal && !self.are_kinetics()
+    }
+
+    #[inline(always)]
     fn are_kinetics(&self) -> bool {
         matches!(self.curves, Some(Curves::Kinetics(_)))
+    }
+}
+
+/// Where branches of lanes side by side start.
+#[derive(Debug)]
+#[repr(align(64))]
+struct Starts<const L: usize> {
+    temperature_k: [f64; L],
+    level_k: [f64; L],
+}
+
+impl<const L: usize> Starts<L> {
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Turn {
+        Turn {
+            temperature_k: self.temperature_k[lane],
+            level_k: self.level_k[lane],
+        }
     }
 }
 
@@ -269,7 +309,13 @@ impl<const L: usize> Memory<L> {
     ) -> Paths<L> {
         widest_vectors(
             #[inline(always)]
-            || self.change(rules, temperature_k).paths,
+            || {
+                if rules.remember_one() {
+                    let starts = self.turning_points(rules);
+                    return self.turned(rules, temperature_k, &starts);
+                }
+                self.change(rules, temperature_k).paths
+            },
         )
     }
 
@@ -280,6 +326,13 @@ impl<const L: usize> Memory<L> {
         rules: &Rules<'_, L, P>,
         temperature_k: &[f64; L],
     ) {
+        if rules.remember_one() {
+            widest_vectors(
+                #[inline(always)]
+                || self.turn_back(rules, temperature_k),
+            );
+            return;
+        }
         let change = widest_vectors(
             #[inline(always)]
             || self.change(rules, temperature_k),
@@ -308,22 +361,69 @@ impl<const L: usize> Memory<L> {
         }
     }
 
+    /// Where the lanes would turn back.
+    #[inline(always)]
+    fn turning_points<P: Proximity>(&self, rules: &Rules<'_, L, P>) -> Starts<L> {
+        let mut temperature_k = [0.0; L];
+        for l in 0..L {
+            temperature_k[l] = (self.sign[l] * self.furthest_k[l]).clamp(-FARTHEST_K, FARTHEST_K);
+        }
+        let level_k = rules.levels(&self.paths, &temperature_k);
+        Starts {
+            temperature_k,
+            level_k,
+        }
+    }
+
+    /// The branches on which the lanes come to T̂ where nothing but the last reversal counts. With selections alone: lanes are computed side
+    /// by side.
+    #[inline(always)]
+    fn turned<P: Proximity>(
+        &self,
+        rules: &Rules<'_, L, P>,
+        temperature_k: &[f64; L],
+        starts: &Starts<L>,
+    ) -> Paths<L> {
+        let opposite = self.sign.map(|sign| -sign);
+        let turned = rules.paths_without_return(&opposite, starts);
+        Paths::from_fn(
+            #[inline(always)]
+            |l| {
+                let [turned, before] = [turned.get(l), self.paths.get(l)];
+                before.or(turned, self.turns_back(l, temperature_k[l]))
+            },
+        )
+    }
+
+    /// Takes every lane that turns back to its other branch, where nothing but the last reversal counts.
+    #[inline(always)]
+    fn turn_back<P: Proximity>(&mut self, rules: &Rules<'_, L, P>, temperature_k: &[f64; L]) {
+        let starts = self.turning_points(rules);
+        self.paths = self.turned(rules, temperature_k, &starts);
+        for l in 0..L {
+            let (sign, furthest_k) = (self.sign[l], self.furthest_k[l]);
+            let turns = self.turns_back(l, temperature_k[l]);
+            if turns {
+                self.turns[l][0] = starts.get(l);
+            }
+            self.depth[l] = if turns { 1 } else { self.depth[l] };
+            self.sign[l] = if turns { -sign } else { sign };
+            // The extreme of the direction left behind must not hold back the new one.
+            self.furthest_k[l] = if turns {
+                -sign * temperature_k[l]
+            } else {
+                furthest_k
+            };
+        }
+    }
+
     /// Change of the memory by a step to T̂. Lanes leave their branches nearly together, so all lanes are computed side by
     /// side; a lane that stays on its branch keeps it.
     #[inline(always)]
     fn change<P: Proximity>(&self, rules: &Rules<'_, L, P>, temperature_k: &[f64; L]) -> Change<L> {
-        let mut turned_k = [0.0; L];
-        for l in 0..L {
-            turned_k[l] = (self.sign[l] * self.furthest_k[l]).clamp(-FARTHEST_K, FARTHEST_K);
-        }
-        let turned_level_k = rules.levels(&self.paths, &turned_k);
-        let recollections: [_; L] = core::array::from_fn(|l| {
-            let turn = Turn {
-                temperature_k: turned_k[l],
-                level_k: turned_level_k[l],
-            };
-            self.recollection(rules, l, temperature_k[l], turn)
-        });
+        let starts = self.turning_points(rules);
+        let recollections: [_; L] =
+            core::array::from_fn(|l| self.recollection(rules, l, temperature_k[l], starts.get(l)));
         let mut paths = rules.paths(&Courses::from_fn(|l| {
             recollections[l].map_or(Course::new(1.0, self.base[l], None), |next| {
                 self.course(rules, l, &next)

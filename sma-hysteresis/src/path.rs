@@ -89,20 +89,11 @@ impl Path {
         } = *course;
         let shift_k = sign * limits.half_width_k(lane);
         let widening = limits.widening(lane, sign);
-        let distance_k = start.level_k * widening + shift_k - start.temperature_k;
-        // T_pr has the sign of the direction; what does not reach the threshold, or has the wrong
-        // sign by rounding, lies on the limiting curve already. Where curves cross it may lie beyond.
-        let within_k = sign * distance_k;
-        let is_beyond =
-            (widening.to_bits() != 1.0_f64.to_bits()) & (within_k < -SMALLEST_PROXIMITY_K);
-        let is_limiting = (within_k <= SMALLEST_PROXIMITY_K) & !is_beyond;
-        let natural = Self {
-            start,
-            rise: 1.0 / widening,
-            proximity_k: distance_k / widening,
-            inverse_proximity_per_k: sign / distance_k.abs(),
-            further: 0.0,
-        };
+        let Natural {
+            path: natural,
+            distance_k,
+            is_limiting,
+        } = Self::natural(limits, lane, sign, start);
         let reached_k = natural.level_k(proximity, lane, end.temperature_k);
         let excess_k = sign * (reached_k - end.level_k);
         let shrunk = factor((end.level_k - start.level_k) / (reached_k - start.level_k));
@@ -113,21 +104,88 @@ impl Path {
         let falls_short = returns & (excess_k < 0.0);
         let rise_scale = if passes { shrunk } else { 1.0 };
         let proximity_scale = if falls_short { slowed } else { rise_scale };
-        let proximity_k = proximity_scale * natural.proximity_k;
         Self {
-            // On the limiting curve a branch leads along it, wherever it returns to.
-            rise: if is_limiting {
-                natural.rise
-            } else {
-                rise_scale * natural.rise
+            rise: rise_scale * natural.rise,
+            proximity_k: proximity_scale * natural.proximity_k,
+            ..natural
+        }
+        .or_limiting(is_limiting, sign, natural.rise)
+    }
+
+    /// The branch of direction `sign` from `start` that returns to no point.
+    #[inline(always)]
+    pub(crate) fn without_return<const L: usize>(
+        limits: &LimitingLoop<L>,
+        lane: usize,
+        sign: f64,
+        start: Turn,
+    ) -> Self {
+        let Natural {
+            path, is_limiting, ..
+        } = Self::natural(limits, lane, sign, start);
+        path.or_limiting(is_limiting, sign, path.rise)
+    }
+
+    /// The paper's branch of direction `sign` from `start`.
+    #[inline(always)]
+    fn natural<const L: usize>(
+        limits: &LimitingLoop<L>,
+        lane: usize,
+        sign: f64,
+        start: Turn,
+    ) -> Natural {
+        let shift_k = sign * limits.half_width_k(lane);
+        let widening = limits.widening(lane, sign);
+        let distance_k = start.level_k * widening + shift_k - start.temperature_k;
+        // T_pr has the sign of the direction; what does not reach the threshold, or has the wrong
+        // sign by rounding, lies on the limiting curve already. Where curves cross it may lie beyond.
+        let within_k = sign * distance_k;
+        let is_beyond =
+            (widening.to_bits() != 1.0_f64.to_bits()) & (within_k < -SMALLEST_PROXIMITY_K);
+        Natural {
+            path: Self {
+                start,
+                rise: 1.0 / widening,
+                proximity_k: distance_k / widening,
+                inverse_proximity_per_k: sign / distance_k.abs(),
+                further: 0.0,
             },
-            proximity_k: if is_limiting { 0.0 } else { proximity_k },
+            distance_k,
+            is_limiting: (within_k <= SMALLEST_PROXIMITY_K) & !is_beyond,
+        }
+    }
+
+    /// The branch, or where it begins on the limiting curve one along that, wherever it returns to.
+    #[inline(always)]
+    fn or_limiting(self, is_limiting: bool, sign: f64, rise: f64) -> Self {
+        Self {
+            rise: if is_limiting { rise } else { self.rise },
+            proximity_k: if is_limiting { 0.0 } else { self.proximity_k },
             inverse_proximity_per_k: if is_limiting {
                 sign
             } else {
-                natural.inverse_proximity_per_k
+                self.inverse_proximity_per_k
             },
-            ..natural
+            ..self
+        }
+    }
+
+    /// Another branch if `is_left`, else this one.
+    #[inline(always)]
+    pub(crate) fn or(self, other: Self, is_left: bool) -> Self {
+        let chosen = |own: f64, others: f64| if is_left { others } else { own };
+        Self {
+            start: Turn {
+                temperature_k: chosen(self.start.temperature_k, other.start.temperature_k),
+                level_k: chosen(self.start.level_k, other.start.level_k),
+            },
+            rise: chosen(self.rise, other.rise),
+            proximity_k: chosen(self.proximity_k, other.proximity_k),
+            inverse_proximity_per_k: chosen(
+                self.inverse_proximity_per_k,
+                other.inverse_proximity_per_k,
+            ),
+            further: chosen(self.further, other.further),
         }
     }
 
@@ -158,6 +216,16 @@ impl Path {
         // T_pr times 1/T_pr may exceed 1 by rounding.
         if slope < 0.0 { 0.0 } else { slope }
     }
+}
+
+/// A branch before what it returns to is heeded.
+#[derive(Debug, Clone, Copy)]
+struct Natural {
+    path: Path,
+    /// T_pr times the widening, K.
+    distance_k: f64,
+    /// True if it begins on the limiting curve.
+    is_limiting: bool,
 }
 
 /// A rescaling factor: over the shortest way to a return point its quotient may be off by rounding
@@ -209,9 +277,9 @@ pub(crate) struct Paths<const L: usize> {
 }
 
 impl<const L: usize> Paths<L> {
-    /// The branches of courses, each made by `path_of` of its lane and its course.
+    /// Branches that a function gives for each lane.
     #[inline(always)]
-    pub(crate) fn of(courses: &Courses<L>, path_of: impl Fn(usize, &Course) -> Path) -> Self {
+    pub(crate) fn from_fn(path_of: impl Fn(usize) -> Path) -> Self {
         let mut paths = Self {
             start_temperature_k: [0.0; L],
             start_level_k: [0.0; L],
@@ -221,9 +289,18 @@ impl<const L: usize> Paths<L> {
             further: [0.0; L],
         };
         for l in 0..L {
-            paths.put(l, &path_of(l, &courses.get(l)));
+            paths.put(l, &path_of(l));
         }
         paths
+    }
+
+    /// The branches of courses, each made by `path_of` of its lane and its course.
+    #[inline(always)]
+    pub(crate) fn of(courses: &Courses<L>, path_of: impl Fn(usize, &Course) -> Path) -> Self {
+        Self::from_fn(
+            #[inline(always)]
+            |l| path_of(l, &courses.get(l)),
+        )
     }
 
     #[inline(always)]

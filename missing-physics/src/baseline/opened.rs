@@ -2,15 +2,17 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, IdentifyError, WienerModel, tell_time_constant};
+use identify::{Fit, FitConfig, IdentifyError, WienerModel, tell_time_constant, thinned};
 use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
 use crate::baseline::run_states::{with_open_runs, with_state_of_runs};
 use crate::baseline::unknowns::{fitted_to_all, with_unknowns};
 use crate::config::DiagnoseConfig;
-use crate::model::coarse::decimated;
 use crate::watch::{Caller, DiagnoseProgress, Watched};
+
+/// Samples on which the baseline model is searched before anything is known of it, about.
+const ENOUGH: usize = 1_500;
 
 /// A baseline model with what belongs to recordings and runs open as far as it is asked for.
 #[derive(Debug)]
@@ -72,7 +74,7 @@ pub(crate) fn plain_fit(
     config: &DiagnoseConfig,
     caller: &Caller<'_>,
 ) -> Result<Fit, IdentifyError> {
-    let Some(few) = decimated(training)? else {
+    let Some(few) = thinned(training, ENOUGH)? else {
         return searched(base, training, config, caller);
     };
     let of_few = searched(base, &few, config, caller)?;

@@ -42,9 +42,6 @@ const JUDGED: Enough = Enough {
     longest: 0.25,
 };
 
-/// Samples on which the baseline model is searched before anything is known of it, about.
-const BEFORE: usize = 1_500;
-
 /// Fewest samples of a recording.
 const FEWEST: usize = 50;
 
@@ -113,26 +110,6 @@ pub(crate) fn judged<'r>(
         Cow::Owned(thinned(model, &fit.points(), tau_s, training, stride)?),
         Cow::Owned(thinned(model, &unlike, tau_s, unseen, of_unseen)?),
     ])
-}
-
-/// Recordings with fewer samples, each the mean of those around it, before a model is known; `None` where there are not many more than that takes.
-///
-/// # Errors
-///
-/// As [`Recording::decimated`].
-pub(crate) fn decimated(recordings: &[Recording]) -> Result<Option<Vec<Recording>>, IdentifyError> {
-    let n = samples(recordings);
-    if n < 2 * BEFORE {
-        return Ok(None);
-    }
-    let few = recordings.iter().map(|one| {
-        let every = (n / BEFORE).min(one.len() / FEWEST);
-        Ok(match every {
-            0..=1 => one.clone(),
-            _ => one.decimated(every)?,
-        })
-    });
-    Ok(Some(few.collect::<Result<_, IdentifyError>>()?))
 }
 
 /// Samples of all recordings together.
