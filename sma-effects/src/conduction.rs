@@ -127,15 +127,15 @@ const BEYOND_NOTICE: u64 = (1 << 29) - 1;
 /// Transfers over the last lengths that were asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Transfers<const L: usize> {
-    known: [Transfer<L>; AT_HAND],
-    /// Which one is replaced next.
+    known: Vec<Transfer<L>>,
+    /// Which one is replaced next, once as many as may be are known.
     next: usize,
 }
 
 impl<const L: usize> Transfers<L> {
-    /// Over no time.
+    /// None yet.
     pub(crate) const NONE: Self = Self {
-        known: [Transfer::NONE; AT_HAND],
+        known: Vec::new(),
         next: 0,
     };
 
@@ -153,8 +153,13 @@ impl<const L: usize> Transfers<L> {
             .iter()
             .position(|known| known.length_s.map(f64::to_bits) == length_s.map(f64::to_bits));
         let slot = known.unwrap_or_else(|| {
+            let transfer = Transfer::over(length_s, per_tau_s, beyond_per_s);
+            if self.known.len() < AT_HAND {
+                self.known.push(transfer);
+                return self.known.len() - 1;
+            }
             let slot = self.next;
-            self.known[slot] = Transfer::over(length_s, per_tau_s, beyond_per_s);
+            self.known[slot] = transfer;
             self.next = (slot + 1) % AT_HAND;
             slot
         });

@@ -45,15 +45,15 @@ impl Extended {
     }
 
     fn started<const L: usize>(&self, members: &[Member; L]) -> Result<Running<L>, PhysicsError> {
-        let plants = Plants::new(
+        let plants = Box::new(Plants::new(
             &self.setting,
             &members.map(|member| member.params),
             &members.map(|member| member.effects),
-        )?;
-        let state = plants.between_limiting_curves(
+        )?);
+        let state = Box::new(plants.between_limiting_curves(
             members.map(|member| member.start.temperature_degc),
             members.map(|member| member.start.share),
-        );
+        ));
         Ok(Running { plants, state })
     }
 
@@ -86,11 +86,11 @@ impl Fleet for Extended {
     }
 }
 
-/// Plants on their way.
+/// Plants on their way. Boxed: they are large, and would be copied each time that they change hands.
 #[derive(Debug)]
 struct Running<const L: usize> {
-    plants: Plants<L>,
-    state: PlantsState<L>,
+    plants: Box<Plants<L>>,
+    state: Box<PlantsState<L>>,
 }
 
 impl<const L: usize> Lanes<L> for Running<L> {

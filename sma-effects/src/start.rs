@@ -59,12 +59,20 @@ impl<const L: usize> Plants<L> {
 
     /// A zone of a temperature: the one that drives the hysteresis is sought, θ + ΔT(θ) = T.
     fn start_zone(&self, temperature_degc: [f64; L], share: [f64; L]) -> Zone<L> {
+        let mut zone = self.zone_at(temperature_degc, share);
+        if !(self.path.shifts | self.own.has(Place::Shift)) {
+            return zone;
+        }
         let mut driving_degc = temperature_degc;
         let mut bracket = Bracket::<L>::open();
+        let shift_k = &mut |driving_degc: [f64; L]| {
+            self.put(&mut zone, driving_degc, share);
+            self.start_shift_k(temperature_degc, &zone, &share)
+        };
         for _ in 0..START_ITERATIONS {
             let beside_degc = driving_degc.map(|degc| degc + START_STEP_K);
-            let here = self.start_shift_k(temperature_degc, driving_degc, share);
-            let beside = self.start_shift_k(temperature_degc, beside_degc, share);
+            let here = shift_k(driving_degc);
+            let beside = shift_k(beside_degc);
             let mut moved = false;
             for l in 0..L {
                 let slope = (beside[l] - here[l]) / START_STEP_K;
@@ -78,20 +86,20 @@ impl<const L: usize> Plants<L> {
                 break;
             }
         }
-        let mut zone = self.zone_at(driving_degc, share);
+        self.put(&mut zone, driving_degc, share);
         zone.temperature_degc = temperature_degc;
         zone.middle_degc = temperature_degc;
         zone
     }
 
-    /// Shift of the loop of a rod of `temperature_degc`, K, if `driving_degc` drives the hysteresis.
+    /// Shift of the loop of a rod of `temperature_degc`, K, if what drives the hysteresis is the temperature of the zone.
     fn start_shift_k(
         &self,
         temperature_degc: [f64; L],
-        driving_degc: [f64; L],
-        share: [f64; L],
+        zone: &Zone<L>,
+        share: &[f64; L],
     ) -> [f64; L] {
-        let zone = self.zone_at(driving_degc, share);
+        let driving_degc = zone.driving_degc;
         let before = Before {
             temperature_degc: driving_degc,
             transformed: zone.transformed,
@@ -109,7 +117,7 @@ impl<const L: usize> Plants<L> {
         let mut shift = Shift::ZERO;
         self.effects
             .shift(&zone.effects, &before, &trial, &mut shift);
-        if let Some(own) = self.own.memory(temperature_degc, &share) {
+        if let Some(own) = self.own.memory(temperature_degc, share) {
             let at = SeenState {
                 time_s: 0.0,
                 temperature_degc,
@@ -122,29 +130,52 @@ impl<const L: usize> Plants<L> {
 
     /// A zone whose temperature is the one that drives the hysteresis.
     fn zone_at(&self, driving_degc: [f64; L], share: [f64; L]) -> Zone<L> {
-        let memory = self.hysteresis.between_limiting_curves(driving_degc, share);
-        let effects = self.effects.zone(&ZoneStart {
+        let mut zone = Zone {
+            temperature_degc: driving_degc,
+            driving_degc,
+            fraction: [0.0; L],
+            transformed: [0.0; L],
+            slope_per_k: [0.0; L],
+            middle_fraction: [0.0; L],
+            middle_degc: driving_degc,
+            memory: self.hysteresis.between_limiting_curves(driving_degc, share),
+            effects: self.effects.zone(&ZoneStart {
+                driving_degc,
+                share,
+            }),
+        };
+        self.look_around(&mut zone);
+        zone
+    }
+
+    /// Puts a zone where [`Plants::zone_at`] makes one.
+    fn put(&self, zone: &mut Zone<L>, driving_degc: [f64; L], share: [f64; L]) {
+        self.hysteresis
+            .restart(&mut zone.memory, driving_degc, share);
+        zone.effects = self.effects.zone(&ZoneStart {
             driving_degc,
             share,
         });
-        let sensed = self.hysteresis.peek(&memory, driving_degc);
+        zone.temperature_degc = driving_degc;
+        zone.driving_degc = driving_degc;
+        zone.middle_degc = driving_degc;
+        self.look_around(zone);
+    }
+
+    /// Shows a zone how far it has transformed.
+    fn look_around(&self, zone: &mut Zone<L>) {
+        let sensed = self.hysteresis.peek(&zone.memory, zone.driving_degc);
         let mut mapped = Mapped {
             fraction: sensed.fraction,
             slope_per_k: sensed.slope_per_k,
         };
-        self.effects.fraction(&effects, &driving_degc, &mut mapped);
+        self.effects
+            .fraction(&zone.effects, &zone.driving_degc, &mut mapped);
         let transformed = |l: usize| self.scale.transformed(l, mapped.fraction[l]);
         let slope_per_k = |l: usize| self.scale.slope_per_k(l, mapped.slope_per_k[l]);
-        Zone {
-            temperature_degc: driving_degc,
-            driving_degc,
-            fraction: mapped.fraction,
-            transformed: core::array::from_fn(transformed),
-            slope_per_k: core::array::from_fn(slope_per_k),
-            middle_fraction: mapped.fraction,
-            middle_degc: driving_degc,
-            memory,
-            effects,
-        }
+        zone.fraction = mapped.fraction;
+        zone.transformed = core::array::from_fn(transformed);
+        zone.slope_per_k = core::array::from_fn(slope_per_k);
+        zone.middle_fraction = mapped.fraction;
     }
 }

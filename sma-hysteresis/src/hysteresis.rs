@@ -165,6 +165,15 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         )
     }
 
+    /// Takes a memory to where [`Hysteresis::between_limiting_curves`] begins: cheaper than another one, as a memory is large.
+    pub fn restart(&self, memory: &mut Memory<L>, temperature_degc: [f64; L], share: [f64; L]) {
+        memory.restart(
+            &self.rules(),
+            self.relative_k(temperature_degc),
+            share.map(|share| share.clamp(0.0, 1.0)),
+        );
+    }
+
     /// Memory of a material known to have `fraction` at `temperature_degc`.
     ///
     /// # Errors

@@ -176,17 +176,38 @@ struct Recollection {
 }
 
 impl<const L: usize> Memory<L> {
-    /// A memory that begins at `share` of the way from the heating to the cooling curve.
-    ///
-    /// The material came there by cooling, or with `share` = 0 along the heating curve: the beginning
-    /// is a reversal only if left in the other direction.
+    /// A memory that begins at `share` of the way from the heating to the cooling curve; see [`Memory::restart`].
     pub(crate) fn starting<P: Proximity>(
         rules: &Rules<'_, L, P>,
         temperature_k: [f64; L],
         share: [f64; L],
     ) -> Self {
+        let mut memory = Self {
+            sign: [0.0; L],
+            paths: Paths::NONE,
+            return_k: [0.0; L],
+            furthest_k: [0.0; L],
+            base: [Turn::default(); L],
+            turns: [[Turn::default(); NESTING_CAPACITY]; L],
+            depth: [0; L],
+            forgotten: [0; L],
+        };
+        memory.restart(rules, temperature_k, share);
+        memory
+    }
+
+    /// Begins anew at `share` of the way from the heating to the cooling curve.
+    ///
+    /// The material came there by cooling, or with `share` = 0 along the heating curve: the beginning
+    /// is a reversal only if left in the other direction.
+    pub(crate) fn restart<P: Proximity>(
+        &mut self,
+        rules: &Rules<'_, L, P>,
+        temperature_k: [f64; L],
+        share: [f64; L],
+    ) {
         let temperature_k = temperature_k.map(|degrees| degrees.clamp(-FARTHEST_K, FARTHEST_K));
-        let base: [Turn; L] = core::array::from_fn(|lane| {
+        self.base = core::array::from_fn(|lane| {
             let (temperature_k, share) = (temperature_k[lane], share[lane]);
             if let Some(curves) = rules.curves {
                 return curves.start(lane, temperature_k, share);
@@ -204,23 +225,16 @@ impl<const L: usize> Memory<L> {
                     + ((1.0 - share) * added_k(1.0) + share * added_k(-1.0)),
             }
         });
-        let mut memory = Self {
-            sign: share.map(|share| if share <= 0.0 { 1.0 } else { -1.0 }),
-            paths: rules.paths(&Courses::from_fn(|l| {
-                let sign = if share[l] <= 0.0 { 1.0 } else { -1.0 };
-                Course::new(sign, base[l], None)
-            })),
-            return_k: [f64::INFINITY; L],
-            furthest_k: [0.0; L],
-            base,
-            turns: [[Turn::default(); NESTING_CAPACITY]; L],
-            depth: [0; L],
-            forgotten: [0; L],
-        };
+        self.sign = share.map(|share| if share <= 0.0 { 1.0 } else { -1.0 });
+        self.paths = rules.paths(&Courses::from_fn(|l| {
+            Course::new(self.sign[l], self.base[l], None)
+        }));
+        self.return_k = [f64::INFINITY; L];
         for lane in 0..L {
-            memory.furthest_k[lane] = memory.sign[lane] * temperature_k[lane];
+            self.furthest_k[lane] = self.sign[lane] * temperature_k[lane];
         }
-        memory
+        self.depth = [0; L];
+        self.forgotten = [0; L];
     }
 
     /// Direction of the branch that lane `lane` is on; lanes count from 0.

@@ -277,17 +277,20 @@ pub(crate) struct Paths<const L: usize> {
 }
 
 impl<const L: usize> Paths<L> {
+    /// Before any branch is known.
+    pub(crate) const NONE: Self = Self {
+        start_temperature_k: [0.0; L],
+        start_level_k: [0.0; L],
+        rise: [0.0; L],
+        proximity_k: [0.0; L],
+        inverse_proximity_per_k: [0.0; L],
+        further: [0.0; L],
+    };
+
     /// Branches that a function gives for each lane.
     #[inline(always)]
     pub(crate) fn from_fn(path_of: impl Fn(usize) -> Path) -> Self {
-        let mut paths = Self {
-            start_temperature_k: [0.0; L],
-            start_level_k: [0.0; L],
-            rise: [0.0; L],
-            proximity_k: [0.0; L],
-            inverse_proximity_per_k: [0.0; L],
-            further: [0.0; L],
-        };
+        let mut paths = Self::NONE;
         for l in 0..L {
             paths.put(l, &path_of(l));
         }
