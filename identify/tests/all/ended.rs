@@ -16,7 +16,17 @@ use wiener::hysteresis::Rule;
 
 /// The fit, and where its starts ended; interrupted after so many.
 fn fitted(ended: Vec<EndedStart>, seed: u64, interrupted: Option<u64>) -> (Fit, Vec<EndedStart>) {
-    let training = [recording("a.csv", triangles(600, 4.2), 0.5)];
+    fitted_to(600, ended, seed, interrupted)
+}
+
+/// The same of a recording with so many samples.
+fn fitted_to(
+    n_samples: usize,
+    ended: Vec<EndedStart>,
+    seed: u64,
+    interrupted: Option<u64>,
+) -> (Fit, Vec<EndedStart>) {
+    let training = [recording("a.csv", triangles(n_samples, 4.2), 0.5)];
     let model = WienerModel::new(&rod(ROD), Rule::LastReversal, &training).unwrap();
     let config = FitConfig {
         starts: 6,
@@ -43,6 +53,36 @@ fn it_ends_as_one_that_was_not_interrupted() {
     assert_eq!((part.starts, ended.len()), (2, 2));
     let (resumed, _) = fitted(ended, 1, None);
     assert_eq!(resumed, whole);
+}
+
+/// Many enough that basins are found on fewer.
+const MANY: usize = 2_400;
+
+#[test]
+fn a_basin_is_searched_on_all_samples_once() {
+    let (whole, ended) = fitted_to(MANY, Vec::new(), 1, None);
+    assert_eq!([whole.agreeing_starts, whole.starts], [6, 6]);
+    let [first, others @ ..] = &ended[..] else {
+        unreachable!("six starts were made");
+    };
+    // The first start found it, and searched. Swarms differ, and so does what they took; ends do not.
+    for other in others {
+        let [first, other] = [first, other].map(|one| toml::Value::try_from(one).unwrap());
+        assert_eq!(other["minimum"], first["minimum"]);
+        assert_ne!(other["basin"]["point"], first["basin"]["point"]);
+        assert!(other["simulations"].as_integer() < first["simulations"].as_integer());
+    }
+}
+
+#[test]
+fn who_found_a_basin_first_is_kept_when_a_fit_is_interrupted() {
+    let (whole, _) = fitted_to(MANY, Vec::new(), 1, None);
+    for made in [1, 2, 5] {
+        let (part, ended) = fitted_to(MANY, Vec::new(), 1, Some(made));
+        assert_eq!(part.starts, made);
+        let (resumed, _) = fitted_to(MANY, ended, 1, None);
+        assert_eq!(resumed, whole);
+    }
 }
 
 /// A start with other values of some keys.

@@ -202,6 +202,23 @@ proptest! {
     }
 
     #[test]
+    fn a_memory_that_begins_anew_is_as_another_one(
+        (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(), share in 0.0..=1.0,
+    ) {
+        let material = material(width, spread, zeta, rule);
+        let mut used = material.on_limiting_curve(Branch::Cooling, [path[0]]);
+        walk(&material, &mut used, &path);
+        material.restart(&mut used, [path[0]], [share]);
+        let mut fresh = material.between_limiting_curves([path[0]], [share]);
+        for &temperature in &path {
+            let expected = walk(&material, &mut fresh, &[temperature]);
+            let fraction = walk(&material, &mut used, &[temperature]);
+            prop_assert_eq!(fraction.to_bits(), expected.to_bits());
+            prop_assert_eq!(material.reversals(&used, 0).count(), material.reversals(&fresh, 0).count());
+        }
+    }
+
+    #[test]
     fn a_small_first_movement_moves_little(
         (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(),
         share in prop_oneof![Just(0.0), 0.0..1.0, Just(1.0)],
