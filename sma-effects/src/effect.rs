@@ -21,12 +21,15 @@ impl<const L: usize> Base<'_, L> {
 
     /// h A, W/(m K).
     pub(crate) fn conductance_w_per_m_k(&self) -> [f64; L] {
-        self.params.map(|lane| lane.heat.conductance_w_per_m_k)
+        self.params
+            .each_ref()
+            .map(|lane| lane.heat.conductance_w_per_m_k)
     }
 
     /// Time constant, s.
     pub(crate) fn tau_s(&self) -> [f64; L] {
         self.params
+            .each_ref()
             .map(|lane| lane.heat.heat_capacity_j_per_m_k / lane.heat.conductance_w_per_m_k)
     }
 }

@@ -47,13 +47,17 @@ impl Extended {
     fn started<const L: usize>(&self, members: &[Member; L]) -> Result<Running<L>, PhysicsError> {
         let plants = Box::new(Plants::new(
             &self.setting,
-            &members.map(|member| member.params),
-            &members.map(|member| member.effects),
+            &members.each_ref().map(|member| member.params),
+            &members.each_ref().map(|member| member.effects),
         )?);
-        let state = Box::new(plants.between_limiting_curves(
-            members.map(|member| member.start.temperature_degc),
-            members.map(|member| member.start.share),
-        ));
+        let state = Box::new(
+            plants.between_limiting_curves(
+                members
+                    .each_ref()
+                    .map(|member| member.start.temperature_degc),
+                members.each_ref().map(|member| member.start.share),
+            ),
+        );
         Ok(Running { plants, state })
     }
 

@@ -31,9 +31,13 @@ impl<const L: usize> ZoneHeat<L> {
     pub(crate) fn new(lanes: [HeatBalanceParams; L]) -> Result<Self, PhysicsError> {
         Ok(Self {
             balance: HeatBalance::new(lanes).map_err(WienerError::from)?,
-            conductance_w_per_m_k: lanes.map(|lane| lane.conductance_w_per_m_k),
-            per_tau_s: lanes.map(|lane| lane.conductance_w_per_m_k / lane.heat_capacity_j_per_m_k),
-            per_capacity_k_m_per_j: lanes.map(|lane| 1.0 / lane.heat_capacity_j_per_m_k),
+            conductance_w_per_m_k: lanes.each_ref().map(|lane| lane.conductance_w_per_m_k),
+            per_tau_s: lanes
+                .each_ref()
+                .map(|lane| lane.conductance_w_per_m_k / lane.heat_capacity_j_per_m_k),
+            per_capacity_k_m_per_j: lanes
+                .each_ref()
+                .map(|lane| 1.0 / lane.heat_capacity_j_per_m_k),
         })
     }
 

@@ -19,9 +19,12 @@ pub(crate) struct LoopScale<const L: usize> {
 
 impl<const L: usize> LoopScale<L> {
     pub(crate) fn new(params: &[WienerParams; L]) -> Self {
-        let swing = params.map(|lane| lane.limiting_loop.fraction_swing);
+        let swing = params
+            .each_ref()
+            .map(|lane| lane.limiting_loop.fraction_swing);
         Self {
             cold: params
+                .each_ref()
                 .map(|lane| lane.limiting_loop.fraction_center - lane.limiting_loop.fraction_swing),
             span: swing.map(|swing| 2.0 * swing),
             per_span: swing.map(|swing| 0.5 / swing),

@@ -111,7 +111,7 @@ impl<const L: usize> Plants<L> {
         }
         let baseline = Wiener::new(setting.drive, setting.rule, params)?;
         let is_papers = setting.loop_family == LoopFamily::Proximity;
-        let asymmetry = values.map(|lane| {
+        let asymmetry = values.each_ref().map(|lane| {
             let own = lane.loop_asymmetry.loop_asymmetry;
             if is_papers {
                 own
@@ -120,10 +120,10 @@ impl<const L: usize> Plants<L> {
             }
         });
         let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
-        let tails = values.map(|lane| lane.family.tails);
-        let second = values.map(|lane| lane.family.second);
-        let bends = [0, 1, 2].map(|k| values.map(|lane| lane.family.bends[k]));
-        let proximity = SineProximity::new(params.map(|lane| lane.zeta))?;
+        let tails = values.each_ref().map(|lane| lane.family.tails);
+        let second = values.each_ref().map(|lane| lane.family.second);
+        let bends = [0, 1, 2].map(|k| values.each_ref().map(|lane| lane.family.bends[k]));
+        let proximity = SineProximity::new(params.each_ref().map(|lane| lane.zeta))?;
         let with_rule = |rule| {
             Hysteresis::new(limits, proximity, rule)
                 .of_family(setting.loop_family)
@@ -146,14 +146,14 @@ impl<const L: usize> Plants<L> {
         };
         let own = Own::new(setting.hypotheses, values);
         let effects = Effects::new(values, &base);
-        let heat = params.map(|lane| lane.heat);
+        let heat = params.each_ref().map(|lane| lane.heat);
         Ok(Self {
             drive: setting.drive,
             heat: ZoneHeat::new(heat)?,
             hysteresis: with_rule(rule)?,
             scale: LoopScale::new(params),
-            gain: params.map(|lane| lane.gain),
-            offset: params.map(|lane| lane.offset),
+            gain: params.each_ref().map(|lane| lane.gain),
+            offset: params.each_ref().map(|lane| lane.offset),
             path: Path::of(&effects, &own),
             effects,
             own,

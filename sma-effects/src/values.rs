@@ -29,9 +29,10 @@ impl EffectValues {
     ///
     /// [`PhysicsError::OutOfBounds`], [`PhysicsError::Inactive`].
     pub fn checked(self, active: EffectSet) -> Result<Self, PhysicsError> {
+        let mut own = self;
         for effect in EffectId::ALL {
             for (index, parameter) in effect.info().parameters.iter().enumerate() {
-                if let Some(value) = self.get(effect, index) {
+                if let Some(&mut value) = own.slot(effect, index) {
                     check(effect, parameter, value, active)?;
                 }
             }

@@ -112,11 +112,11 @@ impl<const L: usize> LimitingLoop<L> {
             }
         }
         Ok(Self {
-            center_degc: lanes.map(|lane| lane.loop_center_degc),
-            half_width_k: lanes.map(|lane| lane.loop_half_width_k),
-            spread_k: lanes.map(|lane| lane.loop_spread_k),
-            fraction_center: lanes.map(|lane| lane.fraction_center),
-            fraction_per_radian: lanes.map(|lane| FRAC_2_PI * lane.fraction_swing),
+            center_degc: lanes.each_ref().map(|lane| lane.loop_center_degc),
+            half_width_k: lanes.each_ref().map(|lane| lane.loop_half_width_k),
+            spread_k: lanes.each_ref().map(|lane| lane.loop_spread_k),
+            fraction_center: lanes.each_ref().map(|lane| lane.fraction_center),
+            fraction_per_radian: lanes.each_ref().map(|lane| FRAC_2_PI * lane.fraction_swing),
             widening: [[1.0; L]; 2],
         })
     }

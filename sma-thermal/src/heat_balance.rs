@@ -123,9 +123,13 @@ impl<const L: usize> HeatBalance<L> {
             positive("resistance_ohm_per_m", lane.resistance_ohm_per_m, "Ω/m")?;
         }
         Ok(Self {
-            tau_s: lanes.map(|lane| lane.heat_capacity_j_per_m_k / lane.conductance_w_per_m_k),
-            rise_k_m_per_w: lanes.map(|lane| 1.0 / lane.conductance_w_per_m_k),
-            resistance_ohm_per_m: lanes.map(|lane| lane.resistance_ohm_per_m),
+            tau_s: lanes
+                .each_ref()
+                .map(|lane| lane.heat_capacity_j_per_m_k / lane.conductance_w_per_m_k),
+            rise_k_m_per_w: lanes
+                .each_ref()
+                .map(|lane| 1.0 / lane.conductance_w_per_m_k),
+            resistance_ohm_per_m: lanes.each_ref().map(|lane| lane.resistance_ohm_per_m),
         })
     }
 

@@ -80,7 +80,7 @@ impl<const L: usize> Wiener<L> {
     ///
     /// [`WienerError`] naming the parameter that is out of range.
     pub fn new(drive: Drive, rule: Rule, lanes: &[WienerParams; L]) -> Result<Self, WienerError> {
-        let proximity = SineProximity::new(lanes.map(|lane| lane.zeta))?;
+        let proximity = SineProximity::new(lanes.each_ref().map(|lane| lane.zeta))?;
         Self::with_proximity(drive, rule, lanes, proximity)
     }
 }
@@ -104,13 +104,13 @@ impl<const L: usize, P: Proximity> Wiener<L, P> {
                 }
             }
         }
-        let limits = LimitingLoop::new(lanes.map(|lane| lane.limiting_loop))?;
+        let limits = LimitingLoop::new(lanes.each_ref().map(|lane| lane.limiting_loop))?;
         Ok(Self {
             drive: drive.checked()?,
-            heat: HeatBalance::new(lanes.map(|lane| lane.heat))?,
+            heat: HeatBalance::new(lanes.each_ref().map(|lane| lane.heat))?,
             hysteresis: Hysteresis::new(limits, proximity, rule),
-            gain: lanes.map(|lane| lane.gain),
-            offset: lanes.map(|lane| lane.offset),
+            gain: lanes.each_ref().map(|lane| lane.gain),
+            offset: lanes.each_ref().map(|lane| lane.offset),
         })
     }
 

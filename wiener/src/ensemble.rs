@@ -66,10 +66,16 @@ impl Ensemble {
         &self,
         members: &[Member; L],
     ) -> Result<Started<L, Wiener<L>>, WienerError> {
-        let plant = Wiener::new(self.drive, self.rule, &members.map(|member| member.params))?;
+        let plant = Wiener::new(
+            self.drive,
+            self.rule,
+            &members.each_ref().map(|member| member.params),
+        )?;
         let state = plant.between_limiting_curves(
-            members.map(|member| member.start.temperature_degc),
-            members.map(|member| member.start.share),
+            members
+                .each_ref()
+                .map(|member| member.start.temperature_degc),
+            members.each_ref().map(|member| member.start.share),
         );
         Ok(Started { plant, state })
     }

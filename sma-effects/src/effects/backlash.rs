@@ -84,9 +84,11 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         Self {
             per_half_width: half_width.map(|width| if width > 0.0 { 1.0 / width } else { 0.0 }),
             half_width,
-            softness: values.map(|lane| lane.backlash.backlash_softness),
-            relaxed: values.map(|lane| lane.backlash.backlash_relaxed),
-            falls_on_heating: base.params.map(|lane| lane.gain < 0.0),
+            softness: values
+                .each_ref()
+                .map(|lane| lane.backlash.backlash_softness),
+            relaxed: values.each_ref().map(|lane| lane.backlash.backlash_relaxed),
+            falls_on_heating: base.params.each_ref().map(|lane| lane.gain < 0.0),
         }
     }
 

@@ -91,15 +91,18 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const CHANGES_POWER: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
-        let of_output =
-            |lane: EffectValues| lane.dead_time.dead_time_s * lane.dead_time.dead_time_output_share;
-        let delay_s = values.map(|lane| lane.dead_time.dead_time_s - of_output(lane));
+        let of_output = |lane: &EffectValues| {
+            lane.dead_time.dead_time_s * lane.dead_time.dead_time_output_share
+        };
+        let delay_s = values
+            .each_ref()
+            .map(|lane| lane.dead_time.dead_time_s - of_output(lane));
         let active = base.setting.active.contains(crate::EffectId::DeadTime);
         Self {
             delay_s,
             shortest_s: delay_s.into_iter().fold(f64::INFINITY, f64::min),
             longest_s: delay_s.into_iter().fold(0.0, f64::max),
-            output_delay_s: values.map(of_output),
+            output_delay_s: values.each_ref().map(of_output),
             tau_s: base.tau_s(),
             capacity: if active {
                 LONGEST_SAMPLES * base.setting.sub_steps + 1

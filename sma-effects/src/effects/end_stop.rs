@@ -64,10 +64,10 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             stop[l] = values[l].end_stop.end_stop_position * base.params[l].gain.abs();
         }
         Self {
-            share: values.map(|lane| lane.end_stop.end_stop_share),
+            share: values.each_ref().map(|lane| lane.end_stop.end_stop_share),
             stop,
-            sign: base.params.map(|lane| 1f64.copysign(lane.gain)),
-            offset: base.params.map(|lane| lane.offset),
+            sign: base.params.each_ref().map(|lane| 1f64.copysign(lane.gain)),
+            offset: base.params.each_ref().map(|lane| lane.offset),
         }
     }
 

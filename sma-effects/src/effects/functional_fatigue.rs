@@ -93,10 +93,16 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const SHIFTS: bool = true;
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
-        let fading = values.map(|lane| lane.functional_fatigue.fatigue_fading);
+        let fading = values
+            .each_ref()
+            .map(|lane| lane.functional_fatigue.fatigue_fading);
         Self {
-            shift_k: values.map(|lane| lane.functional_fatigue.fatigue_k),
-            loss: values.map(|lane| lane.functional_fatigue.fatigue_stroke_loss),
+            shift_k: values
+                .each_ref()
+                .map(|lane| lane.functional_fatigue.fatigue_k),
+            loss: values
+                .each_ref()
+                .map(|lane| lane.functional_fatigue.fatigue_stroke_loss),
             fading,
             first: fading.map(|k| if k > 0.0 { -k / libm::expm1(-k) } else { 1.0 }),
             scale: LoopScale::new(base.params),

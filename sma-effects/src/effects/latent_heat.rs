@@ -52,7 +52,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let mass_kg_per_m = base.setting.mass_kg_per_m.unwrap_or(0.0);
         Self {
-            heat_j_per_m: values.map(|lane| mass_kg_per_m * lane.latent_heat.latent_heat_j_per_kg),
+            heat_j_per_m: values
+                .each_ref()
+                .map(|lane| mass_kg_per_m * lane.latent_heat.latent_heat_j_per_kg),
         }
     }
 

@@ -61,9 +61,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {
             bend: [
-                values.map(|lane| lane.loop_shape.loop_shape_1),
-                values.map(|lane| lane.loop_shape.loop_shape_2),
-                values.map(|lane| lane.loop_shape.loop_shape_3),
+                values.each_ref().map(|lane| lane.loop_shape.loop_shape_1),
+                values.each_ref().map(|lane| lane.loop_shape.loop_shape_2),
+                values.each_ref().map(|lane| lane.loop_shape.loop_shape_3),
             ],
             scale: LoopScale::new(base.params),
         }

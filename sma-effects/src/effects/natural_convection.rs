@@ -57,7 +57,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {
-            exponent: values.map(|lane| lane.natural_convection.convection_exponent),
+            exponent: values
+                .each_ref()
+                .map(|lane| lane.natural_convection.convection_exponent),
             conductance_w_per_m_k: base.conductance_w_per_m_k(),
         }
     }

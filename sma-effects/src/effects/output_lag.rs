@@ -56,7 +56,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     fn new(values: &[EffectValues; L], _: &Base<'_, L>) -> Self {
         Self {
-            lag_s: values.map(|lane| lane.output_lag.output_lag_s),
+            lag_s: values.each_ref().map(|lane| lane.output_lag.output_lag_s),
         }
     }
 

@@ -71,8 +71,12 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {
-            change: values.map(|lane| lane.phase_dependent_resistance.resistance_change),
-            rise_per_k: values.map(|lane| lane.phase_dependent_resistance.resistance_rise_per_k),
+            change: values
+                .each_ref()
+                .map(|lane| lane.phase_dependent_resistance.resistance_change),
+            rise_per_k: values
+                .each_ref()
+                .map(|lane| lane.phase_dependent_resistance.resistance_rise_per_k),
             reference_degc: base.setting.reference_degc,
             given: match base.drive() {
                 Drive::Current => Given::Current,

@@ -79,9 +79,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
                 + values[l].r_phase.r_phase_above_k;
         }
         Self {
-            share: values.map(|lane| lane.r_phase.r_phase_share),
+            share: values.each_ref().map(|lane| lane.r_phase.r_phase_share),
             middle_degc,
-            spread_k: values.map(|lane| lane.r_phase.r_phase_spread_k),
+            spread_k: values.each_ref().map(|lane| lane.r_phase.r_phase_spread_k),
             scale: LoopScale::new(base.params),
         }
     }

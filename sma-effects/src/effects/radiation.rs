@@ -57,7 +57,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let surface = base.setting.surface_m2_per_m.unwrap_or(0.0);
         Self {
-            w_per_m_k4: values.map(|lane| STEFAN_BOLTZMANN * surface * lane.radiation.emissivity),
+            w_per_m_k4: values
+                .each_ref()
+                .map(|lane| STEFAN_BOLTZMANN * surface * lane.radiation.emissivity),
         }
     }
 

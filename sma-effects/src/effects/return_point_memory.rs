@@ -56,7 +56,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let active = base.setting.active.contains(EffectId::ReturnPointMemory);
         Self {
-            share: values.map(|lane| lane.return_point_memory.return_point_share),
+            share: values
+                .each_ref()
+                .map(|lane| lane.return_point_memory.return_point_share),
             other: active.then(|| Box::new(base.other_memory)),
         }
     }

@@ -59,10 +59,18 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         let mut value = [
-            values.map(|lane| lane.sensor_drift.sensor_drift_1),
-            values.map(|lane| lane.sensor_drift.sensor_drift_2),
-            values.map(|lane| lane.sensor_drift.sensor_drift_3),
-            values.map(|lane| lane.sensor_drift.sensor_drift_4),
+            values
+                .each_ref()
+                .map(|lane| lane.sensor_drift.sensor_drift_1),
+            values
+                .each_ref()
+                .map(|lane| lane.sensor_drift.sensor_drift_2),
+            values
+                .each_ref()
+                .map(|lane| lane.sensor_drift.sensor_drift_3),
+            values
+                .each_ref()
+                .map(|lane| lane.sensor_drift.sensor_drift_4),
         ];
         for knot in &mut value {
             for l in 0..L {

@@ -65,7 +65,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         let mut lanes = Self {
             quadratic: [0.0; L],
             cubic: [0.0; L],
-            offset: base.params.map(|lane| lane.offset),
+            offset: base.params.each_ref().map(|lane| lane.offset),
             per_stroke: [0.0; L],
         };
         for l in 0..L {

@@ -50,7 +50,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     fn new(values: &[EffectValues; L], _: &Base<'_, L>) -> Self {
         Self {
-            shift_k: values.map(|lane| lane.stress_coupling.stress_shift_k),
+            shift_k: values
+                .each_ref()
+                .map(|lane| lane.stress_coupling.stress_shift_k),
         }
     }
 

@@ -76,7 +76,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
 
     fn new(values: &[EffectValues; L], base: &Base<'_, L>) -> Self {
         Self {
-            lag_s: values.map(|lane| lane.supply_lag.supply_lag_s),
+            lag_s: values.each_ref().map(|lane| lane.supply_lag.supply_lag_s),
             tau_s: base.tau_s(),
             amplitude_lags: matches!(base.drive(), Drive::Current | Drive::Voltage { .. }),
         }

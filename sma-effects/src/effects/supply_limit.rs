@@ -60,7 +60,10 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         let limits_amplitude = matches!(base.drive(), Drive::Current | Drive::Voltage { .. });
         // Without a largest drive the effect is refused where it is active.
         let largest = base.setting.largest_drive.unwrap_or(f64::MAX);
-        let resistance_ohm_per_m = base.params.map(|lane| lane.heat.resistance_ohm_per_m);
+        let resistance_ohm_per_m = base
+            .params
+            .each_ref()
+            .map(|lane| lane.heat.resistance_ohm_per_m);
         let mut limit = base
             .drive()
             .power_w_per_m([largest; L], resistance_ohm_per_m);
@@ -71,7 +74,9 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             limit[l] *= values[l].supply_limit.supply_limit_position;
         }
         Self {
-            share: values.map(|lane| lane.supply_limit.supply_limit_share),
+            share: values
+                .each_ref()
+                .map(|lane| lane.supply_limit.supply_limit_share),
             limit,
             limits_amplitude,
         }

@@ -54,7 +54,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     const RECORDS: bool = true;
 
     fn new(values: &[EffectValues; L], _: &Base<'_, L>) -> Self {
-        let contact = values.map(|lane| lane.thermocouple_lag);
+        let contact = values.each_ref().map(|lane| lane.thermocouple_lag);
         let leak = contact.map(|lane| lane.thermocouple_lag_s * lane.bead_cooling_per_s);
         Self {
             lag_s: core::array::from_fn(|l| contact[l].thermocouple_lag_s / (1.0 + leak[l])),

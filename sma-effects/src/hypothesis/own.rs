@@ -42,7 +42,7 @@ impl<const L: usize> Own<L> {
         let mut values = [[[0.0; L]; MOST_PARAMETERS]; MOST_HYPOTHESES];
         for (h, of_one) in values.iter_mut().enumerate() {
             for (k, value) in of_one.iter_mut().enumerate() {
-                *value = lanes.map(|lane| lane.own[h][k]);
+                *value = lanes.each_ref().map(|lane| lane.own[h][k]);
             }
         }
         Self { hypotheses, values }
