@@ -82,6 +82,10 @@ impl Fleet for Extended {
         Ok(Box::new(self.started(members)?))
     }
 
+    fn alone(&self, member: &Member) -> Result<Option<Box<dyn Lanes + Send>>, PhysicsError> {
+        Ok(Some(Box::new(self.started(&[*member])?)))
+    }
+
     fn wide(&self, members: &[Member; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, PhysicsError> {
         if self.setting.active.contains(EffectId::EndConduction) {
             return Ok(Box::new(self.side_by_side(members)?));

@@ -92,6 +92,10 @@ impl Fleet for Ensemble {
         Ok(self.started(members)?.boxed())
     }
 
+    fn alone(&self, member: &Member) -> Result<Option<Box<dyn Lanes + Send>>, WienerError> {
+        Ok(Some(self.started(&[*member])?.boxed()))
+    }
+
     fn wide(&self, members: &[Member; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, WienerError> {
         Ok(self.started(members)?.boxed())
     }

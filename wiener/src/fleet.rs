@@ -10,7 +10,7 @@ pub const NARROW: usize = 16;
 /// Samples simulated before the visitor sees them: its rows stay in the first-level cache.
 const BLOCK: usize = 32;
 
-/// Plants of one kind that [`lockstep`] runs side by side: how to make chunks of them, in two sizes.
+/// Plants of one kind that [`lockstep`] runs side by side: how to make chunks of them.
 ///
 /// [`Ensemble`](crate::Ensemble) is the fleet of Wiener models; an extended plant has its own. Implementors make the
 /// plants with one function that is generic over the number of lanes, and return
@@ -32,6 +32,15 @@ pub trait Fleet {
         &self,
         members: &[Self::Member; NARROW],
     ) -> Result<Box<dyn Lanes<NARROW> + Send>, Self::Error>;
+
+    /// Makes one plant, in the state that it starts from; `None`, as by default, if a small chunk takes no longer.
+    ///
+    /// # Errors
+    ///
+    /// The error in the member.
+    fn alone(&self, _member: &Self::Member) -> Result<Option<Box<dyn Lanes + Send>>, Self::Error> {
+        Ok(None)
+    }
 
     /// Makes a full chunk of plants, in the state that they start from.
     ///
@@ -70,7 +79,7 @@ pub struct Block<'a> {
 ///
 /// # Errors
 ///
-/// That of [`Fleet::narrow`] or [`Fleet::wide`] for the first chunk that it refuses; `visit` may have seen blocks of the
+/// That of [`Fleet::alone`], [`Fleet::narrow`] or [`Fleet::wide`] for the first chunk that it refuses; `visit` may have seen blocks of the
 /// members before it.
 pub fn lockstep<F: Fleet>(
     fleet: &F,
@@ -82,7 +91,12 @@ pub fn lockstep<F: Fleet>(
     while first < members.len() {
         let rest = &members[first..];
         // Equal bits at every width: the choice is one of speed only.
-        if rest.len() <= NARROW {
+        if let [member] = rest
+            && let Some(mut lane) = fleet.alone(member)?
+        {
+            show(&mut *lane, 1, first, profile, visit);
+            first += 1;
+        } else if rest.len() <= NARROW {
             let mut lanes = fleet.narrow(&padded(rest))?;
             show(&mut *lanes, rest.len().min(NARROW), first, profile, visit);
             first += NARROW;
