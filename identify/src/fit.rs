@@ -181,7 +181,7 @@ pub fn fit(
         aic: deviance + 2.0 * n_parameters,
         bic: deviance + n.ln() * n_parameters,
         covariance: parameter_covariance(&problem, &covariance),
-        unfixed: unfixed_directions(&problem, &minimum.point, &covariance.noise)?,
+        unfixed: unfixed_directions(&problem, &minimum.point, &covariance),
         noise: covariance.noise,
         termination: minimum.termination,
         agreeing_starts,

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
+use crate::Scale;
 use crate::dense::{Matrix, singular};
 use crate::problem::Problem;
-use crate::residual_noise::ResidualNoise;
-use crate::{IdentifyError, Scale};
+use crate::uncertainty::Covariance;
 
 /// Relative standard deviation along a direction from which it counts as not fixed: the parameters
 /// could as well be half as large again.
@@ -69,11 +69,11 @@ impl fmt::Display for UnfixedDirection {
 pub(crate) fn unfixed_directions(
     problem: &Problem<'_>,
     point: &[f64],
-    noise: &ResidualNoise,
-) -> Result<Vec<UnfixedDirection>, IdentifyError> {
-    let local = problem.linearize_centrally(point)?;
+    covariance: &Covariance,
+) -> Vec<UnfixedDirection> {
+    let noise = &covariance.noise;
     let vector = problem.vector();
-    let n = point.len();
+    let (linear, n) = (problem.n_linear(), point.len());
     let size = |j: usize| {
         let info = &vector.infos()[vector.parameter(j)];
         match info.scale {
@@ -81,9 +81,11 @@ pub(crate) fn unfixed_directions(
             Scale::Linear => point[j] - problem.bounds()[j].lower,
         }
     };
-    let scaled = Matrix::from_fn(n, n, |row, j| local.jacobian[(row, j)] * size(j));
+    // Below the rows of the linear parameters: without what these can take up.
+    let own = |row: usize, j: usize| covariance.sensitivities[(linear + row, linear + j)];
+    let scaled = Matrix::from_fn(n, n, |row, j| own(row, j) * size(j));
     let Some(found) = singular(&scaled) else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
     // Slow changes meet the slow part of the residuals: their variance, times how few count.
     let slow = noise.variance * noise.n_samples as f64 / noise.n_effective.max(1.0);
@@ -101,5 +103,5 @@ pub(crate) fn unfixed_directions(
             UnfixedDirection { changes, deviation }
         })
     });
-    Ok(directions.collect())
+    directions.collect()
 }

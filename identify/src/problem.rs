@@ -401,9 +401,16 @@ impl<'a> Problem<'a> {
         Ok(solved)
     }
 
+    /// Solves for gain and offsets at each point, and remembers them.
+    pub(crate) fn solve(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
+        let solved = self.solve_once(points)?;
+        self.remember(points, solved.clone());
+        Ok(solved)
+    }
+
     /// Solves for gain and offsets at each point. Results stand in the order of the points, whatever
     /// the number of threads.
-    pub(crate) fn solve(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
+    fn solve_once(&self, points: &[Vec<f64>]) -> Result<Vec<Solved>, IdentifyError> {
         self.count(points.len() as u64);
         let tasks: Vec<(usize, &[Vec<f64>])> = points
             .chunks(BATCH)
@@ -411,11 +418,9 @@ impl<'a> Problem<'a> {
             .collect();
         let moments = try_in_parallel(&tasks, |&(r, batch)| self.moments(r, batch))?;
         let n_recordings = self.recordings.len();
-        let solved = self.solved(points, |p, r| {
+        Ok(self.solved(points, |p, r| {
             moments[p / BATCH * n_recordings + r][p % BATCH]
-        });
-        self.remember(points, solved.clone());
-        Ok(solved)
+        }))
     }
 
     /// Gain and offsets at each point, from the moments of each point and recording.
@@ -568,11 +573,6 @@ impl<'a> Problem<'a> {
         Batch::new(&acting, &self.bounds, points, around, sides)
     }
 
-    /// The residual to first order around a point, by central differences: for those who ask what is left open.
-    pub(crate) fn linearize_centrally(&self, point: &[f64]) -> Result<Linearized, IdentifyError> {
-        Ok(self.linearized_by(&[point.to_vec()], 0, Sides::Both)?.1)
-    }
-
     /// With the linear parameters' columns first, what stands below them in the triangular factor is
     /// the Jacobian of the problem *without* them: variable projection (Golub1973 in REFERENCES.md, in
     /// Kaufman's form) without projecting anything.
@@ -580,10 +580,9 @@ impl<'a> Problem<'a> {
         &self,
         points: &[Vec<f64>],
         around: usize,
-        sides: Sides,
     ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
         let batches: Vec<(usize, Batch)> = (0..self.recordings.len())
-            .map(|r| (r, self.batch(r, points, around, sides)))
+            .map(|r| (r, self.batch(r, points, around, Sides::One)))
             .collect();
         self.count(batches[0].1.n_points() as u64);
         let seen = try_in_parallel(&batches, |(r, batch)| self.seen(*r, batch))?;
@@ -720,7 +719,7 @@ impl SumOfSquares for Problem<'_> {
             let sums = self.sums(points)?;
             return Ok((sums, self.linearize(&points[around])?));
         }
-        self.linearized_by(points, around, Sides::One)
+        self.linearized_by(points, around)
     }
 
     /// The moments' products cancel to some 1e-16 of the spread; a hundred times that is safe.
@@ -734,8 +733,9 @@ impl SumOfSquares for Problem<'_> {
     }
 
     fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
+        // Of a swarm's points none is asked for again.
         Ok(self
-            .solve(points)?
+            .solve_once(points)?
             .iter()
             .zip(points)
             .map(|(solved, point)| self.sum_of_squares(solved, point))

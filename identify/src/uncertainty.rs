@@ -19,6 +19,8 @@ pub(crate) struct Covariance {
     pub(crate) columns: Vec<usize>,
     /// In the columns' units; infinite where the data say nothing.
     pub(crate) matrix: Matrix,
+    /// Triangular factor of all weighted rows and columns, by central differences: those of the linear parameters, then of the coordinates.
+    pub(crate) sensitivities: Matrix,
     /// Noise model of the output's residuals.
     pub(crate) noise: ResidualNoise,
     /// Factor on a standard error for a 95 % interval.
@@ -55,7 +57,7 @@ pub(crate) fn covariance(
         ResidualNoise::of(&segments(|one| &one.values)),
         ResidualNoise::of(&segments(|one| &one.temperatures_k)),
     ];
-    let mut bread = Triangle::new(columns.len());
+    let mut sensitivities = Triangle::new(problem.n_linear() + point.len());
     let mut meat = [Triangle::new(columns.len()), Triangle::new(columns.len())];
     for r in 0..problem.n_recordings() {
         let mut filters =
@@ -63,7 +65,7 @@ pub(crate) fn covariance(
         problem.rows(r, point, solved, &mut |row| {
             let weight = problem.weight(r, row);
             let root = weight.sqrt();
-            bread.push(|k| root * row.derivative(columns[k]));
+            sensitivities.push(|column| root * row.derivative(column));
             let c = channel(row.channel);
             filters[c].push(|k| weight * row.derivative(columns[k]));
             meat[c].push(|k| filters[c].latest(k));
@@ -74,12 +76,17 @@ pub(crate) fn covariance(
     let root = variance.sqrt();
     let mut meat_of_prior = Triangle::new(columns.len());
     for row in prior_rows {
-        let derivative = |k: usize| {
-            let coordinate = columns[k].checked_sub(problem.n_linear());
+        let derivative = |column: usize| {
+            let coordinate = column.checked_sub(problem.n_linear());
             coordinate.map_or(0.0, |coordinate| root * row.derivative(coordinate))
         };
-        bread.push(derivative);
-        meat_of_prior.push(derivative);
+        sensitivities.push(derivative);
+        meat_of_prior.push(|k| derivative(columns[k]));
+    }
+    let sensitivities = sensitivities.r();
+    let mut bread = Triangle::new(columns.len());
+    for row in 0..sensitivities.nrows() {
+        bread.push(|k| sensitivities[(row, columns[k])]);
     }
     let inverse = pseudo_inverse(&bread.r());
     let half = meat_of_prior.r() * &inverse.matrix * root;
@@ -99,6 +106,7 @@ pub(crate) fn covariance(
     Ok(Covariance {
         columns,
         matrix,
+        sensitivities,
         quantile: student_95(freedom),
         noise,
     })

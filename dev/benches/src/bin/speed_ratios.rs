@@ -28,7 +28,7 @@ const N_REPETITIONS: usize = 7;
 const N_MOVES: u64 = 150;
 const SEED: u64 = 1;
 /// Time of a fit over that of the simulations of one swarm run one by one: what a fit may take.
-const LARGEST_RATIO: f64 = 0.1;
+const LARGEST_RATIO: f64 = 0.03;
 
 /// All points that a swarm evaluates, iteration after iteration: what a fit really simulates.
 fn visited(job: &Job) -> Result<Vec<Vec<Vec<f64>>>, Failure> {
