@@ -19,7 +19,7 @@ fn fitted(ended: Vec<EndedStart>, seed: u64, interrupted: Option<u64>) -> (Fit, 
     fitted_to(600, ended, seed, interrupted)
 }
 
-/// The same of a recording with so many samples.
+/// A fit to a recording with so many samples.
 fn fitted_to(
     n_samples: usize,
     ended: Vec<EndedStart>,
