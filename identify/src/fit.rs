@@ -13,7 +13,7 @@ use crate::identifiability::unfixed_directions;
 use crate::least_squares::{Minimum, SumOfSquares, minimize};
 use crate::problem::{Problem, Residuals};
 use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
-use crate::start::{Begun, Few, Places, Start, ladder};
+use crate::start::{Begun, Places, Start, ladder};
 use crate::tasks::try_in_parallel;
 use crate::uncertainty::covariance;
 use crate::{EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording};
@@ -60,9 +60,10 @@ pub fn fit(
         return Err(IdentifyError::NothingFree);
     }
     weigh(&mut problem, training, config);
-    let few = match config.least_squares.iterations {
-        // Nothing follows a swarm, as in the paper: it sees all.
-        0 => Vec::new(),
+    let swarms = config.starts.max(u64::from(config.from.is_empty()));
+    let few = match (swarms, config.least_squares.iterations) {
+        // Only swarms begin on them, and one that nothing follows, as in the paper, sees all.
+        (0, _) | (_, 0) => Vec::new(),
         _ => ladder(training)?,
     };
     let rungs = few
@@ -70,14 +71,13 @@ pub fn fit(
         .map(|few| {
             let mut problem = Problem::new(model, few)?;
             weigh(&mut problem, few, config);
-            Ok(Few::new(few, problem))
+            Ok(problem)
         })
         .collect::<Result<Vec<_>, IdentifyError>>()?;
     let n = problem.n_samples() as f64;
     let mut search = Search::default();
     let mut places = Places::default();
     let points = config.from.iter().map(|point| Start::Point(point));
-    let swarms = config.starts.max(u64::from(config.from.is_empty()));
     let starts: Vec<(u64, Start<'_>)> = (0..)
         .zip(points.chain((0..swarms).map(Start::Swarm)))
         .collect();

@@ -216,6 +216,10 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
+    pub(crate) fn recordings(&self) -> impl Iterator<Item = &'a Recording> {
+        self.recordings.iter().map(|weighed| weighed.recording)
+    }
+
     pub(crate) fn n_recordings(&self) -> usize {
         self.recordings.len()
     }

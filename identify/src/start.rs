@@ -48,22 +48,6 @@ pub(crate) enum Begun {
     },
 }
 
-/// Recordings with fewer samples, on which basins are found.
-#[derive(Debug)]
-pub(crate) struct Few<'a> {
-    recordings: &'a [Recording],
-    problem: Problem<'a>,
-}
-
-impl<'a> Few<'a> {
-    pub(crate) fn new(recordings: &'a [Recording], problem: Problem<'a>) -> Self {
-        Self {
-            recordings,
-            problem,
-        }
-    }
-}
-
 /// The recordings with fewer samples, the fewest first.
 pub(crate) fn ladder(training: &[Recording]) -> Result<Vec<Vec<Recording>>, IdentifyError> {
     let rungs = RUNGS.iter().map(|&enough| thinned(training, enough));
@@ -76,7 +60,7 @@ impl Start<'_> {
     pub(crate) fn begun(
         self,
         problem: &Problem<'_>,
-        rungs: &[Few<'_>],
+        rungs: &[Problem<'_>],
         config: &FitConfig,
     ) -> Result<Begun, IdentifyError> {
         let stream = match self {
@@ -98,9 +82,9 @@ impl Start<'_> {
         };
         let mut simulations = 0;
         for few in rungs {
-            let own = few.problem.apart();
+            let own = few.apart();
             let (best, rejected_costs) = swarm_start(&own, config, stream)?;
-            let basin = basin(few, &own, &best)?;
+            let basin = basin(&own, &best)?;
             // One of them takes as long as the share of the samples that it has.
             let share = own.n_samples() as f64 / problem.n_samples() as f64;
             simulations += (own.simulations() as f64 * share).ceil() as u64;
@@ -134,6 +118,8 @@ pub(crate) struct Places {
 struct Place {
     basin: Option<Basin>,
     end: Option<Minimum>,
+    /// Simulations of the search from there, until a start has them in its own.
+    simulations: u64,
 }
 
 impl Places {
@@ -165,10 +151,9 @@ impl Places {
             }
             Ok((end, own.simulations()))
         })?;
-        let mut took: Vec<(usize, u64)> = Vec::new();
         for (&(place, _), (end, simulations)) in open.iter().zip(ends) {
             self.known[place].end = Some(end);
-            took.push((place, simulations));
+            self.known[place].simulations = simulations;
         }
         let ended = begun.iter().zip(places).map(|((start, begun), place)| {
             let (basin, rejected_costs, simulations) = match begun {
@@ -180,19 +165,17 @@ impl Places {
                     ..
                 } => (basin.clone(), *rejected_costs, *simulations),
             };
-            let Some(minimum) = self.known[place].end.clone() else {
+            let place = &mut self.known[place];
+            let Some(minimum) = place.end.clone() else {
                 unreachable!("a place without an end was searched");
             };
-            // The first start there takes what its search took.
-            let first = took.iter().position(|&(searched, _)| searched == place);
-            let own = first.map_or(0, |k| took.swap_remove(k).1);
             EndedStart {
                 seed: config.seed,
                 start: *start,
                 minimum,
                 basin,
                 rejected_costs,
-                simulations: simulations + own,
+                simulations: simulations + std::mem::take(&mut place.simulations),
             }
         });
         Ok(ended.collect())
@@ -212,6 +195,7 @@ impl Places {
             self.known.push(Place {
                 basin: basin.clone(),
                 end: end.cloned(),
+                simulations: 0,
             });
             self.known.len() - 1
         })
@@ -219,13 +203,13 @@ impl Places {
 }
 
 /// Where a search on fewer samples ends; `None` where its time constant is too short for what they have.
-fn basin(few: &Few<'_>, own: &Problem<'_>, start: &[f64]) -> Result<Option<Basin>, IdentifyError> {
-    let end = minimize(own, own.bounds(), start, &NEAR)?;
-    let end = own_anew(own, end, &NEAR)?;
-    let tau_s = tau_s(own.vector(), &end.point);
-    let is_told = tau_s.is_none_or(|tau_s| are_near_time_constant(few.recordings, tau_s));
+fn basin(few: &Problem<'_>, start: &[f64]) -> Result<Option<Basin>, IdentifyError> {
+    let end = minimize(few, few.bounds(), start, &NEAR)?;
+    let end = own_anew(few, end, &NEAR)?;
+    let tau_s = tau_s(few.vector(), &end.point);
+    let is_told = tau_s.is_none_or(|tau_s| are_near_time_constant(few.recordings(), tau_s));
     Ok(is_told.then(|| Basin {
-        n_samples: own.n_samples(),
+        n_samples: few.n_samples(),
         point: end.point,
         sum_of_squares: end.sum_of_squares,
     }))

@@ -39,19 +39,20 @@ pub fn thinned(
 /// True if recordings have samples near enough to one another to tell a time constant, s.
 #[must_use]
 pub fn tell_time_constant(recordings: &[Recording], tau_s: f64) -> bool {
-    tau_s > SHORTEST * longest_step_s(recordings)
+    tau_s > SHORTEST * longest_step_s(recordings.iter())
 }
 
 /// True if a time constant, s, that was found on recordings is near that of more samples: within a shorter one than a step nothing is seen
 /// of the way to where the rod is at its end.
-pub(crate) fn are_near_time_constant(recordings: &[Recording], tau_s: f64) -> bool {
+pub(crate) fn are_near_time_constant<'r>(
+    recordings: impl Iterator<Item = &'r Recording>,
+    tau_s: f64,
+) -> bool {
     tau_s > longest_step_s(recordings)
 }
 
 /// The longest of the usual steps of recordings, s.
-fn longest_step_s(recordings: &[Recording]) -> f64 {
-    let steps = recordings
-        .iter()
-        .filter_map(|one| one.sampling().usual_dt_s());
+fn longest_step_s<'r>(recordings: impl Iterator<Item = &'r Recording>) -> f64 {
+    let steps = recordings.filter_map(|one| one.sampling().usual_dt_s());
     steps.fold(0.0, f64::max)
 }

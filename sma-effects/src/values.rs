@@ -28,11 +28,10 @@ impl EffectValues {
     /// # Errors
     ///
     /// [`PhysicsError::OutOfBounds`], [`PhysicsError::Inactive`].
-    pub fn checked(self, active: EffectSet) -> Result<Self, PhysicsError> {
-        let mut own = self;
+    pub fn checked(mut self, active: EffectSet) -> Result<Self, PhysicsError> {
         for effect in EffectId::ALL {
             for (index, parameter) in effect.info().parameters.iter().enumerate() {
-                if let Some(&mut value) = own.slot(effect, index) {
+                if let Some(&mut value) = self.slot(effect, index) {
                     check(effect, parameter, value, active)?;
                 }
             }
