@@ -280,6 +280,9 @@ pub(crate) trait Effect<const L: usize>: Sized {
     /// Prepares for samples of another length.
     fn over(&self, _rod: &mut Self::Rod, _dt_s: f64) {}
 
+    /// Takes the power that was on before the first sample: what holds the rod at its start.
+    fn hold(&self, _rod: &mut Self::Rod, _power_w_per_m: &[f64; L]) {}
+
     /// Changes the heating power.
     #[inline(always)]
     fn power(&self, _rod: &mut Self::Rod, _moment: &Moment, _power_w_per_m: &mut [f64; L]) {}

@@ -233,6 +233,9 @@ impl<const L: usize> Plants<L> {
         let mut power_w_per_m = self.drive.power_w_per_m(drive, resistance_ohm_per_m);
         let mut turn = None;
         if self.path.changes_power {
+            if state.time_s <= 0.0 {
+                self.hold(state, ambient_degc);
+            }
             self.effects
                 .power(&mut state.rod, &moment, &mut power_w_per_m);
             turn = self.turn(state, &power_w_per_m, ambient_degc, dt_s);
@@ -268,6 +271,13 @@ impl<const L: usize> Plants<L> {
             &surroundings_degc,
             &mut state.recorded_degc,
         );
+    }
+
+    /// Before the first sample the power is what the rod loses at its start, so that it holds: none at rest.
+    #[inline(never)]
+    fn hold(&self, state: &mut PlantsState<L>, ambient_degc: f64) {
+        let lost_w_per_m = self.heat.lost(&state.middle.temperature_degc, ambient_degc);
+        self.effects.hold(&mut state.rod, &lost_w_per_m);
     }
 
     /// Where the rod may turn within the sample.

@@ -304,12 +304,16 @@ class Plant:
 #@if r_phase
         self._r_phase_degc = _play_at(temperature_degc, {{r_phase_half_width_k}}, share)
 #@end
+#@if supply_lag|dead_time
+        self._has_begun = False
+#@end
 #@if supply_lag
         self._supply_level = self._supply_started = self._supply_wanted = 0.0
 #@end
 #@if dead_time
-        # The newest first.
+        # The newest first, and before them all.
         self._sent_w_per_m = []
+        self._held_w_per_m = 0.0
 #@end
 #@if middle
         self._middle_fraction = self._fraction
@@ -497,7 +501,7 @@ class Plant:
             # Older than all that was sent: as the oldest, since ever.
             is_sent = back < len(self._sent_w_per_m)
             is_oldest = back + 1 == count or not is_sent
-            sent = self._sent_w_per_m[back] if is_sent else 0.0
+            sent = self._sent_w_per_m[back] if is_sent else self._held_w_per_m
             start_s = age_s + part_s
             if not is_oldest and start_s <= delay_s:
                 age_s = start_s
@@ -558,8 +562,7 @@ class Plant:
 
     def _turn(self, power_w_per_m, ambient_degc):
         """Where the rod turns while the supply falls: share of the sample before, power before, power after; or None."""
-        above_k = self._rod_degc - ambient_degc
-        lost = {{conductance_w_per_m_k}} * (above_k if above_k > 0.0 else 0.0)
+        lost = self._lost(ambient_degc)
         level = self._level(lost)
         started, wanted = self._supply_started, self._supply_wanted
         if not (started - level) * (self._supply_level - level) < 0.0:
@@ -612,7 +615,29 @@ class Plant:
 #@end
         self._rod_degc = end_degc
 
+#@if supply_lag|dead_time
+    def _lost(self, ambient_degc):
+        """Heat that the rod loses, W/m."""
+        above_k = self._rod_degc - ambient_degc
+        return {{conductance_w_per_m_k}} * (above_k if above_k > 0.0 else 0.0)
+
+    def _hold(self, ambient_degc):
+        """Before the first sample the power is what the rod loses at its start, so that it holds: none at rest."""
+        if self._has_begun:
+            return
+        self._has_begun = True
+#@if supply_lag
+        self._supply_level = self._level(self._lost(ambient_degc))
+#@end
+#@if dead_time
+        self._held_w_per_m = self._lost(ambient_degc)
+#@end
+
+#@end
     def _sub_step(self, power_w_per_m, ambient_degc):
+#@if supply_lag|dead_time
+        self._hold(ambient_degc)
+#@end
 #@if supply_limit
 #@if squares
         asked = math.sqrt(power_w_per_m)

@@ -475,6 +475,9 @@ typedef struct {
 //@if r_phase
     {{p}}_real r_phase_degc;
 //@end
+//@if supply_lag|dead_time
+    int has_begun;
+//@end
 //@if supply_lag
     {{p}}_real supply_level;
     {{p}}_real supply_started;
@@ -698,6 +701,9 @@ static inline void {{p}}_plant_start({{p}}_plant *plant, {{p}}_real temperature_
 //@if r_phase
     plant->r_phase_degc = {{p}}_play_at(temperature_degc, {{P}}_R({{r_phase_half_width_k}}), share);
 //@end
+//@if supply_lag|dead_time
+    plant->has_begun = 0;
+//@end
 //@if supply_lag
     plant->supply_level = 0;
     plant->supply_started = 0;
@@ -783,6 +789,34 @@ static inline {{p}}_real {{p}}_supply_part({{p}}_real wanted, {{p}}_real behind,
     return wanted * wanted + {{p}}_fading(wanted, behind, once, twice);
 //@else
     return wanted + {{p}}_fading(wanted, behind, once, twice);
+//@end
+}
+
+//@end
+//@if supply_lag|dead_time
+/* Heat that the rod loses, W/m. */
+static inline {{p}}_real {{p}}_lost(const {{p}}_plant *plant, {{p}}_real ambient_degc) {
+    const {{p}}_real above_k = plant->temperature_degc - ambient_degc;
+    return {{P}}_R({{conductance_w_per_m_k}}) * (above_k > 0 ? above_k : 0);
+}
+
+/* Before the first sample the power is what the rod loses at its start, so that it holds: none at rest. */
+static inline void {{p}}_hold({{p}}_plant *plant, {{p}}_real ambient_degc) {
+    const {{p}}_real held = {{p}}_lost(plant, ambient_degc);
+    if (plant->has_begun) {
+        return;
+    }
+    plant->has_begun = 1;
+//@if supply_lag
+    plant->supply_level = {{p}}_supply_level(held);
+//@end
+//@if dead_time
+    {
+        int k;
+        for (k = 0; k < {{late_capacity}}; ++k) {
+            plant->sent_w_per_m[k] = held;
+        }
+    }
 //@end
 }
 
@@ -893,6 +927,9 @@ static inline void {{p}}_advance({{p}}_plant *plant, {{p}}_real power_w_per_m, {
 
 /* One sub-step of a sample. */
 static inline void {{p}}_sub_step({{p}}_plant *plant, {{p}}_real power_w_per_m, {{p}}_real ambient_degc) {
+//@if supply_lag|dead_time
+    {{p}}_hold(plant, ambient_degc);
+//@end
 //@if supply_limit
     {
 //@if squares
@@ -926,8 +963,7 @@ static inline void {{p}}_sub_step({{p}}_plant *plant, {{p}}_real power_w_per_m, 
 //@else
 //@if supply_lag
     {
-        const {{p}}_real above_k = plant->temperature_degc - ambient_degc;
-        const {{p}}_real lost = {{P}}_R({{conductance_w_per_m_k}}) * (above_k > 0 ? above_k : 0);
+        const {{p}}_real lost = {{p}}_lost(plant, ambient_degc);
         const {{p}}_real level = {{p}}_supply_level(lost);
         if ((plant->supply_started - level) * (plant->supply_level - level) < 0) {
             const {{p}}_real wanted = plant->supply_wanted;

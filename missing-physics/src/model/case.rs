@@ -379,7 +379,7 @@ impl<'a> Case<'a> {
     }
 
     /// Weight by which recorded temperatures count as well as a node meets them, (output unit/K)²; `None` if none are recorded.
-    fn temperature_weight(&self, node: &Node) -> Option<f64> {
+    pub(crate) fn temperature_weight(&self, node: &Node) -> Option<f64> {
         let Noise {
             output,
             temperature,

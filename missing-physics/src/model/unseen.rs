@@ -35,8 +35,15 @@ const LEVELS_K: [f64; 3] = [0.0, -2.0, 2.0];
 pub(crate) struct Unseen {
     /// Number of samples and sum of squares of each stretch.
     pub(crate) stretches: Vec<(f64, f64)>,
-    /// Recorded - model, recording after recording.
-    residual: Vec<f64>,
+    /// Recorded - model of the output and of the temperature, recording after recording.
+    residual: Vec<Met>,
+}
+
+/// Recorded - model of a sample: of the output, and of the temperature, K, which is 0 where none is recorded.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Met {
+    output: f64,
+    temperature_k: f64,
 }
 
 /// The error of a model at a point, of which the shared values count, on recordings that were not used.
@@ -166,7 +173,7 @@ fn of_recording(
     let n = recording.len();
     let length = n.div_ceil(STRETCHES).max(SHORTEST).min(n);
     let mut stretches = vec![(0.0, 0.0); n.div_ceil(length)];
-    let mut residual = vec![0.0; n];
+    let mut residual = vec![Met::default(); n];
     let own = std::slice::from_ref(recording);
     let mean = recording.output().iter().sum::<f64>() / n as f64;
     let squares = recording.output().iter().map(|y| (y - mean).powi(2));
@@ -202,13 +209,19 @@ fn of_recording(
     for scored in 0..2 {
         let refined = fitted(&|k| k / length % 2 != scored, &starts, prior)?;
         let point = &refined.points[0];
-        let shown = predict(model, point, recording)?.output;
-        for (k, (recorded, shown)) in recording.output().iter().zip(&shown).enumerate() {
+        let shown = predict(model, point, recording)?;
+        let temperatures = recording.temperature_degc();
+        for (k, (recorded, output)) in recording.output().iter().zip(&shown.output).enumerate() {
             let stretch = k / length;
             if stretch % 2 == scored {
-                residual[k] = recorded - shown;
+                let output = recorded - output;
+                residual[k] = Met {
+                    output,
+                    temperature_k: temperatures
+                        .map_or(0.0, |own| own[k] - shown.temperature_degc[k]),
+                };
                 stretches[stretch].0 += 1.0;
-                stretches[stretch].1 += residual[k].powi(2);
+                stretches[stretch].1 += output.powi(2);
             }
         }
     }
@@ -259,12 +272,12 @@ impl Unseen {
     }
 
     /// Share of what it changes against another model that comes true, and the standard error of that by stretches; `None` where
-    /// it changes nothing.
+    /// it changes nothing. Recorded temperatures count with a weight, (output unit/K)²: a lag of the thermocouple changes nothing else.
     ///
     /// ```text
     /// b = Σ e Δ / Σ Δ²,   e what the other leaves, Δ the change;   below a half the change makes the recording worse
     /// ```
-    pub(crate) fn comes_true(&self, other: &Self) -> Option<[f64; 2]> {
+    pub(crate) fn comes_true(&self, other: &Self, temperature_weight: f64) -> Option<[f64; 2]> {
         let mut place = 0;
         let sums: Vec<[f64; 2]> = self
             .stretches
@@ -274,8 +287,19 @@ impl Unseen {
                 place = own.end;
                 let pairs = self.residual[own.clone()].iter().zip(&other.residual[own]);
                 pairs.fold([0.0; 2], |[along, square], (with, without)| {
-                    let change = without - with;
-                    [along + without * change, square + change * change]
+                    let output = without.output - with.output;
+                    let of_temperature_k = without.temperature_k - with.temperature_k;
+                    let weighted = |of_output: f64, of_temperature: f64| {
+                        of_output + temperature_weight * of_temperature
+                    };
+                    [
+                        along
+                            + weighted(
+                                without.output * output,
+                                without.temperature_k * of_temperature_k,
+                            ),
+                        square + weighted(output.powi(2), of_temperature_k.powi(2)),
+                    ]
                 })
             })
             .collect();

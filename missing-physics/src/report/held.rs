@@ -174,6 +174,9 @@ pub(crate) fn held_to(
         return Ok((decided, None));
     }
     let effects: CandidateSet = extended.effects.iter().copied().collect();
+    let weight = search
+        .get(effects)
+        .and_then(|node| search.case.temperature_weight(node));
     let mut fallen = CandidateSet::EMPTY;
     for named in &decided.named {
         let less = if effects.contains(named.effect) {
@@ -186,7 +189,7 @@ pub(crate) fn held_to(
         };
         // What is not exercised there, or lost in the noise, says nothing.
         let told = with
-            .comes_true(errors.of(node)?)
+            .comes_true(errors.of(node)?, weight.unwrap_or(0.0))
             .filter(|[_, error]| *error < TOLD);
         let Some([share, _]) = told else {
             continue;

@@ -1,48 +1,40 @@
 //! From the plain to the extended model, an effect at a time.
 
 use identify::{IdentifyError, Validated};
+use recording::Recording;
 
-use crate::model::case::Node;
+use crate::model::case::{Case, Node};
 use crate::model::elsewhere::predicted;
-use crate::model::unseen::Unseen;
+use crate::model::unseen::validated_by;
 use crate::report::diagnosis::{ExtendedStage, Rung, Stage};
-use crate::report::errors::Errors;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily};
 
-/// Mean squares of what lies between the samples on which models are judged: noise, which all models leave alike. 0 where all samples
-/// are judged.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Between {
-    pub(crate) training: f64,
-    pub(crate) unseen: f64,
-}
-
-impl Between {
-    /// By the baseline model: its errors on all samples, and those where it stands on the judged ones.
-    pub(crate) fn of(plain: &Stage, judged: &Node, judged_unseen: &Unseen) -> Self {
-        let unseen = Validated::rmse_of_all(&plain.validated).zip(judged_unseen.mean_square());
-        Self {
-            training: plain.fit.train_rmse.powi(2) - judged.mean_square(),
-            unseen: unseen.map_or(0.0, |(all, judged)| all.powi(2) - judged),
-        }
-    }
+/// All samples of the training, the recordings that were not used, and those of them on which models are judged.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Samples<'a> {
+    pub(crate) training: &'a [Recording],
+    pub(crate) unseen: [&'a [Recording]; 2],
 }
 
 impl Rung {
+    /// A model of a search where it stands, on all samples.
     fn of_node(
         added: CandidateSet,
-        node: &Node,
-        errors: &mut Errors<'_>,
-        between: Between,
+        (case, node): (&Case<'_>, &Node),
+        samples: Samples<'_>,
     ) -> Result<Self, IdentifyError> {
-        let of_unseen = |square: f64| (square + between.unseen).max(0.0).sqrt();
-        let predicted = predicted(&node.model, &node.points[0], errors.recordings)?;
+        let train_square = match case.whole(samples.training) {
+            Some(whole) => whole.stands(node)?.mean_square(),
+            None => node.mean_square(),
+        };
+        let point = &node.points[0];
+        let (validated, _) = validated_by(&node.model, point, samples.unseen)?;
         Ok(Self {
             added: added.iter().collect(),
-            train_rmse: (node.mean_square() + between.training).max(0.0).sqrt(),
-            predicted_rmse: predicted.map(|rmse| of_unseen(rmse.powi(2))),
-            unseen_rmse: errors.of(node)?.mean_square().map(of_unseen),
+            train_rmse: train_square.sqrt(),
+            predicted_rmse: predicted(&node.model, point, samples.unseen[0])?,
+            unseen_rmse: Validated::rmse_of_all(&validated),
         })
     }
 
@@ -66,7 +58,7 @@ pub(crate) fn ladder(
     search: &mut Search<'_>,
     plain: &Stage,
     extended: Option<&ExtendedStage>,
-    (errors, between): (&mut Errors<'_>, Between),
+    samples: Samples<'_>,
 ) -> Result<Vec<Rung>, IdentifyError> {
     let mut rungs = Vec::new();
     if let Some(extended) = extended {
@@ -84,7 +76,7 @@ pub(crate) fn ladder(
             let less = least.map_or(CandidateSet::EMPTY, |(less, _)| less);
             let added = set.iter().filter(|&one| !less.contains(one)).collect();
             rungs.push(match search.get(set) {
-                Some(node) if set != effects => Rung::of_node(added, node, errors, between)?,
+                Some(node) if set != effects => Rung::of_node(added, (search.case, node), samples)?,
                 _ => Rung::of_stage(added, &extended.stage),
             });
             set = less;
@@ -93,7 +85,7 @@ pub(crate) fn ladder(
     let of_family = search.baseline();
     if of_family.model.loop_family() != LoopFamily::Proximity {
         let shape = CandidateSet::of(Candidate::other_loop());
-        rungs.push(Rung::of_node(shape, of_family, errors, between)?);
+        rungs.push(Rung::of_node(shape, (search.case, of_family), samples)?);
     }
     rungs.push(Rung::plain(plain));
     rungs.reverse();

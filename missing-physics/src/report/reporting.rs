@@ -23,7 +23,7 @@ use crate::report::errors::Errors;
 use crate::report::explained::explained;
 use crate::report::held::extended;
 use crate::report::judged::{Judged, Judging};
-use crate::report::ladder::{Between, ladder};
+use crate::report::ladder::{Samples, ladder};
 use crate::report::remains::{blocks_of, located, remainder};
 use crate::search::known::known;
 use crate::search::roads::Search;
@@ -109,11 +109,6 @@ impl Reporting<'_, '_> {
         let leader = (&searches[place], effects);
         let of_samples = (self.training, &self.noise[0]);
         let known = known(leader, population, of_samples, self.blocks, self.config)?;
-        let between = if searches[0].case.is_thinned(self.training) {
-            Between::of(baseline, searches[0].baseline(), before)
-        } else {
-            Between::default()
-        };
         let search = &mut searches[place];
         let ceiling = population.ceiling()[0] / search.case.layout.n_outputs() as f64;
         let (extended, error_after) =
@@ -161,8 +156,11 @@ impl Reporting<'_, '_> {
         };
         noise_floor.of_drive = known.of_drive.sqrt();
         // Last: it may visit models that are no rivals.
-        let of_errors = (&mut errors, between);
-        let ladder = ladder(search, baseline, extended.as_ref(), of_errors)?;
+        let samples = Samples {
+            training: self.training,
+            unseen: self.unseen,
+        };
+        let ladder = ladder(search, baseline, extended.as_ref(), samples)?;
         // As it may, too, where an answer would be another one.
         let otherwise = judging
             .otherwise(search, &mut errors, &decided)?

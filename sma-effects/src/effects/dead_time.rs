@@ -17,7 +17,7 @@ parameters! {
     /// within a sample, the sample is computed in two parts, because the rod may turn from heating to cooling
     /// there. If more than one change falls into a sample (samples of very different lengths), the
     /// powers before the last change count by what they leave at the end of it. Before the first
-    /// sample the drive counts as off, and the output as still. The second is exact for a displacement whose course
+    /// sample the rod is held at its start: at rest the drive was off, and the output is still. The second is exact for a displacement whose course
     /// within a sample is a parabola; the hysteresis is asked for its middle.
     /// A delay of more than 64 samples acts as one of 64. The displacement alone does not tell b.
     DeadTime {
@@ -118,7 +118,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         } else {
             0
         };
-        // Off since ever.
+        // Since ever.
         Past {
             power_w_per_m: vec![[0.0; L]; self.capacity],
             middles: vec![[0.0; L]; shown],
@@ -129,6 +129,10 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             earlier_share: [0.0; L],
             earlier_w_per_m: [0.0; L],
         }
+    }
+
+    fn hold(&self, past: &mut Past<L>, power_w_per_m: &[f64; L]) {
+        past.power_w_per_m.fill(*power_w_per_m);
     }
 
     #[inline(always)]

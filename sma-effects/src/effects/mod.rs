@@ -195,6 +195,12 @@ macro_rules! effects {
                 })+
             }
 
+            pub(crate) fn hold(&self, rod: &mut RodMemory<L>, power_w_per_m: &[f64; L]) {
+                $(if self.active.contains(EffectId::$name) {
+                    self.$module.hold(&mut rod.$module, power_w_per_m);
+                })+
+            }
+
             #[inline(never)]
             pub(crate) fn power(
                 &self,

@@ -23,7 +23,7 @@ parameters! {
     /// ```
     ///
     /// Where the fading power passes what the rod loses, the rod turns from heating to cooling or back: such a sample is
-    /// computed in two parts. Before the first sample the drive counts as off.
+    /// computed in two parts. Before the first sample the supply holds the rod at its start: at rest it was off.
     SupplyLag {
         /// Time constant θ, s; 0 to 2.
         supply_lag_s: EffectParameter::size("s", 0.02, [0.0, 2.0])
@@ -102,6 +102,10 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             supply.weight[l] = mean_exponential(a - faded) / mean_exponential(a);
             supply.double_weight[l] = mean_exponential(a - 2.0 * faded) / mean_exponential(a);
         }
+    }
+
+    fn hold(&self, supply: &mut Supply<L>, power_w_per_m: &[f64; L]) {
+        supply.level = power_w_per_m.map(|power_w_per_m| self.level(power_w_per_m));
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@ use crate::support;
 use std::f64::consts::PI;
 
 use approx::assert_abs_diff_eq;
-use sma_effects::{EffectId, EffectSet, EffectValues, Setting};
+use sma_effects::{EffectId, EffectSet, EffectValues, ExtendedPlant, Setting};
 use support::{
     AMBIENT_DEGC, DRIVES, Trace, current_a, drive_of, largest, params, rod, setting, trace,
     with_effect,
@@ -14,7 +14,7 @@ use wiener::hysteresis::{
     Branch, Hysteresis, LimitingLoop, LoopParams, Memory, Rule, SineProximity,
 };
 use wiener::thermal::HeatBalanceParams;
-use wiener::{Drive, WienerParams};
+use wiener::{Drive, Input, Plant, WienerParams};
 
 const DT_S: f64 = 0.2;
 
@@ -439,6 +439,37 @@ fn a_lag_behind_a_delay_is_a_delayed_lag() {
     let shown = trace(&setting(both), &params(), &values, &current_a(DT_S), DT_S).displacement;
     let gap = largest(&shown[2..], &lagging[..lagging.len() - 2]) / params().gain;
     assert!(gap < 1e-4, "{gap:e}");
+}
+
+#[test]
+fn before_a_run_that_begins_warm_the_rod_was_held() {
+    const RISE_K: f64 = 38.0;
+    let lost_w_per_m = params().heat.conductance_w_per_m_k * RISE_K;
+    let holding_a = (lost_w_per_m / rod().resistance_ohm_per_m).sqrt();
+    for (effect, size) in [(EffectId::DeadTime, 0.4), (EffectId::SupplyLag, 0.3)] {
+        let mut values = EffectValues::default();
+        *values.slot(effect, 0).unwrap() = size;
+        for drive in DRIVES {
+            let setting = Setting {
+                drive,
+                ..setting(EffectSet::of(effect))
+            };
+            let plant = ExtendedPlant::new(&setting, &params(), &values).unwrap();
+            let mut state = plant.between_limiting_curves(AMBIENT_DEGC + RISE_K, 0.4);
+            let start = plant.output(&state);
+            for held in drive_of(drive, &[holding_a; 10]) {
+                let input = Input {
+                    drive: [held],
+                    ambient_degc: AMBIENT_DEGC,
+                };
+                plant.step(&mut state, &input, DT_S);
+            }
+            let end = plant.output(&state);
+            let warmer_k = end.temperature_degc[0] - start.temperature_degc[0];
+            assert!(warmer_k.abs() < 1e-9, "{effect} {drive:?}: {warmer_k:e}");
+            assert_abs_diff_eq!(end.displacement[0], start.displacement[0], epsilon = 1e-9);
+        }
+    }
 }
 
 #[test]

@@ -327,6 +327,14 @@ pub(crate) fn with_effects() -> Vec<Exported> {
     ] {
         models.push(exported(drive, Rule::Nested, effects));
     }
+    // Held before the first sample.
+    let late = [EffectId::SupplyLag, EffectId::DeadTime];
+    for effects in [&late[..], &late[..1], &late[1..]] {
+        let mut warm = exported(Drive::Current, Rule::LastReversal, effects);
+        warm.member.start.temperature_degc = 31.0;
+        warm.member.start.share = 0.4;
+        models.push(warm);
+    }
     // Longer than samples: the power of two samples ago, in part, and an output that is late as well.
     for (dead_time_s, share) in [(0.13, 0.0), (0.31, 0.6), (0.2, 1.0)] {
         let mut late = exported(Drive::Current, Rule::LastReversal, &[EffectId::DeadTime]);
