@@ -206,10 +206,11 @@ fn of_recording(
         starts = vec![whole.coordinates.clone()];
         whole = fitted(&|_| true, &starts, prior)?;
     }
+    let mut ends = Vec::new();
     for scored in 0..2 {
         let refined = fitted(&|k| k / length % 2 != scored, &starts, prior)?;
-        let point = &refined.points[0];
-        let shown = predict(model, point, recording)?;
+        let shown = predict(model, &refined.points[0], recording)?;
+        ends.push(refined.coordinates);
         let temperatures = recording.temperature_degc();
         for (k, (recorded, output)) in recording.output().iter().zip(&shown.output).enumerate() {
             let stretch = k / length;
@@ -229,6 +230,13 @@ fn of_recording(
         stretches,
         residual,
     };
+    if own.squares() < n as f64 * whole.mean_square {
+        // What was fitted to all is no nearer than what was predicted: there is a lower minimum.
+        let again = fitted(&|_| true, &ends, prior)?;
+        if again.deviance < whole.deviance {
+            whole = again;
+        }
+    }
     Ok((own, whole.points.swap_remove(0)))
 }
 
