@@ -5,8 +5,8 @@ use wiener::Block;
 use wiener::hysteresis::Rule;
 
 use crate::wiener_model::{
-    CENTER, GAIN, HALF_WIDTH, More, OFFSET, SPREAD, START_RISE, START_SHARE, STARTS, TAU,
-    WienerModel, start_rise, start_share,
+    CENTER, GAIN, HALF_WIDTH, More, OFFSET, SPREAD, START_RISE, START_SHARE, START_SINCE_REVERSAL,
+    STARTS, TAU, WienerModel, start_rise, start_share,
 };
 use crate::{Bounds, Fit, ForwardModel, IdentifyError, ParameterInfo, ParameterState, Rod, Scale};
 
@@ -60,8 +60,8 @@ const MORE: More<'static> = &|first| {
         Scale::Logarithmic,
         STROKES,
     ));
-    let [_, [rise, share]] = STARTS;
-    more.extend([start_rise(rise), start_share(share)]);
+    let [_, start] = STARTS;
+    more.extend([start_rise(start[0]), start_share(start[1])]);
     more
 };
 
@@ -140,6 +140,7 @@ impl AntagonistModel {
         }
         antagonist[START_RISE] = added[OWN.len() + 1];
         antagonist[START_SHARE] = added[OWN.len() + 2];
+        antagonist[START_SINCE_REVERSAL] = 0.0;
         whole_stroke(&mut antagonist);
         antagonist
     }

@@ -22,6 +22,8 @@ pub(crate) struct StartAbove {
     pub(crate) rise_k: f64,
     /// Place between the limiting curves, 0 (heating) to 1 (cooling).
     pub(crate) share: f64,
+    /// By how much it was heated since it last turned, K.
+    pub(crate) since_reversal_k: f64,
 }
 
 impl StartAbove {
@@ -29,6 +31,7 @@ impl StartAbove {
     pub(crate) const REST: Self = Self {
         rise_k: 0.0,
         share: 1.0,
+        since_reversal_k: 0.0,
     };
 }
 
@@ -71,6 +74,7 @@ impl Cascade {
                     start: Start {
                         temperature_degc: profile.first_ambient_degc() + start.rise_k,
                         share: start.share,
+                        since_reversal_k: start.since_reversal_k,
                     },
                 }
             })

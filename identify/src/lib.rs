@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod antagonist_model;
+mod beginnings;
 mod cascade;
 mod clocks;
 mod cross_check;
@@ -59,6 +60,7 @@ pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
 pub use ended::EndedStart;
 
+pub use beginnings::beginnings_of;
 pub use error::IdentifyError;
 pub use fit::{FitProgress, fit};
 pub use fit_config::{FitConfig, Loss};
@@ -99,4 +101,6 @@ pub use tasks::{in_order_of, in_parallel, try_in_parallel};
 pub use thermal_model::ThermalModel;
 pub use thinned::{tell_time_constant, thinned};
 pub use validate::{OffsetSource, Validated, validate, validate_at};
-pub use wiener_model::{AMBIENT_LEVEL, RUN_PARAMETERS, WienerModel, may_begin_warm};
+pub use wiener_model::{
+    AMBIENT_LEVEL, RUN_PARAMETERS, SINCE_REVERSAL, WienerModel, may_begin_warm,
+};

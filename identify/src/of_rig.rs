@@ -39,18 +39,18 @@ impl<'a> OfRig<'a> {
     /// at rest in every other. A start that is fixed elsewhere stays, and so do those of other models.
     pub fn begin_as(&mut self, recording: &Recording) {
         let is_warm = may_begin_warm(recording);
-        let place = |name: &str| self.parameters.iter().position(|info| info.name == name);
-        let places = STARTS.map(|start| start.map(|(name, at_rest)| Some((place(name)?, at_rest))));
-        for start in places {
-            let [Some(rise), Some(share)] = start else {
+        for start in STARTS {
+            let place = |name: &str| self.parameters.iter().position(|info| info.name == name);
+            let places = start.iter().map(|&(name, _)| place(name));
+            let Some(places) = places.collect::<Option<Vec<usize>>>() else {
                 continue;
             };
-            for (place, at_rest) in [rise, share] {
+            for (place, (_, at_rest)) in places.into_iter().zip(start) {
                 let info = &mut self.parameters[place];
                 match info.state {
                     ParameterState::Fixed(value) if (value - at_rest).abs() > 0.0 => {}
                     _ if is_warm => info.state = ParameterState::Free,
-                    _ => info.state = ParameterState::Fixed(at_rest),
+                    _ => info.state = ParameterState::Fixed(*at_rest),
                 }
             }
         }

@@ -1,9 +1,9 @@
 //! Second search of each recording's own parameters, one recording at a time.
 
+use crate::beginnings::beginnings;
 use crate::least_squares::{LeastSquaresConfig, Minimum, SumOfSquares, minimize};
 use crate::of_rig::OfRig;
 use crate::problem::Problem;
-use crate::validate::starts;
 use crate::{IdentifyError, Scope};
 
 /// Times that all is sought together again after something was found.
@@ -53,7 +53,7 @@ fn anew(problem: &Problem<'_>, end: &Minimum) -> Result<Option<Vec<f64>>, Identi
     for (r, values) in values.iter_mut().enumerate() {
         let frozen = OfRig::at(problem.model(), values);
         let alone = problem.of_one(&frozen, r, &solved)?;
-        let starts = starts(&alone);
+        let starts = beginnings(&alone)?;
         // Without a beginning that is open there is one minimum.
         if starts.len() < 2 {
             return Ok(None);

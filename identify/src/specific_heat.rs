@@ -5,10 +5,11 @@ use crate::{Bounds, Fit, FittedParameter, ParameterState, Rod};
 /// The temperatures of a model whose differences scale with that of the rod: those above ambient, then
 /// those that are differences.
 const CENTERS: [&str; 2] = ["loop_center_degc", "antagonist_center_degc"];
-const DIFFERENCES: [&str; 6] = [
+const DIFFERENCES: [&str; 7] = [
     "loop_half_width_k",
     "loop_spread_k",
     "start_rise_k",
+    "start_since_reversal_k",
     "antagonist_half_width_k",
     "antagonist_spread_k",
     "antagonist_start_rise_k",

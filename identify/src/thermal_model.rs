@@ -328,6 +328,7 @@ impl ForwardModel for ThermalModel {
                 let start = StartAbove {
                     rise_k: point[START_AT],
                     share: 1.0,
+                    since_reversal_k: 0.0,
                 };
                 (self.wiener_params(point), start)
             })

@@ -1,12 +1,12 @@
 use recording::{HOLD_TOLERANCE, Recording};
 
+use crate::beginnings::beginnings;
 use crate::fit::{range, root_mean_square, squares_about_own_mean};
 use crate::least_squares::{LeastSquaresConfig, minimize};
 use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
 use crate::thermal_model::rest_tells_all;
-use crate::wiener_model::STARTS;
 use crate::{Fit, ForwardModel, IdentifyError};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
@@ -113,7 +113,7 @@ pub fn validate_at(
         OffsetSource::WholeRecording { at_rest }
     };
     let config = LeastSquaresConfig::default();
-    let ends = starts(&problem)
+    let ends = beginnings(&problem)?
         .iter()
         .map(|start| minimize(&problem, problem.bounds(), start, &config))
         .collect::<Result<Vec<_>, _>>()?;
@@ -137,33 +137,6 @@ pub fn validate_at(
         offset: solved.offsets[0],
         offset_source,
     })
-}
-
-/// Where to begin a search of what belongs to a recording: in the middle of the bounds, and on either branch as cold as its
-/// surroundings. Nowhere, if nothing is sought.
-pub(crate) fn starts(problem: &Problem<'_>) -> Vec<Vec<f64>> {
-    let vector = problem.vector();
-    let middle = problem.middle();
-    if middle.is_empty() {
-        return Vec::new();
-    }
-    let cold = [1.0, 0.0].map(|branch| {
-        vector.coordinates(|parameter, _| {
-            let name = vector.infos()[parameter].name;
-            STARTS.iter().find_map(|[rise, share]| match name {
-                name if name == rise.0 => Some(rise.1),
-                name if name == share.0 => Some(branch),
-                _ => None,
-            })
-        })
-    });
-    let mut starts = vec![middle];
-    for start in cold {
-        if !starts.contains(&start) {
-            starts.push(start);
-        }
-    }
-    starts
 }
 
 /// Samples before a drive first rises from its lowest level by more than a hundredth of its range,

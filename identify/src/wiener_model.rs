@@ -37,6 +37,9 @@ const HIGHEST_START_K: f64 = 250.0;
 /// Smallest ζ that is searched: below, branches from a limiting curve are thirty times its width long.
 const SMALLEST_ZETA: f64 = 0.05;
 
+/// Longest way from the last reversal to the start that is searched, K: one that is longer than the loop is wide tells nothing of it.
+const LONGEST_BRANCH_K: f64 = 60.0;
+
 /// Name of the parameter that says how much warmer than stated the surroundings of a recording were.
 pub const AMBIENT_LEVEL: &str = "ambient_level_k";
 
@@ -45,16 +48,23 @@ pub const RUN_PARAMETERS: [&str; 2] = ["run_heat_loss", "run_gain"];
 
 /// Names of what says how a recording begins, and their values at rest: no warmer than its surroundings, on the cooling curve. Those
 /// of a rod, and of one that pulls against it.
-pub(crate) const STARTS: [[(&str, f64); 2]; 2] = [
-    [("start_rise_k", 0.0), ("start_share", 1.0)],
-    [
+pub(crate) const STARTS: [&[(&str, f64)]; 2] = [
+    &START,
+    &[
         ("antagonist_start_rise_k", 0.0),
         ("antagonist_start_share", 1.0),
     ],
 ];
 
-/// Those of a rod.
-pub(crate) const START: [(&str, f64); 2] = STARTS[0];
+/// Those of a rod; of one that has turned before, by how much it was heated (below 0: cooled) since.
+pub(crate) const START: [(&str, f64); 3] = [
+    ("start_rise_k", 0.0),
+    ("start_share", 1.0),
+    (SINCE_REVERSAL, 0.0),
+];
+
+/// Name of the parameter that says by how much a rod was heated (below 0: cooled) since it last turned before a recording.
+pub const SINCE_REVERSAL: &str = "start_since_reversal_k";
 
 /// Says which parameters a model has behind those of a rod, which it is shown.
 pub(crate) type More<'a> = &'a dyn Fn(&[ParameterInfo]) -> Vec<ParameterInfo>;
@@ -145,10 +155,11 @@ pub(crate) const GAIN: usize = 5;
 pub(crate) const OFFSET: usize = 6;
 pub(crate) const START_RISE: usize = 7;
 pub(crate) const START_SHARE: usize = 8;
-const LEVEL: usize = 9;
-const HEAT_LOSS_OF_RUN: usize = 10;
-const GAIN_OF_RUN: usize = 11;
-const RISE: usize = 12;
+pub(crate) const START_SINCE_REVERSAL: usize = 9;
+const LEVEL: usize = 10;
+const HEAT_LOSS_OF_RUN: usize = 11;
+const GAIN_OF_RUN: usize = 12;
+const RISE: usize = 13;
 
 impl WienerModel {
     /// The model of a rig, with bounds wide enough for the given training recordings.
@@ -287,6 +298,7 @@ impl WienerModel {
         Start {
             temperature_degc: first_ambient_degc + point[START_RISE],
             share: point[START_SHARE],
+            since_reversal_k: point[START_SINCE_REVERSAL],
         }
     }
 
@@ -381,10 +393,27 @@ impl WienerModel {
         &self,
         recordings: impl IntoIterator<Item = &'a Recording>,
     ) -> Self {
+        self.opened_if_warm(&[START_RISE, START_SHARE], recordings)
+    }
+
+    /// Frees by how much the rod was heated since it last turned before each recording, if one of them may have begun warm. Where
+    /// the branch to the next reversal is short it tells nothing that the place between the limiting curves does not.
+    #[must_use]
+    pub fn with_open_reversals<'a>(
+        &self,
+        recordings: impl IntoIterator<Item = &'a Recording>,
+    ) -> Self {
+        self.opened_if_warm(&[START_SINCE_REVERSAL], recordings)
+    }
+
+    fn opened_if_warm<'a>(
+        &self,
+        places: &[usize],
+        recordings: impl IntoIterator<Item = &'a Recording>,
+    ) -> Self {
         let mut model = self.clone();
         if recordings.into_iter().any(may_begin_warm) {
-            model.leave_open(START_RISE);
-            model.leave_open(START_SHARE);
+            places.iter().for_each(|&place| model.leave_open(place));
         }
         model
     }
@@ -413,6 +442,7 @@ impl WienerModel {
                 let start = StartAbove {
                     rise_k: point[START_RISE],
                     share: point[START_SHARE],
+                    since_reversal_k: point[START_SINCE_REVERSAL],
                 };
                 (state(point).of(self.wiener_params(point)), start)
             })
@@ -474,6 +504,7 @@ fn parameters(output_unit: &str, ambient_degc: f64, tau_s: Bounds) -> Vec<Parame
         ParameterInfo::offset(output_unit),
         start_rise(START[0]),
         start_share(START[1]),
+        since_reversal(START[2]),
         level(),
         // Air that moves, dust on the rod, how it hangs.
         of_run(RUN_PARAMETERS[0], 0.05),
@@ -521,6 +552,19 @@ pub(crate) fn start_share((name, at_rest): (&'static str, f64)) -> ParameterInfo
         scope: Scope::PerRecording,
         state: ParameterState::Fixed(at_rest),
         ..ParameterInfo::searched(name, "1", Scale::Linear, bounds)
+    }
+}
+
+/// By how much a rod was heated (below 0: cooled) before the start since it last turned: it turns there, unless freed.
+fn since_reversal((name, at_rest): (&'static str, f64)) -> ParameterInfo {
+    let bounds = Bounds {
+        lower: -LONGEST_BRANCH_K,
+        upper: LONGEST_BRANCH_K,
+    };
+    ParameterInfo {
+        scope: Scope::PerRecording,
+        state: ParameterState::Fixed(at_rest),
+        ..ParameterInfo::searched(name, "K", Scale::Linear, bounds)
     }
 }
 

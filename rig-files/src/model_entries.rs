@@ -8,7 +8,8 @@ use wiener::hysteresis::LoopFamily;
 use identify::dense::{Matrix, symmetric_eigen};
 use identify::{
     AMBIENT_LEVEL, Bounds, Enters, FittedParameter, ForwardModel, LOOP_SHAPE, ParameterCovariance,
-    ParameterInfo, ParameterState, RUN_PARAMETERS, RigModel, SavedEffects, Scope, is_of_family,
+    ParameterInfo, ParameterState, RUN_PARAMETERS, RigModel, SINCE_REVERSAL, SavedEffects, Scope,
+    is_of_family,
 };
 
 use crate::RigFileError;
@@ -245,7 +246,7 @@ impl Reading<'_> {
             });
             let entry = found.next();
             // Files of earlier versions do not have it.
-            let is_new = info.name == AMBIENT_LEVEL
+            let is_new = [AMBIENT_LEVEL, SINCE_REVERSAL].contains(&info.name)
                 || is_of_family(info.name)
                 || RUN_PARAMETERS.contains(&info.name);
             if entry.is_none() && is_new {

@@ -41,6 +41,8 @@ pub(crate) struct ZoneStart<const L: usize> {
     pub(crate) driving_degc: [f64; L],
     /// Place between the limiting curves, 0 (heating) to 1 (cooling).
     pub(crate) share: [f64; L],
+    /// By how much it was heated since it last turned, K.
+    pub(crate) since_reversal_k: [f64; L],
 }
 
 /// One sample, or one sub-step of it.

@@ -1,4 +1,4 @@
-use wiener::{Drives, Input, NARROW, Output, Plant, Shown, Stretch, WienerParams};
+use wiener::{Drives, Input, NARROW, Output, Plant, Shown, Start, Stretch, WienerParams};
 
 use crate::conduction::CELLS;
 use crate::plant::Plants;
@@ -59,12 +59,20 @@ impl ExtendedPlant {
 
     /// A rod whose past is unknown: `share` = 0 on the heating curve, 1 on the cooling curve, as in
     /// [`Hysteresis::between_limiting_curves`](wiener::hysteresis::Hysteresis::between_limiting_curves).
-    /// All of it has that temperature, all lags have settled and the drive was off before.
+    /// All of it has that temperature, and is held there until the first sample: all lags have settled.
     #[must_use]
     pub fn between_limiting_curves(&self, temperature_degc: f64, share: f64) -> ExtendedState {
-        let lanes = self
-            .lanes
-            .between_limiting_curves([temperature_degc; NARROW], [share; NARROW]);
+        self.starting(&Start {
+            temperature_degc,
+            share,
+            since_reversal_k: 0.0,
+        })
+    }
+
+    /// A rod where it starts. All of it has that temperature, and is held there until the first sample.
+    #[must_use]
+    pub fn starting(&self, start: &Start) -> ExtendedState {
+        let lanes = self.lanes.starting(&[*start; NARROW]);
         ExtendedState { lanes }
     }
 }

@@ -50,14 +50,7 @@ impl Extended {
             &members.each_ref().map(|member| member.params),
             &members.each_ref().map(|member| member.effects),
         )?);
-        let state = Box::new(
-            plants.between_limiting_curves(
-                members
-                    .each_ref()
-                    .map(|member| member.start.temperature_degc),
-                members.each_ref().map(|member| member.start.share),
-            ),
-        );
+        let state = Box::new(plants.starting(&members.each_ref().map(|member| member.start)));
         Ok(Running { plants, state })
     }
 

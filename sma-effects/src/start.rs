@@ -1,5 +1,7 @@
 //! Where a run starts.
 
+use wiener::Start;
+
 use crate::EffectId;
 use crate::bracket::Bracket;
 use crate::conduction::{BeyondMean, Ends, Transfers};
@@ -14,16 +16,14 @@ const START_ITERATIONS: usize = 30;
 const START_STEP_K: f64 = 1e-4;
 
 impl<const L: usize> Plants<L> {
-    /// A rod whose past is unknown: `share` = 0 on the heating curve, 1 on the cooling curve, as in
-    /// [`Hysteresis::between_limiting_curves`](wiener::hysteresis::Hysteresis::between_limiting_curves).
-    /// All of it has that temperature, all lags have settled and the drive was off before.
-    pub(crate) fn between_limiting_curves(
-        &self,
-        temperature_degc: [f64; L],
-        share: [f64; L],
-    ) -> PlantsState<L> {
+    /// A rod where it starts in each lane, as in
+    /// [`Hysteresis::restart_since_reversal`](wiener::hysteresis::Hysteresis::restart_since_reversal).
+    /// All of it has that temperature, and is held there until the first sample: all lags have settled.
+    pub(crate) fn starting(&self, starts: &[Start; L]) -> PlantsState<L> {
+        let temperature_degc = starts.map(|start| start.temperature_degc);
+        let share = starts.map(|start| start.share);
         let with_ends = self.effects.active.contains(EffectId::EndConduction);
-        let middle = self.start_zone(temperature_degc, share);
+        let middle = self.start_zone(starts);
         let ends = || {
             Box::new(Ends {
                 cells: core::array::from_fn(|_| middle.clone()),
@@ -58,15 +58,26 @@ impl<const L: usize> Plants<L> {
     }
 
     /// A zone of a temperature: the one that drives the hysteresis is sought, θ + ΔT(θ) = T.
-    fn start_zone(&self, temperature_degc: [f64; L], share: [f64; L]) -> Zone<L> {
-        let mut zone = self.zone_at(temperature_degc, share);
+    fn start_zone(&self, starts: &[Start; L]) -> Zone<L> {
+        let temperature_degc = starts.map(|start| start.temperature_degc);
+        let share = starts.map(|start| start.share);
+        let mut start = ZoneStart {
+            driving_degc: temperature_degc,
+            share,
+            since_reversal_k: starts.map(|start| start.since_reversal_k),
+        };
+        let mut zone = self.zone_at(&start);
         if !(self.path.shifts | self.own.has(Place::Shift)) {
             return zone;
         }
         let mut driving_degc = temperature_degc;
+        let since_reversal_k = start.since_reversal_k;
+        // It does not count for the share, which alone shifts the loop, and takes a search of its own.
+        start.since_reversal_k = [0.0; L];
         let mut bracket = Bracket::<L>::open();
         let shift_k = &mut |driving_degc: [f64; L]| {
-            self.put(&mut zone, driving_degc, share);
+            start.driving_degc = driving_degc;
+            self.put(&mut zone, &start);
             self.start_shift_k(temperature_degc, &zone, &share)
         };
         for _ in 0..START_ITERATIONS {
@@ -86,7 +97,9 @@ impl<const L: usize> Plants<L> {
                 break;
             }
         }
-        self.put(&mut zone, driving_degc, share);
+        start.driving_degc = driving_degc;
+        start.since_reversal_k = since_reversal_k;
+        self.put(&mut zone, &start);
         zone.temperature_degc = temperature_degc;
         zone.middle_degc = temperature_degc;
         zone
@@ -129,7 +142,8 @@ impl<const L: usize> Plants<L> {
     }
 
     /// A zone whose temperature is the one that drives the hysteresis.
-    fn zone_at(&self, driving_degc: [f64; L], share: [f64; L]) -> Zone<L> {
+    fn zone_at(&self, start: &ZoneStart<L>) -> Zone<L> {
+        let driving_degc = start.driving_degc;
         let mut zone = Zone {
             temperature_degc: driving_degc,
             driving_degc,
@@ -138,24 +152,27 @@ impl<const L: usize> Plants<L> {
             slope_per_k: [0.0; L],
             middle_fraction: [0.0; L],
             middle_degc: driving_degc,
-            memory: self.hysteresis.between_limiting_curves(driving_degc, share),
-            effects: self.effects.zone(&ZoneStart {
+            memory: self.hysteresis.since_reversal(
                 driving_degc,
-                share,
-            }),
+                start.share,
+                start.since_reversal_k,
+            ),
+            effects: self.effects.zone(start),
         };
         self.look_around(&mut zone);
         zone
     }
 
     /// Puts a zone where [`Plants::zone_at`] makes one.
-    fn put(&self, zone: &mut Zone<L>, driving_degc: [f64; L], share: [f64; L]) {
-        self.hysteresis
-            .restart(&mut zone.memory, driving_degc, share);
-        zone.effects = self.effects.zone(&ZoneStart {
+    fn put(&self, zone: &mut Zone<L>, start: &ZoneStart<L>) {
+        let driving_degc = start.driving_degc;
+        self.hysteresis.restart_since_reversal(
+            &mut zone.memory,
             driving_degc,
-            share,
-        });
+            start.share,
+            start.since_reversal_k,
+        );
+        zone.effects = self.effects.zone(start);
         zone.temperature_degc = driving_degc;
         zone.driving_degc = driving_degc;
         zone.middle_degc = driving_degc;

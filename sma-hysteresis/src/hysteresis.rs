@@ -1,8 +1,9 @@
 use crate::family::{Curves, HEAVIEST_TAILS};
 use crate::limiting_loop::{Branch, LimitingLoop};
-use crate::memory::{Memory, Rule, Rules};
+use crate::memory::{FARTHEST_K, Memory, Rule, Rules};
 use crate::path::{Paths, Reversal};
 use crate::proximity::{Proximity, SineProximity};
+use crate::roots::rising_roots;
 use crate::{HysteresisError, LoopFamily, SecondPopulation};
 
 /// Rounding of a sum of bends that is 1.
@@ -171,7 +172,66 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
             &self.rules(),
             self.relative_k(temperature_degc),
             share.map(|share| share.clamp(0.0, 1.0)),
+            [false; L],
         );
+    }
+
+    /// Memory of a material whose last reversal is known; see [`Hysteresis::restart_since_reversal`].
+    #[must_use]
+    pub fn since_reversal(
+        &self,
+        temperature_degc: [f64; L],
+        share: [f64; L],
+        since_reversal_k: [f64; L],
+    ) -> Memory<L> {
+        let mut memory = self.between_limiting_curves(temperature_degc, share);
+        self.restart_since_reversal(&mut memory, temperature_degc, share, since_reversal_k);
+        memory
+    }
+
+    /// Takes a memory to where [`Hysteresis::between_limiting_curves`] begins, of a material that last turned where it was
+    /// `since_reversal_k` colder (below 0: warmer), K; 0 is [`Hysteresis::restart`], and so is what is no number.
+    ///
+    /// The place at the reversal is sought from which the branch leads to `share`; where none does, the nearest is taken.
+    pub fn restart_since_reversal(
+        &self,
+        memory: &mut Memory<L>,
+        temperature_degc: [f64; L],
+        share: [f64; L],
+        since_reversal_k: [f64; L],
+    ) {
+        self.restart(memory, temperature_degc, share);
+        let since_k = since_reversal_k.map(|since_k| {
+            if since_k.is_finite() {
+                since_k.clamp(-FARTHEST_K, FARTHEST_K)
+            } else {
+                0.0
+            }
+        });
+        if since_k.iter().all(|since_k| since_k.abs() <= 0.0) {
+            return;
+        }
+        let wanted = self.peek(memory, temperature_degc).fraction;
+        let turned_degc =
+            self.relative_k(core::array::from_fn(|l| temperature_degc[l] - since_k[l]));
+        let by_heating = since_k.map(|since_k| since_k < 0.0);
+        let is_sought = since_k.map(|since_k| since_k.abs() > 0.0);
+        let share = share.map(|share| share.clamp(0.0, 1.0));
+        let mut above = |at_reversal: &[f64; L]| {
+            let from = core::array::from_fn(|l| {
+                if is_sought[l] {
+                    at_reversal[l]
+                } else {
+                    share[l]
+                }
+            });
+            memory.restart(&self.rules(), turned_degc, from, by_heating);
+            let fraction = self.peek(memory, temperature_degc).fraction;
+            core::array::from_fn(|l| fraction[l] - wanted[l])
+        };
+        let at_reversal = rising_roots(&mut above);
+        above(&at_reversal);
+        self.commit(memory, temperature_degc);
     }
 
     /// Memory of a material known to have `fraction` at `temperature_degc`.

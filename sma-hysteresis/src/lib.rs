@@ -9,6 +9,7 @@ mod limiting_loop;
 mod memory;
 mod path;
 mod proximity;
+mod roots;
 mod vectors;
 
 pub use elementary::{

@@ -192,25 +192,29 @@ impl<const L: usize> Memory<L> {
             depth: [0; L],
             forgotten: [0; L],
         };
-        memory.restart(rules, temperature_k, share);
+        memory.restart(rules, temperature_k, share, [false; L]);
         memory
     }
 
     /// Begins anew at `share` of the way from the heating to the cooling curve.
     ///
-    /// The material came there by cooling, or with `share` = 0 along the heating curve: the beginning
-    /// is a reversal only if left in the other direction.
+    /// The material came there by cooling unless it is said that it came `by_heating`, or with `share` = 0 along the heating curve
+    /// and with 1 along the cooling curve: the beginning is a reversal only if left in the other direction.
     pub(crate) fn restart<P: Proximity>(
         &mut self,
         rules: &Rules<'_, L, P>,
         temperature_k: [f64; L],
         share: [f64; L],
+        by_heating: [bool; L],
     ) {
+        let by_heating: [bool; L] = core::array::from_fn(|lane| {
+            share[lane] <= 0.0 || by_heating[lane] && share[lane] < 1.0
+        });
         let temperature_k = temperature_k.map(|degrees| degrees.clamp(-FARTHEST_K, FARTHEST_K));
         self.base = core::array::from_fn(|lane| {
             let (temperature_k, share) = (temperature_k[lane], share[lane]);
             if let Some(curves) = rules.curves {
-                return curves.start(lane, temperature_k, share);
+                return curves.start(lane, temperature_k, share, by_heating[lane]);
             }
             let half_width_k = rules.limits.half_width_k(lane);
             // Straight between the curves; what asymmetry adds to either is exactly 0 without one.
@@ -225,7 +229,7 @@ impl<const L: usize> Memory<L> {
                     + ((1.0 - share) * added_k(1.0) + share * added_k(-1.0)),
             }
         });
-        self.sign = share.map(|share| if share <= 0.0 { 1.0 } else { -1.0 });
+        self.sign = by_heating.map(|by_heating| if by_heating { 1.0 } else { -1.0 });
         self.paths = rules.paths(&Courses::from_fn(|l| {
             Course::new(self.sign[l], self.base[l], None)
         }));

@@ -4,7 +4,7 @@ use sma_hysteresis::{
 };
 use sma_thermal::{HeatBalance, HeatBalanceParams, Heating, Sample};
 
-use crate::{Drive, Input, Output, Plant, WienerError};
+use crate::{Drive, Input, Output, Plant, Start, WienerError};
 
 /// Parameters of one Wiener model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -140,6 +140,18 @@ impl<const L: usize, P: Proximity> Wiener<L, P> {
         let memory = self
             .hysteresis
             .between_limiting_curves(temperature_degc, share);
+        self.state(temperature_degc, memory)
+    }
+
+    /// A rod where it starts in each lane; see [`Hysteresis::restart_since_reversal`].
+    #[must_use]
+    pub fn starting(&self, starts: &[Start; L]) -> State<L> {
+        let temperature_degc = starts.map(|start| start.temperature_degc);
+        let memory = self.hysteresis.since_reversal(
+            temperature_degc,
+            starts.map(|start| start.share),
+            starts.map(|start| start.since_reversal_k),
+        );
         self.state(temperature_degc, memory)
     }
 

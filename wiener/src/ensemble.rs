@@ -1,29 +1,9 @@
 use sma_hysteresis::Rule;
 
 use crate::{
-    Block, Drive, Fleet, Lanes, NARROW, Profile, Started, WIDE, Wiener, WienerError, WienerParams,
-    lockstep,
+    Block, Drive, Fleet, Lanes, NARROW, Profile, Start, Started, WIDE, Wiener, WienerError,
+    WienerParams, lockstep,
 };
-
-/// Where a model starts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Start {
-    /// Temperature, °C.
-    pub temperature_degc: f64,
-    /// Place between the limiting curves, 0 (heating) to 1 (cooling).
-    pub share: f64,
-}
-
-impl Start {
-    /// At ambient, cooled along the limiting curve.
-    #[must_use]
-    pub fn rest(ambient_degc: f64) -> Self {
-        Self {
-            temperature_degc: ambient_degc,
-            share: 1.0,
-        }
-    }
-}
 
 /// One model of an ensemble, and where it starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,12 +51,7 @@ impl Ensemble {
             self.rule,
             &members.each_ref().map(|member| member.params),
         )?;
-        let state = plant.between_limiting_curves(
-            members
-                .each_ref()
-                .map(|member| member.start.temperature_degc),
-            members.each_ref().map(|member| member.start.share),
-        );
+        let state = plant.starting(&members.each_ref().map(|member| member.start));
         Ok(Started { plant, state })
     }
 }

@@ -11,19 +11,21 @@ mod fleet;
 mod lanes;
 mod plant;
 mod run;
+mod start;
 #[cfg(feature = "std")]
 mod vectors;
 
 pub use cascade::{State, Wiener, WienerParams};
 pub use drive::Drive;
 #[cfg(feature = "std")]
-pub use ensemble::{Ensemble, Member, Start};
+pub use ensemble::{Ensemble, Member};
 pub use error::WienerError;
 #[cfg(feature = "std")]
 pub use fleet::{Block, Fleet, NARROW, WIDE, lockstep, padded};
 pub use lanes::{Drives, Lanes, Shown, Started, Stretch};
 pub use plant::{Input, Output, Plant};
 pub use run::{Profile, run};
+pub use start::Start;
 #[cfg(feature = "std")]
 pub use vectors::widest_vectors;
 

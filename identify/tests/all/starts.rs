@@ -10,7 +10,9 @@ use std::ops::ControlFlow;
 use crate::common;
 
 use common::{ROD, TRUE_TAU_S, recording, rod, triangles};
-use identify::{Fit, FitConfig, ForwardModel, ParameterState, RigModel, fit, validate};
+use identify::{
+    Fit, FitConfig, ForwardModel, ParameterState, ParameterVector, RigModel, fit, validate,
+};
 use recording::Recording;
 use wiener::hysteresis::Rule;
 
@@ -44,6 +46,34 @@ fn a_warm_start_is_found_with_the_rest() {
         assert!((value(&fit, "tau_s") / TRUE_TAU_S - 1.0).abs() < 5e-3);
         assert!((value(&fit, "loop_half_width_k") / 8.0 - 1.0).abs() < 5e-3);
         assert!(value(&fit, "start_rise_k") > 5.0);
+    }
+}
+
+#[test]
+fn the_last_reversal_before_a_recording_is_found() {
+    let whole = recording("a.csv", triangles(1200, 5.8), 0.5);
+    // On branches within the loop, down and up.
+    for (first, sign) in [(280, -1.0), (380, 1.0)] {
+        let training = [cut(&whole, first)];
+        let (model, without) = fitted(ROD, &training);
+        let RigModel::Wiener(model) = model else {
+            unreachable!("a heated rod with a loop")
+        };
+        let open = model.with_open_reversals(&training);
+        let vector = ParameterVector::new(open.parameters(), 1);
+        let config = FitConfig {
+            from: vec![without.coordinates(&vector)],
+            ..FitConfig::default()
+        };
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let with = fit(&open, &training, &config, go_on).unwrap();
+        let found = [&with, &without].map(|fit| fit.train_rmse);
+        assert!(
+            found[1] > 5e-4 && found[0] < 1e-4 * found[1],
+            "{first}: {found:?}"
+        );
+        let since_k = value(&with, "start_since_reversal_k");
+        assert!(sign * since_k > 1.0, "{first}: {since_k}");
     }
 }
 

@@ -2,4 +2,4 @@
 
 pub(crate) mod opened;
 mod run_states;
-mod unknowns;
+pub(crate) mod unknowns;

@@ -15,7 +15,7 @@ use crate::model::coarse::judged;
 use crate::watch::{Caller, Watched};
 
 /// Error of the baseline model with more open, over that without, from which the recordings do not ask for it.
-const ASKED_FOR: f64 = 0.95;
+pub(crate) const ASKED_FOR: f64 = 0.95;
 
 /// Starts of such a fit, beside the place where the baseline model ended.
 const FEW_STARTS: u64 = 4;
@@ -62,8 +62,9 @@ fn opened(
     (config, caller): (&DiagnoseConfig, &Caller<'_>),
 ) -> Result<(WienerModel, Fit), IdentifyError> {
     let of_all = |fit: &Fit| (fit.train_rmse.powi(2) + between).sqrt();
+    let cold = plain.clone();
     let taken = |(base, plain): (WienerModel, Fit), open: WienerModel, is_asked: bool| {
-        let with = refitted(&base, &open, plain.clone(), fitted, (config, caller))?;
+        let with = refitted(&base, &open, [&plain, &cold], fitted, (config, caller))?;
         let is_taken = !is_asked || of_all(&with) < ASKED_FOR * of_all(&plain);
         Ok(if is_taken {
             (open, with)
@@ -75,6 +76,9 @@ fn opened(
     let (base, plain) = taken((base.clone(), plain), warm, true)?;
     let leveled = base.with_open_levels(training);
     let (base, plain) = taken((base, plain), leveled, false)?;
+    // What levels leave it may explain, and not before: it shows on the first branch alone.
+    let turned = base.with_open_reversals(training);
+    let (base, plain) = taken((base, plain), turned, true)?;
     let scaled = base.with_scale_told_by(training);
     taken((base, plain), scaled, true)
 }
@@ -131,21 +135,27 @@ pub(crate) fn fitted_from(
     })
 }
 
-/// The fit of a model with more open than another, from where that ended and from elsewhere; that of the other, where nothing is.
+/// The fit of a model with more open than another, from where that ended, where the first of all did and elsewhere; that of the other,
+/// where nothing is. What was opened before may have bent the first end to where nothing else leads lower.
 fn refitted(
     base: &WienerModel,
     open: &WienerModel,
-    plain: Fit,
+    [plain, first]: [&Fit; 2],
     training: &[Recording],
     (config, caller): (&DiagnoseConfig, &Caller<'_>),
 ) -> Result<Fit, IdentifyError> {
     if open.parameters() == base.parameters() {
-        return Ok(plain);
+        return Ok(plain.clone());
     }
     let vector = ParameterVector::new(open.parameters(), training.len());
+    let mut from = vec![plain.coordinates(&vector)];
+    let of_first = first.coordinates(&vector);
+    if !from.contains(&of_first) {
+        from.push(of_first);
+    }
     let fit_config = FitConfig {
         seed: config.seed,
-        from: vec![plain.coordinates(&vector)],
+        from,
         starts: FEW_STARTS,
         prior: prior(open, plain.noise.n_effective),
         ..config.baseline.clone()

@@ -166,6 +166,7 @@ fn output_mm(setting: Setting, effects: EffectValues, drive: &[f64], dt_s: f64) 
         start: Start {
             temperature_degc: AMBIENT_DEGC,
             share: 1.0,
+            since_reversal_k: 0.0,
         },
     };
     let profile = Profile::uniform(drive, dt_s, AMBIENT_DEGC).unwrap();

@@ -5,9 +5,9 @@
 //! every model.
 
 use identify::{
-    Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo, ParameterState,
-    ParameterVector, Prior, RUN_PARAMETERS, RefineConfig, ResidualNoise, Validated, predict,
-    refine, try_in_parallel, validate_at,
+    AMBIENT_LEVEL, Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo,
+    ParameterState, ParameterVector, Prior, RUN_PARAMETERS, RefineConfig, ResidualNoise, Validated,
+    beginnings_of, predict, refine, try_in_parallel, validate_at,
 };
 use recording::Recording;
 
@@ -151,20 +151,17 @@ fn of_recording(
         }
     }
     let vector = ParameterVector::new(of_rig.parameters(), 1);
-    // As the training began, at rest, and as warm or cold as laboratories are, on either branch.
-    let at = |level_k: f64, share: f64| {
-        vector.coordinates(|parameter, _| {
-            Some(match of_rig.parameters()[parameter].name {
-                "ambient_level_k" => level_k,
-                "start_share" => share,
-                _ => 0.0,
-            })
-        })
-    };
+    // As the training began, and as it may have begun, in surroundings as warm or cold as laboratories are.
     let mut starts = vec![vector.coordinates(|parameter, _| Some(point[parameter]))];
-    for level_k in LEVELS_K {
-        for share in [1.0, 0.0] {
-            let start = at(level_k, share);
+    for begun in beginnings_of(&of_rig, recording)? {
+        let begun = vector.values(&begun, 0);
+        for level_k in LEVELS_K {
+            let start = vector.coordinates(|parameter, _| {
+                Some(match of_rig.parameters()[parameter].name {
+                    AMBIENT_LEVEL => level_k,
+                    _ => begun[parameter],
+                })
+            });
             if !starts.contains(&start) {
                 starts.push(start);
             }

@@ -2,7 +2,7 @@
 
 use identify::{
     Bounds, ForwardModel, IdentifyError, NamedEffect, ParameterInfo, ParameterState, RigModel,
-    SavedEffects, SavedModel, Scale, StateOfRun, WienerModel, in_states,
+    SINCE_REVERSAL, SavedEffects, SavedModel, Scale, StateOfRun, WienerModel, in_states,
 };
 use recording::{Quantity, Recording};
 use wiener::{Block, Start};
@@ -204,6 +204,7 @@ impl<'a> RestoredModel<'a> {
         let start = Start {
             temperature_degc: value("start_rise_k").unwrap_or(0.0),
             share: value("start_share").unwrap_or(1.0),
+            since_reversal_k: value(SINCE_REVERSAL).unwrap_or(0.0),
         };
         self.member(&point, start)
     }

@@ -6,6 +6,7 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, Wie
 use recording::order::rising;
 
 use crate::agreed::agreed;
+use crate::baseline::unknowns::ASKED_FOR;
 use crate::config::Part;
 use crate::decide::{RuleId, leading};
 use crate::evidence::Population;
@@ -132,8 +133,15 @@ pub(crate) fn fits(
     let mut fits = plain_fits(case, STARTS, seed)?;
     retain_near(&mut fits, case);
     let warm = case.base.with_open_starts(case.training);
+    let turned = warm.with_open_reversals(case.training);
     for other in &mut fits {
         *other = other.shaped(case, warm.clone(), seed)?;
+        if turned.parameters() != warm.parameters() {
+            let with = other.shaped(case, turned.clone(), seed)?;
+            if with.fit.train_rmse < ASKED_FOR * other.fit.train_rmse {
+                *other = with;
+            }
+        }
     }
     rising(&mut fits, |other| other.fit.train_rmse);
     retain_near(&mut fits, case);

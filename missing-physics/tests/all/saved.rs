@@ -438,7 +438,9 @@ fn effects_that_cannot_be_are_named_with_their_place() {
     assert!(
         plain.starts_with(&format!(
             "model.toml:{latent_line}:1: parameter latent_heat_j_per_kg = "
-        )) && plain.ends_with("start_share, ambient_level_k, run_heat_loss, run_gain"),
+        )) && plain.ends_with(
+            "start_share, start_since_reversal_k, ambient_level_k, run_heat_loss, run_gain"
+        ),
         "{plain}"
     );
     // A reader that knows no effects.

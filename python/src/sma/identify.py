@@ -84,8 +84,8 @@ class Identified(Reported):
 
 #: Parameters of the plain cascade, whose output is offset + gain · fraction.
 PLAIN = frozenset(
-    "tau_s loop_center_degc loop_half_width_k loop_spread_k zeta gain offset start_rise_k start_share ambient_level_k "
-    "loop_center loop_half_width loop_spread conductance_w_per_k ambient_degc".split()
+    "tau_s loop_center_degc loop_half_width_k loop_spread_k zeta gain offset start_rise_k start_share "
+    "start_since_reversal_k ambient_level_k loop_center loop_half_width loop_spread conductance_w_per_k ambient_degc".split()
 )
 
 

@@ -203,7 +203,7 @@ fn parameters_that_do_not_exist_are_named_with_those_that_do() {
         error.to_string(),
         "rod.toml:11:1: [model] teta: no such parameter; this rig has tau_s, loop_center_degc, \
          loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share, \
-         ambient_level_k, run_heat_loss, run_gain"
+         start_since_reversal_k, ambient_level_k, run_heat_loss, run_gain"
     );
 }
 

@@ -183,7 +183,7 @@ fn a_saved_model_is_a_start() {
     let other = rod_file::parse("rod.toml", "[surroundings]\nambient_degc = 21.0\n").unwrap();
     let other = RigModel::new(&other, Rule::Nested, &training).unwrap();
     let names = "tau_s, loop_center_degc, loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, \
-                 start_share, ambient_level_k, run_heat_loss, run_gain";
+                 start_share, start_since_reversal_k, ambient_level_k, run_heat_loss, run_gain";
     assert_eq!(
         saved
             .coordinates(&other, &training)
@@ -273,7 +273,7 @@ fn what_a_model_file_may_not_say() {
     // These name a fitted value too.
     let unknown = said("name = \"zeta\"", "name = \"zetta\"");
     let known = ": no such parameter; this model has tau_s, loop_center_degc, loop_half_width_k, \
-                 loop_spread_k, zeta, gain, offset, start_rise_k, start_share, ambient_level_k, run_heat_loss, run_gain";
+                 loop_spread_k, zeta, gain, offset, start_rise_k, start_share, start_since_reversal_k, ambient_level_k, run_heat_loss, run_gain";
     assert!(
         unknown.contains("parameter zetta = 0.") && unknown.ends_with(known),
         "{unknown}"

@@ -189,7 +189,7 @@ fn rod_files_with_keys_or_values_that_cannot_be() {
     assert_bad_input(
         &format!("{ROD}[model]\ntau = {{ fixed = 3.0 }}\n"),
         &recording,
-        "rod.toml:4:1: [model] tau: no such parameter; this rig has tau_s, loop_center_degc, loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share, ambient_level_k, run_heat_loss, run_gain, lambda_k_per_a2",
+        "rod.toml:4:1: [model] tau: no such parameter; this rig has tau_s, loop_center_degc, loop_half_width_k, loop_spread_k, zeta, gain, offset, start_rise_k, start_share, start_since_reversal_k, ambient_level_k, run_heat_loss, run_gain, lambda_k_per_a2",
     );
 }
 

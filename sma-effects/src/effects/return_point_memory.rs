@@ -64,9 +64,11 @@ impl<const L: usize> Effect<L> for Lanes<L> {
     }
 
     fn zone(&self, start: &ZoneStart<L>) -> Self::Zone {
-        self.other
-            .as_ref()
-            .map(|other| Box::new(other.between_limiting_curves(start.driving_degc, start.share)))
+        self.other.as_ref().map(|other| {
+            let memory =
+                other.since_reversal(start.driving_degc, start.share, start.since_reversal_k);
+            Box::new(memory)
+        })
     }
 
     #[inline(always)]

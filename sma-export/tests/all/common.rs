@@ -70,6 +70,7 @@ pub(crate) fn exported(drive: Drive, rule: Rule, effects: &[EffectId]) -> Export
             start: Start {
                 temperature_degc: 0.0,
                 share: 1.0,
+                since_reversal_k: 0.0,
             },
         },
         dt_s: DT_S,

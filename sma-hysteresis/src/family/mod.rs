@@ -182,9 +182,15 @@ impl<const L: usize> Curves<L> {
         }
     }
 
-    /// Where a material begins that has come to T̂ between the limiting curves: on one of them, far away, that of
-    /// cooling with as much transformed in all as leads through the place.
-    pub(crate) fn start(&self, lane: usize, temperature_k: f64, share: f64) -> Turn {
+    /// Where a material begins that has come to T̂ between the limiting curves, by heating or by cooling: on one of them, far away,
+    /// that of cooling with as much transformed in all as leads through the place, that of heating with as much that never does.
+    pub(crate) fn start(
+        &self,
+        lane: usize,
+        temperature_k: f64,
+        share: f64,
+        by_heating: bool,
+    ) -> Turn {
         if share <= 0.0 {
             return Turn {
                 temperature_k: -FARTHEST_K,
@@ -193,6 +199,17 @@ impl<const L: usize> Curves<L> {
         }
         let [lower, upper] = self.limits_at(lane, temperature_k);
         let level = (1.0 - share) * lower + share * upper;
+        if by_heating {
+            let is_lower = level < 1.0 && lower < level;
+            return Turn {
+                temperature_k: -FARTHEST_K,
+                level_k: if is_lower {
+                    1.0 - (1.0 - level) / (1.0 - lower)
+                } else {
+                    0.0
+                },
+            };
+        }
         Turn {
             temperature_k: FARTHEST_K,
             level_k: if upper > level { level / upper } else { 1.0 },

@@ -219,6 +219,71 @@ proptest! {
     }
 
     #[test]
+    fn a_start_since_a_reversal_is_where_a_material_that_turned_there_stands(
+        (width, spread, zeta) in any_shape(), path in any_path(), share in 0.05..0.95, since_k in 1.0..20.0,
+    ) {
+        let material = material(width, spread, zeta, Rule::LastReversal);
+        let (start, turn) = (path[0], path[0] - since_k);
+        let mut gone = material.between_limiting_curves([turn], [share]);
+        let fraction = walk(&material, &mut gone, &[start]);
+        let at = |share: f64| material.peek(&material.between_limiting_curves([start], [share]), [start]).fraction[0];
+        let [lower, upper] = [0.0, 1.0].map(at);
+        // Levels lie straight between the curves, and fractions do not.
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if at(middle) < fraction { low = middle } else { high = middle }
+        }
+        prop_assume!(upper - lower > 1e-3);
+        let mut begun = material.since_reversal([start], [low], [since_k]);
+        for &temperature in &path {
+            let expected = walk(&material, &mut gone, &[temperature]);
+            let fraction = walk(&material, &mut begun, &[temperature]);
+            prop_assert!((fraction - expected).abs() <= 1e-7, "{} {}", fraction, expected);
+        }
+    }
+
+    #[test]
+    fn a_start_since_a_reversal_has_the_share_where_the_branch_can_lead_there(
+        (width, spread, zeta) in any_shape(), rule in any_rule(), share in 0.0..=1.0, start in -30.0..30.0, since_k in -30.0..30.0,
+    ) {
+        let material = material(width, spread, zeta, rule);
+        let fraction = |memory: &Memory<1>| material.peek(memory, [start]).fraction[0];
+        let wanted = fraction(&material.between_limiting_curves([start], [share]));
+        let begun = fraction(&material.since_reversal([start], [share], [since_k]));
+        let turned = |share: f64| {
+            let mut memory = material.between_limiting_curves([start - since_k], [share]);
+            walk(&material, &mut memory, &[start])
+        };
+        let [least, most] = [0.0, 1.0].map(turned);
+        let nearest = wanted.min(most).max(least);
+        prop_assert!((begun - nearest).abs() <= 1e-7, "{begun} {wanted} {least} {most}");
+    }
+
+    #[test]
+    fn lanes_begin_each_by_itself(
+        (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(), shares in prop::array::uniform2(0.0..=1.0),
+        since_k in -30.0..30.0,
+    ) {
+        let limits = LimitingLoop::new([LoopParams {
+            loop_center_degc: 0.0,
+            loop_half_width_k: width,
+            loop_spread_k: spread,
+            ..LoopParams::default()
+        }; 2]).unwrap();
+        let both = Hysteresis::new(limits, SineProximity::new([zeta; 2]).unwrap(), rule);
+        let alone = material(width, spread, zeta, rule);
+        let mut memory = both.since_reversal([path[0]; 2], shares, [0.0, since_k]);
+        let mut alone_at_once = alone.between_limiting_curves([path[0]], [shares[0]]);
+        let mut alone_since = alone.since_reversal([path[0]], [shares[1]], [since_k]);
+        for &temperature in &path {
+            let found = both.commit(&mut memory, [temperature; 2]);
+            let expected = [&mut alone_at_once, &mut alone_since].map(|one| walk(&alone, one, &[temperature]));
+            prop_assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits));
+        }
+    }
+
+    #[test]
     fn a_small_first_movement_moves_little(
         (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(),
         share in prop_oneof![Just(0.0), 0.0..1.0, Just(1.0)],

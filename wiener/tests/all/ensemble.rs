@@ -15,6 +15,7 @@ fn any_members() -> impl Strategy<Value = Vec<Member>> {
     let start = prop_oneof![
         Just(Start::rest(AMBIENT_DEGC)),
         start.prop_map(|(temperature_degc, share)| Start {
+            since_reversal_k: 0.0,
             temperature_degc,
             share
         })

@@ -190,6 +190,7 @@ pub fn various(count: usize, effects: EffectValues) -> Vec<Member> {
                 start: Start {
                     temperature_degc: AMBIENT_DEGC + 0.1 * k,
                     share: 1.0 - 0.02 * k,
+                    since_reversal_k: 0.0,
                 },
             }
         })

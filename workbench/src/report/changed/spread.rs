@@ -67,6 +67,7 @@ pub(super) fn title(parameter: &str) -> &str {
         "offset" => "output at the start (start strain)",
         "start_rise_k" => "start, over the surroundings",
         "start_share" => "start, share of the way to the cooling branch",
+        "start_since_reversal_k" => "start, heated since the last reversal",
         other => other,
     }
 }
