@@ -195,12 +195,32 @@ impl<'a> Search<'a> {
             }
         }
         let before = self.least_error(&frontier);
+        if frontier == [CandidateSet::EMPTY] {
+            self.settle_pressed(&grown)?;
+        }
         let best = self.best_of(grown);
         self.finish(&best)?;
         let is_stalled = self.is_misfit() && self.least_error(&best) > STALLED * before;
         let is_full = best.iter().all(|set| set.len() == MOST_EFFECTS);
         if !is_stalled && !is_full {
             self.frontier = best;
+        }
+        Ok(())
+    }
+
+    /// Fits the nearest of some models from many places if it stands against a bound and leaves more than noise all the same: it is in a
+    /// wrong minimum then, and so is what grows from it.
+    fn settle_pressed(&mut self, sets: &[CandidateSet]) -> Result<(), IdentifyError> {
+        let nearest = sets
+            .iter()
+            .copied()
+            .min_by(|&a, &b| self.error(a).total_cmp(&self.error(b)));
+        let Some(nearest) = nearest.filter(|&set| !is_costly(set)) else {
+            return Ok(());
+        };
+        let is_pressed = self.get(nearest).is_some_and(Node::is_held);
+        if is_pressed && self.is_misfit() && !self.case.leaves_out(Part::OtherStarts) {
+            self.settle(nearest)?;
         }
         Ok(())
     }
