@@ -2,4 +2,4 @@
 
 pub(crate) mod opened;
 mod run_states;
-pub(crate) mod unknowns;
+mod unknowns;

@@ -15,7 +15,7 @@ use crate::model::coarse::judged;
 use crate::watch::{Caller, Watched};
 
 /// Error of the baseline model with more open, over that without, from which the recordings do not ask for it.
-pub(crate) const ASKED_FOR: f64 = 0.95;
+const ASKED_FOR: f64 = 0.95;
 
 /// Starts of such a fit, beside the place where the baseline model ended.
 const FEW_STARTS: u64 = 4;

@@ -6,7 +6,6 @@ use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, Wie
 use recording::order::rising;
 
 use crate::agreed::agreed;
-use crate::baseline::unknowns::ASKED_FOR;
 use crate::config::Part;
 use crate::decide::{RuleId, leading};
 use crate::evidence::Population;
@@ -135,11 +134,15 @@ pub(crate) fn fits(
     let warm = case.base.with_open_starts(case.training);
     let turned = warm.with_open_reversals(case.training);
     for other in &mut fits {
-        *other = other.shaped(case, warm.clone(), seed)?;
+        let formula = other.clone();
+        *other = formula.shaped(case, warm.clone(), seed)?;
         if turned.parameters() != warm.parameters() {
-            let with = other.shaped(case, turned.clone(), seed)?;
-            if with.fit.train_rmse < ASKED_FOR * other.fit.train_rmse {
-                *other = with;
+            // At once, and from where it ended without: either may miss the lower minimum.
+            for from in [&formula, &other.clone()] {
+                let with = from.shaped(case, turned.clone(), seed)?;
+                if is_told(&other.fit, &with.fit, case.training.len()) {
+                    *other = with;
+                }
             }
         }
     }
@@ -153,6 +156,14 @@ pub(crate) fn fits(
         rising(&mut fits, |other| other.fit.train_rmse);
     }
     Ok(fits)
+}
+
+/// True if what is left falls by more than so many parameters cost by Schwarz's criterion, counted in the independent residuals of the fit
+/// with them.
+pub(super) fn is_told(without: &Fit, with: &Fit, n_parameters: usize) -> bool {
+    let n = with.noise.n_effective;
+    let gain = n * (without.noise.variance / with.noise.variance).ln();
+    gain > n_parameters as f64 * n.ln()
 }
 
 /// Keeps those that come nearer than the paper's, and not much less near than the nearest.

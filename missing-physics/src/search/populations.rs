@@ -8,7 +8,7 @@ use identify::{
 
 use crate::model::case::Case;
 use crate::model::extended_model::LoopFreedom;
-use crate::search::families::OtherBaseline;
+use crate::search::families::{OtherBaseline, is_told};
 use crate::{CandidateSet, LoopFamily};
 
 /// Second populations from which a fit starts: a quarter of the relays, hotter with a narrower loop, colder with a wider one, and about
@@ -43,7 +43,7 @@ impl OtherBaseline {
         let go_on = &mut |_: &_| ControlFlow::Continue(());
         let with = fit(&case.watched(&model), case.training, &config, go_on)?;
         let simulations = near.simulations + with.simulations;
-        let (freedom, found) = if is_told(&self.fit, &with) {
+        let (freedom, found) = if is_told(&self.fit, &with, SECOND_POPULATION_PARAMETERS.len()) {
             // A second population bends to what else is missing as any loop does: effects are tried from where there was none, too.
             let other_minima = vec![self.starting(NEARLY_ALIKE).points()];
             (
@@ -75,14 +75,6 @@ impl OtherBaseline {
         }
         fit
     }
-}
-
-/// True if what is left falls by more than the parameters of a second population cost by Schwarz's criterion, counted in
-/// the independent residuals of the fit with it.
-fn is_told(without: &Fit, with: &Fit) -> bool {
-    let n = with.noise.n_effective;
-    let gain = n * (without.noise.variance / with.noise.variance).ln();
-    gain > SECOND_POPULATION_PARAMETERS.len() as f64 * n.ln()
 }
 
 #[cfg(test)]
