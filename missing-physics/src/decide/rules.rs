@@ -228,11 +228,11 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Told,
         name: "told",
-        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; 0 of a drift that turns back three times in a recording",
+        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; 0 of a drift that turns back three times in a recording, or goes most of its way within an eighth of one",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Quantile,
-        reason: "what may have no size is no finding, and what turns back again and again is not slow",
+        reason: "what may have no size is no finding; what turns back again and again is not slow, and what comes within an eighth of a recording is an event or a level",
     },
     Rule {
         id: RuleId::UnseenGain,

@@ -46,6 +46,20 @@ struct Met {
     temperature_k: f64,
 }
 
+impl Met {
+    fn less(self, other: Self) -> Self {
+        Self {
+            output: self.output - other.output,
+            temperature_k: self.temperature_k - other.temperature_k,
+        }
+    }
+
+    /// Product with another, that of the temperatures with a weight.
+    fn times(self, other: Self, temperature_weight: f64) -> f64 {
+        self.output * other.output + temperature_weight * (self.temperature_k * other.temperature_k)
+    }
+}
+
 /// The error of a model at a point, of which the shared values count, on recordings that were not used.
 pub(crate) fn unseen(
     model: &dyn ForwardModel,
@@ -291,20 +305,10 @@ impl Unseen {
                 let own = place..place + n as usize;
                 place = own.end;
                 let pairs = self.residual[own.clone()].iter().zip(&other.residual[own]);
-                pairs.fold([0.0; 2], |[along, square], (with, without)| {
-                    let output = without.output - with.output;
-                    let of_temperature_k = without.temperature_k - with.temperature_k;
-                    let weighted = |of_output: f64, of_temperature: f64| {
-                        of_output + temperature_weight * of_temperature
-                    };
-                    [
-                        along
-                            + weighted(
-                                without.output * output,
-                                without.temperature_k * of_temperature_k,
-                            ),
-                        square + weighted(output.powi(2), of_temperature_k.powi(2)),
-                    ]
+                pairs.fold([0.0; 2], |[along, square], (&with, &without)| {
+                    let change = without.less(with);
+                    let times = |one: Met| one.times(change, temperature_weight);
+                    [along + times(without), square + times(change)]
                 })
             })
             .collect();
@@ -317,5 +321,39 @@ impl Unseen {
         let n = sums.len() as f64;
         let error = (spread * n / (n - 1.0).max(1.0)).sqrt() / square;
         (square > 0.0).then_some([share, error])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two stretches of two samples each that leave the same everywhere.
+    fn leaving(output: f64, temperature_k: f64) -> Unseen {
+        Unseen {
+            stretches: vec![(2.0, 2.0 * output * output); 2],
+            residual: vec![
+                Met {
+                    output,
+                    temperature_k,
+                };
+                4
+            ],
+        }
+    }
+
+    #[test]
+    fn a_change_of_the_recorded_temperature_alone_comes_true_as_far_as_it_counts() {
+        let share = |with: &Unseen, without: &Unseen, weight: f64| {
+            with.comes_true(without, weight).map(|[share, _]| share)
+        };
+        let [with, without] = [leaving(1.0, 0.0), leaving(1.0, 2.0)];
+        assert!(share(&with, &without, 0.0).is_none());
+        assert!((share(&with, &without, 0.5).unwrap() - 1.0).abs() < 1e-12);
+        // It makes the output worse by as much as the temperature better.
+        let worse = leaving(1.0 + 2.0_f64.sqrt(), 0.0);
+        let both = share(&worse, &without, 0.5).unwrap();
+        assert!(both < 0.5, "{both}");
+        assert!(share(&worse, &without, 1e6).unwrap() > 0.999);
     }
 }

@@ -66,7 +66,11 @@ pub(crate) fn extended(
 /// Turns within a recording from which a curve of time is no slow one.
 const RESTLESS: usize = 3;
 
-/// Decision without names whose sizes may be zero, and without drifts that turn back again and again; such names become suspects.
+/// Share of a drift's range from one of its values to the next from which that is an event, or a level: what approaches its end with a time
+/// constant as long as values are apart goes that far in the time, 1 - 1/e, and what is slower less far.
+const AT_ONCE: f64 = 0.632;
+
+/// Decision without names whose sizes may be zero, and without drifts that are not slow; such names become suspects.
 pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     let fit = &extended.stage.fit;
     let is_told = |effect: Candidate, traces: &mut Traces| {
@@ -88,9 +92,9 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
         let over: Vec<f64> = over.collect();
         // A loop of another family has no size.
         let largest = over.iter().copied().reduce(f64::max);
-        let largest = largest.map(|largest| match most_turns(effect, fit) >= RESTLESS {
-            true => 0.0,
-            false => largest / widened(over.len()),
+        let largest = largest.map(|largest| match is_slow(effect, fit) {
+            true => largest / widened(over.len()),
+            false => 0.0,
         });
         largest.is_none_or(|largest| traces.ask(RuleId::Told, effect.id(), largest))
     };
@@ -103,22 +107,46 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     decided
 }
 
-/// How often a drift turns back within a recording, by more than the uncertainty of its values, at most; 0 of any other effect.
-fn most_turns(effect: Candidate, fit: &Fit) -> usize {
+/// False of a drift that turns back again and again within a recording, or of which one of its values has most where it has the largest
+/// range; both by more than the uncertainty of its values. What is no drift is not asked.
+fn is_slow(effect: Candidate, fit: &Fit) -> bool {
     if !is_drift(effect) {
-        return 0;
+        return true;
     }
     let knots = effect.info().parameters.iter();
     let knots: Vec<&FittedParameter> = knots.filter_map(|one| fit.parameter(one.name)).collect();
     let n_recordings = knots.first().map_or(0, |knot| knot.values.len());
-    let of_recording = |r: usize| {
+    let curves = (0..n_recordings).map(|r| {
         let values = knots.iter().map(|knot| {
             let half = knot.intervals[r].map_or(0.0, |own| 0.5 * own.width());
             [knot.values[r], half]
         });
-        turns(values)
-    };
-    (0..n_recordings).map(of_recording).max().unwrap_or(0)
+        values.collect::<Vec<[f64; 2]>>()
+    });
+    let curves: Vec<Vec<[f64; 2]>> = curves.collect();
+    let largest = curves.iter().max_by(|a, b| range(a).total_cmp(&range(b)));
+    curves
+        .iter()
+        .all(|curve| turns(curve.iter().copied()) < RESTLESS)
+        && largest.is_none_or(|curve| longest_step(curve) <= AT_ONCE * range(curve))
+}
+
+/// Range of a curve from 0 through values with half intervals.
+fn range(curve: &[[f64; 2]]) -> f64 {
+    let values = curve.iter().map(|[value, _]| *value);
+    let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    high - low
+}
+
+/// Longest way of such a curve from one value to the next, beyond what their intervals make.
+fn longest_step(curve: &[[f64; 2]]) -> f64 {
+    let before = std::iter::once(&[0.0; 2]).chain(curve);
+    let steps = before
+        .zip(curve)
+        .map(|([from, half], [to, half_to])| (to - from).abs() - half.hypot(*half_to));
+    steps.fold(0.0, f64::max)
 }
 
 /// How often a curve from 0 through values with half intervals turns back by more than these.
@@ -299,7 +327,7 @@ fn is_as_near(
 
 #[cfg(test)]
 mod tests {
-    use super::{turns, widened};
+    use super::{AT_ONCE, longest_step, range, turns, widened};
 
     #[test]
     fn a_curve_turns_where_it_comes_back_by_more_than_its_intervals() {
@@ -308,6 +336,24 @@ mod tests {
         assert_eq!(of(&[1.0, -1.0, 1.0, -1.0, 1.0], 0.1), 4);
         assert_eq!(of(&[1.0, -1.0, 1.0, -1.0, 1.0], 2.0), 0);
         assert_eq!(of(&[0.3, 1.0, 0.9, 1.1, 1.0, 1.2], 0.2), 0);
+    }
+
+    #[test]
+    fn a_level_and_an_event_go_most_of_their_way_at_once_and_a_drift_does_not() {
+        let share = |values: [f64; 8], half: f64| {
+            let curve = values.map(|value| [value, half]);
+            longest_step(&curve) / range(&curve)
+        };
+        let level = [1.0, 1.1, 0.9, 1.0, 1.0, 1.1, 1.0, 1.0];
+        assert!(share(level, 0.1) > AT_ONCE);
+        // As far as the intervals tell.
+        assert!(share(level, 0.4) < AT_ONCE);
+        let event = [0.1, 0.0, -0.1, 0.1, 0.0, 0.1, 0.0, 2.0];
+        assert!(share(event, 0.1) > AT_ONCE);
+        let approach =
+            |knots: f64| std::array::from_fn(|k| 1.0 - (-((k + 1) as f64) / knots).exp());
+        assert!((share(approach(1.0), 0.0) - AT_ONCE).abs() < 1e-3);
+        assert!(share(approach(2.0), 0.0) < 0.5);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use comfy_table::{Cell, Table};
 use missing_physics::{Candidate, Comparison, Diagnosis, Finding, RuleId, Trace};
-use sma_effects::Role;
+use sma_effects::{Belongs, Role};
 
 use super::headline::{names, names_of_others};
 use super::traces::of_effect;
@@ -134,11 +134,17 @@ fn against(diagnosis: &Diagnosis, suspect: &Finding) -> Vec<String> {
         ));
     }
     if let Some(told) = failed(RuleId::Told) {
-        reasons.push(format!(
-            "its size is {} times half of its interval{}",
-            spoken(told.value),
-            required(told, spoken)
-        ));
+        reasons.push(
+            if told.value.abs() <= 0.0 && suspect.effect.info().belongs_to == Belongs::Recording {
+                "it turns back again and again, or comes within an eighth of a recording: that is no slow drift".to_owned()
+            } else {
+                format!(
+                    "its size is {} times half of its interval{}",
+                    spoken(told.value),
+                    required(told, spoken)
+                )
+            },
+        );
     }
     if let Some(gain) = failed(RuleId::UnseenGain) {
         reasons.push(format!(
