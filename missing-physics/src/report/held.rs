@@ -108,9 +108,10 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
 }
 
 /// False of a drift that turns back again and again within a recording, or of which one of its values has most where it has the largest
-/// range; both by more than the uncertainty of its values. What is no drift is not asked.
+/// range; both by more than the uncertainty of its values. What is no curve of time is not asked.
 fn is_slow(effect: Candidate, fit: &Fit) -> bool {
-    if !is_drift(effect) {
+    // A law of time of one's own has no values along the recording.
+    if !(is_drift(effect) && effect.info().flexible) {
         return true;
     }
     let knots = effect.info().parameters.iter();
