@@ -135,7 +135,7 @@ fn against(diagnosis: &Diagnosis, suspect: &Finding) -> Vec<String> {
     }
     if let Some(told) = failed(RuleId::Told) {
         reasons.push(
-            if told.value.abs() <= 0.0 && suspect.effect.info().belongs_to == Belongs::Recording {
+            if told.value.abs() <= 0.0 && is_drift_through_values(suspect) {
                 "it turns back again and again, or comes within an eighth of a recording: that is no slow drift".to_owned()
             } else {
                 format!(
@@ -157,6 +157,12 @@ fn against(diagnosis: &Diagnosis, suspect: &Finding) -> Vec<String> {
         reasons.push("it does not account for enough of it".to_owned());
     }
     reasons
+}
+
+/// True for a drift that is a curve through values along a recording.
+fn is_drift_through_values(finding: &Finding) -> bool {
+    let info = finding.effect.info();
+    info.flexible && info.belongs_to == Belongs::Recording
 }
 
 /// Threshold of a rule behind its statistic.
