@@ -49,8 +49,8 @@ pub(crate) fn beginnings(problem: &Problem<'_>) -> Result<Vec<Vec<f64>>, Identif
         })
     };
     let cold = at([0.0, 1.0, 0.0]);
-    let warm = at([1.0, 0.0, 1.0]);
-    if cold == warm {
+    let is_known = cold == at([1.0, 0.0, 1.0]);
+    if is_known {
         return Ok(vec![middle]);
     }
     let [lowest, highest] = problem.reached_degc(std::slice::from_ref(&cold))?[0];
@@ -72,7 +72,7 @@ pub(crate) fn beginnings(problem: &Problem<'_>) -> Result<Vec<Vec<f64>>, Identif
         let sums = problem.sums(&places)?;
         let mut ranked: Vec<(f64, Vec<f64>)> = sums.into_iter().zip(places).collect();
         rising(&mut ranked, |one| one.0);
-        nearest.extend(ranked.into_iter().next().map(|(_, place)| place));
+        nearest.extend(ranked.into_iter().map(|(_, place)| place).next());
     }
     nearest.dedup();
     Ok(nearest)

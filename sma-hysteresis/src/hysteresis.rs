@@ -190,7 +190,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
     }
 
     /// Takes a memory to where [`Hysteresis::between_limiting_curves`] begins, of a material that last turned where it was
-    /// `since_reversal_k` colder (below 0: warmer), K; 0 is [`Hysteresis::restart`], and so is what is no number.
+    /// `since_reversal_k` colder (below 0: warmer), K; 0 is [`Hysteresis::restart`]. A `NaN` stays `NaN` in the fractions.
     ///
     /// The place at the reversal is sought from which the branch leads to `share`; where none does, the nearest is taken.
     pub fn restart_since_reversal(
@@ -201,19 +201,12 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         since_reversal_k: [f64; L],
     ) {
         self.restart(memory, temperature_degc, share);
-        let since_k = since_reversal_k.map(|since_k| {
-            if since_k.is_finite() {
-                since_k.clamp(-FARTHEST_K, FARTHEST_K)
-            } else {
-                0.0
-            }
-        });
+        let since_k = since_reversal_k.map(|since_k| since_k.clamp(-FARTHEST_K, FARTHEST_K));
         if since_k.iter().all(|since_k| since_k.abs() <= 0.0) {
             return;
         }
         let wanted = self.peek(memory, temperature_degc).fraction;
-        let turned_degc =
-            self.relative_k(core::array::from_fn(|l| temperature_degc[l] - since_k[l]));
+        let turned_k = self.relative_k(core::array::from_fn(|l| temperature_degc[l] - since_k[l]));
         let by_heating = since_k.map(|since_k| since_k < 0.0);
         let is_sought = since_k.map(|since_k| since_k.abs() > 0.0);
         let share = share.map(|share| share.clamp(0.0, 1.0));
@@ -225,7 +218,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
                     share[l]
                 }
             });
-            memory.restart(&self.rules(), turned_degc, from, by_heating);
+            memory.restart(&self.rules(), turned_k, from, by_heating);
             let fraction = self.peek(memory, temperature_degc).fraction;
             core::array::from_fn(|l| fraction[l] - wanted[l])
         };

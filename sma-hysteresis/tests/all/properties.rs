@@ -261,6 +261,15 @@ proptest! {
     }
 
     #[test]
+    fn a_reversal_that_is_no_number_leaves_none(
+        (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(), share in 0.0..=1.0,
+    ) {
+        let material = material(width, spread, zeta, rule);
+        let mut memory = material.since_reversal([path[0]], [share], [f64::NAN]);
+        prop_assert!(walk(&material, &mut memory, &path).is_nan());
+    }
+
+    #[test]
     fn lanes_begin_each_by_itself(
         (width, spread, zeta) in any_shape(), rule in any_rule(), path in any_path(), shares in prop::array::uniform2(0.0..=1.0),
         since_k in -30.0..30.0,
