@@ -393,27 +393,21 @@ impl WienerModel {
         &self,
         recordings: impl IntoIterator<Item = &'a Recording>,
     ) -> Self {
-        self.opened_if_warm(&[START_RISE, START_SHARE], recordings)
-    }
-
-    /// Frees by how much the rod was heated since it last turned before each recording, if one of them may have begun warm. Where
-    /// the branch to the next reversal is short it tells nothing that the place between the limiting curves does not.
-    #[must_use]
-    pub fn with_open_reversals<'a>(
-        &self,
-        recordings: impl IntoIterator<Item = &'a Recording>,
-    ) -> Self {
-        self.opened_if_warm(&[START_SINCE_REVERSAL], recordings)
-    }
-
-    fn opened_if_warm<'a>(
-        &self,
-        places: &[usize],
-        recordings: impl IntoIterator<Item = &'a Recording>,
-    ) -> Self {
         let mut model = self.clone();
         if recordings.into_iter().any(may_begin_warm) {
-            places.iter().for_each(|&place| model.leave_open(place));
+            model.leave_open(START_RISE);
+            model.leave_open(START_SHARE);
+        }
+        model
+    }
+
+    /// Frees by how much the rod was heated since it last turned before each recording, if the start of recordings is open: a rod at rest
+    /// has not turned. Where the branch to the next reversal is short it tells nothing that the place between the limiting curves does not.
+    #[must_use]
+    pub fn with_open_reversals(&self) -> Self {
+        let mut model = self.clone();
+        if self.parameters[START_RISE].state == ParameterState::Free {
+            model.leave_open(START_SINCE_REVERSAL);
         }
         model
     }

@@ -59,7 +59,7 @@ fn the_last_reversal_before_a_recording_is_found() {
         let RigModel::Wiener(model) = model else {
             unreachable!("a heated rod with a loop")
         };
-        let open = model.with_open_reversals(&training);
+        let open = model.with_open_reversals();
         let vector = ParameterVector::new(open.parameters(), 1);
         let config = FitConfig {
             from: vec![without.coordinates(&vector)],

@@ -77,7 +77,7 @@ fn opened(
     let leveled = base.with_open_levels(training);
     let (base, plain) = taken((base, plain), leveled, false)?;
     // What levels leave it may explain, and not before: it shows on the first branch alone.
-    let turned = base.with_open_reversals(training);
+    let turned = base.with_open_reversals();
     let (base, plain) = taken((base, plain), turned, true)?;
     let scaled = base.with_scale_told_by(training);
     taken((base, plain), scaled, true)

@@ -132,11 +132,12 @@ pub(crate) fn fits(
     let mut fits = plain_fits(case, STARTS, seed)?;
     retain_near(&mut fits, case);
     let warm = case.base.with_open_starts(case.training);
-    let turned = warm.with_open_reversals(case.training);
+    // Where the paper's loop asks for no warm start, none of its reversals is missed.
+    let turned = case.base.with_open_reversals();
     for other in &mut fits {
         let formula = other.clone();
         *other = formula.shaped(case, warm.clone(), seed)?;
-        if turned.parameters() != warm.parameters() {
+        if turned.parameters() != case.base.parameters() {
             // At once, and from where it ended without: either may miss the lower minimum.
             for from in [&formula, &other.clone()] {
                 let with = from.shaped(case, turned.clone(), seed)?;
