@@ -1,7 +1,6 @@
 //! Where searches of how a recording began set out.
 
 use recording::Recording;
-use recording::order::rising;
 
 use crate::least_squares::SumOfSquares;
 use crate::problem::Problem;
@@ -70,9 +69,11 @@ pub(crate) fn beginnings(problem: &Problem<'_>) -> Result<Vec<Vec<f64>>, Identif
             }
         }
         let sums = problem.sums(&places)?;
-        let mut ranked: Vec<(f64, Vec<f64>)> = sums.into_iter().zip(places).collect();
-        rising(&mut ranked, |one| one.0);
-        nearest.extend(ranked.into_iter().map(|(_, place)| place).next());
+        let least = sums
+            .into_iter()
+            .zip(places)
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.extend(least.map(|(_, place)| place));
     }
     nearest.dedup();
     Ok(nearest)

@@ -55,12 +55,12 @@ mod validate;
 mod wiener_model;
 
 pub use antagonist_model::AntagonistModel;
+pub use beginnings::beginnings_of;
 pub use clocks::{EarlyOutput, early_output};
 pub use cross_check::{CrossCheck, CrossVerdict, cross_check};
 pub use draws::Draws;
 pub use ended::EndedStart;
 
-pub use beginnings::beginnings_of;
 pub use error::IdentifyError;
 pub use fit::{FitProgress, fit};
 pub use fit_config::{FitConfig, Loss};

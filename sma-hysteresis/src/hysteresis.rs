@@ -185,7 +185,7 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         since_reversal_k: [f64; L],
     ) -> Memory<L> {
         let mut memory = self.between_limiting_curves(temperature_degc, share);
-        self.restart_since_reversal(&mut memory, temperature_degc, share, since_reversal_k);
+        self.lead_from_reversal(&mut memory, temperature_degc, share, since_reversal_k);
         memory
     }
 
@@ -201,6 +201,17 @@ impl<const L: usize, P: Proximity> Hysteresis<L, P> {
         since_reversal_k: [f64; L],
     ) {
         self.restart(memory, temperature_degc, share);
+        self.lead_from_reversal(memory, temperature_degc, share, since_reversal_k);
+    }
+
+    /// Has a memory that begins between the limiting curves come there from its last reversal.
+    fn lead_from_reversal(
+        &self,
+        memory: &mut Memory<L>,
+        temperature_degc: [f64; L],
+        share: [f64; L],
+        since_reversal_k: [f64; L],
+    ) {
         let since_k = since_reversal_k.map(|since_k| since_k.clamp(-FARTHEST_K, FARTHEST_K));
         if since_k.iter().all(|since_k| since_k.abs() <= 0.0) {
             return;
