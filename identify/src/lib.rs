@@ -72,7 +72,8 @@ pub use least_squares::{LeastSquaresConfig, Termination};
 pub use loop_model::LoopModel;
 pub use odd_step::{OddStep, odd_step};
 pub use of_family::{
-    SECOND_POPULATION_PARAMETERS, SHAPE_PARAMETERS, is_of_family, parameters_of_family,
+    ONSET_SHARPNESS, SECOND_POPULATION_PARAMETERS, SHAPE_PARAMETERS, is_of_family,
+    parameters_of_family,
 };
 pub use of_rig::OfRig;
 pub use parameter::{

@@ -24,6 +24,9 @@ const SHAPE_ENDS: [[f64; 2]; 4] = [
 /// Name of the tails of a loop of relays.
 const RELAY_TAILS: &str = "relay_tails";
 
+/// Name of the sharpness with which kinetics set in.
+pub const ONSET_SHARPNESS: &str = "onset_sharpness";
+
 /// Names of the parameters that are a second population of relays, in the order of
 /// [`SecondPopulation`](wiener::hysteresis::SecondPopulation).
 pub const SECOND_POPULATION_PARAMETERS: [&str; 5] = [
@@ -48,7 +51,7 @@ const SECOND_POPULATION_ENDS: [[f64; 2]; 5] = [
 #[must_use]
 pub fn is_of_family(name: &str) -> bool {
     SHAPE_PARAMETERS.contains(&name)
-        || name == RELAY_TAILS
+        || [RELAY_TAILS, ONSET_SHARPNESS].contains(&name)
         || SECOND_POPULATION_PARAMETERS.contains(&name)
 }
 
@@ -66,7 +69,9 @@ pub fn parameters_of_family(family: LoopFamily) -> Vec<ParameterInfo> {
     let shape = shape.map(|(name, ends)| searched(name, ends));
     match family {
         LoopFamily::Proximity => Vec::new(),
-        LoopFamily::Kinetics => shape.collect(),
+        LoopFamily::Kinetics => shape
+            .chain([searched(ONSET_SHARPNESS, [0.0, 1.0])])
+            .collect(),
         LoopFamily::Relays => {
             let admissible = Bounds {
                 lower: 0.0,

@@ -121,6 +121,7 @@ impl<const L: usize> Plants<L> {
         });
         let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
         let tails = values.each_ref().map(|lane| lane.family.tails);
+        let onset = values.each_ref().map(|lane| lane.family.onset);
         let second = values.each_ref().map(|lane| lane.family.second);
         let bends = [0, 1, 2].map(|k| values.each_ref().map(|lane| lane.family.bends[k]));
         let proximity = SineProximity::new(params.each_ref().map(|lane| lane.zeta))?;
@@ -128,6 +129,7 @@ impl<const L: usize> Plants<L> {
             Hysteresis::new(limits, proximity, rule)
                 .of_family(setting.loop_family)
                 .with_tails(tails)?
+                .with_onset(onset)?
                 .with_second_population(second)?
                 .with_bends(bends)
         };

@@ -56,6 +56,12 @@ pub enum HysteresisError {
         /// Rejected value.
         value: f64,
     },
+    /// Sharpness of the onset of kinetics outside its range.
+    #[error("sharpness of the onset = {value}: must be from 0 to 1")]
+    Onset {
+        /// Rejected value.
+        value: f64,
+    },
     /// A number of a second population of relays outside its range.
     #[error("{name} of the second population = {value}: must be from {lower} to {upper}")]
     SecondPopulation {

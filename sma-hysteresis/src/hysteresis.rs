@@ -65,6 +65,21 @@ impl<const L: usize> Hysteresis<L> {
         Ok(self)
     }
 
+    /// Sets how sharply kinetics set in: from s = 0, smoothly, to 1, at once at a finite rate, see [`LoopFamily::Kinetics`]. Loops of
+    /// other families have no onset and stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`HysteresisError::Onset`] for an s outside of this range.
+    pub fn with_onset(mut self, sharpness: [f64; L]) -> Result<Self, HysteresisError> {
+        let is_possible = |value: &f64| (0.0..=1.0).contains(value);
+        if let Some(value) = sharpness.into_iter().find(|value| !is_possible(value)) {
+            return Err(HysteresisError::Onset { value });
+        }
+        self.curves = self.curves.map(|curves| curves.with_onset(sharpness));
+        Ok(self)
+    }
+
     /// Sets a second population of relays beside the first. Loops of other families have none and stay as they are.
     ///
     /// # Errors

@@ -71,6 +71,9 @@ fuzz_target!(|drawn: Drawn| {
     let Ok(material) = material.with_tails([between(tails, 0.0, 4.0)]) else {
         return;
     };
+    let Ok(material) = material.with_onset([between(tails, 0.0, 1.0)]) else {
+        return;
+    };
     let [share, shift, log_half_width, log_spread, zeta_difference] = drawn.second;
     let second = SecondPopulation {
         share: between(share, 0.0, 1.0),

@@ -211,8 +211,7 @@ impl<'a> Case<'a> {
 
     /// The model with these effects.
     pub(crate) fn model(&self, effects: CandidateSet) -> ExtendedModel {
-        ExtendedModel::new(self.base, self.fit, self.setting, effects)
-            .with_loop_freedom(self.freedom)
+        ExtendedModel::with_loop_freedom((self.base, self.fit), self.setting, effects, self.freedom)
     }
 
     /// The fitted baseline as a node.

@@ -43,7 +43,16 @@ impl ExtendedModel {
         setting: Setting,
         active: impl Into<CandidateSet>,
     ) -> Self {
-        let active = active.into();
+        Self::with_loop_freedom((base, fit), setting, active.into(), LoopFreedom::Shape)
+    }
+
+    /// The model with so much free of a loop of another family; the rest stays as the fit has it, or the family's formulas.
+    pub(crate) fn with_loop_freedom(
+        (base, fit): (&WienerModel, &Fit),
+        setting: Setting,
+        active: CandidateSet,
+        freedom: LoopFreedom,
+    ) -> Self {
         let mut parameters = base.parameters().to_vec();
         let gain = parameters
             .iter()
@@ -59,7 +68,11 @@ impl ExtendedModel {
             },
             ..parameters[gain].clone()
         };
-        parameters.extend(parameters_of_family(setting.loop_family));
+        let of_family = parameters_of_family(setting.loop_family).into_iter();
+        parameters.extend(of_family.map(|info| {
+            let fitted = fit.parameter(info.name).map(|own| own.values[0]);
+            freedom.applied_to(info, fitted.unwrap_or(0.0))
+        }));
         let mut slots = Vec::new();
         for effect in active.iter() {
             for (k, parameter) in effect.info().parameters.iter().enumerate() {
@@ -91,7 +104,7 @@ impl ExtendedModel {
                 slots.push((effect, k));
             }
         }
-        let model = Self {
+        Self {
             setting: Setting {
                 drive: base.drive(),
                 rule: base.rule(),
@@ -103,20 +116,13 @@ impl ExtendedModel {
             base: base.clone(),
             slots,
             parameters,
-        };
-        model.with_loop_freedom(LoopFreedom::Shape)
+        }
     }
 
-    /// The model with so much free of a loop of another family; the rest stays as the family's formulas have it.
-    pub(crate) fn with_loop_freedom(mut self, freedom: LoopFreedom) -> Self {
-        for info in &mut self.parameters {
-            let least = LoopFreedom::of(info.name);
-            if least > freedom {
-                info.state = ParameterState::Fixed(0.0);
-            } else if least > LoopFreedom::Formula {
-                info.state = ParameterState::Free;
-            }
-        }
+    /// The model with a parameter of its loop held at a value; itself if it has none of that name.
+    pub(crate) fn holding(mut self, name: &str, value: f64) -> Self {
+        let named = self.parameters.iter_mut().filter(|info| info.name == name);
+        named.for_each(|info| info.state = ParameterState::Fixed(value));
         self
     }
 
@@ -199,6 +205,19 @@ pub(crate) enum LoopFreedom {
 }
 
 impl LoopFreedom {
+    /// A parameter of a family's loop, free if so much is free, or fixed at a value. Those of its formula stay as they are.
+    fn applied_to(self, info: ParameterInfo, fixed: f64) -> ParameterInfo {
+        let least = Self::of(info.name);
+        let state = if least > self {
+            ParameterState::Fixed(fixed)
+        } else if least > Self::Formula {
+            ParameterState::Free
+        } else {
+            info.state
+        };
+        ParameterInfo { state, ..info }
+    }
+
     /// The least with which a parameter is free.
     fn of(parameter: &str) -> Self {
         if SECOND_POPULATION_PARAMETERS.contains(&parameter) {
@@ -233,6 +252,7 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
             asymmetry,
             bends: [skew, bend, third],
             tails,
+            onset: 0.0,
             second: SecondPopulation {
                 share,
                 shift,
@@ -241,9 +261,10 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
                 zeta_difference,
             },
         },
-        (LoopFamily::Kinetics, &[.., asymmetry, skew, bend, third]) => FamilyShape {
+        (LoopFamily::Kinetics, &[.., asymmetry, skew, bend, third, onset]) => FamilyShape {
             asymmetry,
             bends: [skew, bend, third],
+            onset,
             ..FamilyShape::default()
         },
         _ => FamilyShape::default(),

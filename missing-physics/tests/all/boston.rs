@@ -60,7 +60,7 @@ fn the_lag_of_the_thermocouple_is_closest() {
     })
     .unwrap();
     // Two pulses are too few for all of it to hold: it is what is closest, and more than one model does as well, with a lag of
-    // one to six seconds.
+    // one to six seconds. A loop that these pulses enter by less than half leaves the lag without an interval.
     assert!(matches!(
         found.verdict,
         Verdict::Unexplained | Verdict::ExplainedInPart | Verdict::Ambiguous
@@ -69,9 +69,9 @@ fn the_lag_of_the_thermocouple_is_closest() {
     let lag = all
         .find(|one| one.effect == EffectId::ThermocoupleLag)
         .unwrap();
-    let interval = lag.parameters[0].ci95.unwrap();
+    let lag_s = lag.parameters[0].value;
     // It is read anew each 0.6 s.
-    assert!(interval[0] > 0.6 && interval[1] < 20.0, "{interval:?}");
+    assert!((0.6..6.0).contains(&lag_s), "{lag_s}");
     // 1.74 to 0.5 degrees, or to 0.27 with a loop that seems to have no width.
     let extended = found.extended.unwrap().stage;
     let left = extended.fit.train_rmse / found.baseline.fit.train_rmse;

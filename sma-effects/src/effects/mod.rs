@@ -79,6 +79,8 @@ pub struct FamilyShape {
     pub bends: [f64; 3],
     /// Tails of relays, 0 to 4. See [`Hysteresis::with_tails`](wiener::hysteresis::Hysteresis::with_tails).
     pub tails: f64,
+    /// Sharpness of the onset of kinetics, 0 to 1. See [`Hysteresis::with_onset`](wiener::hysteresis::Hysteresis::with_onset).
+    pub onset: f64,
     /// A second population of relays.
     pub second: SecondPopulation,
 }

@@ -19,6 +19,8 @@ pub(crate) struct Kinetics<const L: usize> {
     finish_k: [[f64; L]; 2],
     /// k.
     skew: [f64; L],
+    /// s.
+    sharpness: [f64; L],
     bends: Bends<L>,
 }
 
@@ -34,8 +36,13 @@ impl<const L: usize> Kinetics<L> {
             start_k: [lanes(1.0, -1.0), lanes(-1.0, -1.0)],
             finish_k: [lanes(1.0, 1.0), lanes(-1.0, 1.0)],
             skew: zeta.map(|zeta| libm::expm1(LOG_SKEW * (zeta - 0.5))),
+            sharpness: [0.0; L],
             bends: Bends::NONE,
         }
+    }
+
+    pub(super) fn with_onset(self, sharpness: [f64; L]) -> Self {
+        Self { sharpness, ..self }
     }
 
     pub(super) fn with_bends(self, bends: Bends<L>) -> Self {
@@ -72,11 +79,14 @@ impl<const L: usize> Transforms<L> for Kinetics<L> {
         let skewed = (1.0 + skew) * progress * per;
         let angle = FRAC_PI_2 * skewed;
         let (sine, cosine) = (sin_quarter(angle), sin_quarter(FRAC_PI_2 - angle));
-        // Beyond the finish the cosine is 0 to rounding, times any scale.
-        let is_over = progress >= 1.0;
+        let sharpness = self.sharpness[lane];
+        let risen = sine * (sine + sharpness * (1.0 - sine));
+        let steepness = sine + sharpness * (0.5 - sine);
+        // Beyond the finish the cosine is 0 to rounding, times any scale; before a sharp onset the formula has a slope.
+        let is_idle = (progress <= 0.0) | (progress >= 1.0);
         let stretched = (1.0 + skew) * per * per;
-        let slope_per_k = 2.0 * FRAC_PI_2 * along.scale * stretched * sine * cosine;
-        let (share, slope) = self.bends.bent(lane, 1.0, sine * sine);
-        (share, if is_over { 0.0 } else { slope_per_k * slope })
+        let slope_per_k = 2.0 * FRAC_PI_2 * along.scale * stretched * steepness * cosine;
+        let (share, slope) = self.bends.bent(lane, 1.0, risen);
+        (share, if is_idle { 0.0 } else { slope_per_k * slope })
     }
 }

@@ -43,12 +43,14 @@ pub enum LoopFamily {
     /// Cosine kinetics of Liang and Rogers \[LiangRogers1990\], of what is left to transform, skewed:
     ///
     /// ```text
-    /// heating from T_r: ξ = ξ_r + (1 - ξ_r) sin²(π/2 v),   v = (1 + k) u/(1 + k u),   u = (T - A)/(A_f - A)
-    /// A = max(A_s, T_r),   A_s, A_f = T_mid + T_c ∓ 2.25 h_0,   1 + k = e^(6 (ζ - ½))
+    /// heating from T_r: ξ = ξ_r + (1 - ξ_r) ((1 - s) sin²(π/2 v) + s sin(π/2 v))
+    /// v = (1 + k) u/(1 + k u),   u = (T - A)/(A_f - A),   A = max(A_s, T_r)
+    /// A_s, A_f = T_mid + T_c ∓ 2.25 h_0,   1 + k = e^(6 (ζ - ½))
     /// ```
     ///
-    /// and below, mirrored, cooling. ζ = ½ is the source's; above it a transformation sets in sharply and ends slowly. An
-    /// excursion in which nothing transforms leaves no trace; any other starts anew. Bends change the course of sin², see
+    /// and below, mirrored, cooling. ζ = ½ and s = 0 are the source's; with a larger ζ a transformation ends slowly, and with a
+    /// larger s it sets in sharply, at a finite rate, as polynomial \[BoydLagoudas1996\] and exponential \[Tanaka1986\] laws have it. An
+    /// excursion in which nothing transforms leaves no trace; any other starts anew. Bends change the course, see
     /// [`Hysteresis::with_bends`](crate::Hysteresis::with_bends).
     Kinetics,
 }
@@ -148,6 +150,14 @@ impl<const L: usize> Curves<L> {
                 Self::Populations(both.map(|relays| relays.with_tails(tails)))
             }
             Self::Kinetics(_) => self,
+        }
+    }
+
+    /// Curves with an onset of sharpness s. Only kinetics have one; relays stay as they are.
+    pub(crate) fn with_onset(self, sharpness: [f64; L]) -> Self {
+        match self {
+            Self::Kinetics(kinetics) => Self::Kinetics(kinetics.with_onset(sharpness)),
+            Self::Relays(_) | Self::Populations(_) => self,
         }
     }
 

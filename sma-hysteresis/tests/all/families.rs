@@ -15,7 +15,7 @@ fn any_family() -> impl Strategy<Value = LoopFamily> {
     prop_oneof![Just(LoopFamily::Relays), Just(LoopFamily::Kinetics)]
 }
 
-/// A family, the tails of its relays, their second population, and its bends.
+/// A family, the tails of its relays or the sharpness of its kinetics' onset, a second population of relays, and bends.
 type Kind = (LoopFamily, f64, SecondPopulation, [f64; 3]);
 
 fn any_second() -> impl Strategy<Value = SecondPopulation> {
@@ -46,9 +46,11 @@ fn any_kind() -> impl Strategy<Value = Kind> {
 }
 
 fn of_kind(kind: Kind, shape: (f64, f64, f64), rule: Rule) -> Hysteresis<1> {
-    let (family, tails, second, bends) = kind;
+    let (family, own, second, bends) = kind;
     of_family(family, shape, rule)
-        .with_tails([tails])
+        .with_tails([own])
+        .unwrap()
+        .with_onset([0.5 * own])
         .unwrap()
         .with_second_population([second])
         .unwrap()
@@ -253,6 +255,44 @@ fn relays_with_tails() {
     // The paper's loop has none.
     let paper = material(width, spread, 0.5, Rule::Nested);
     assert_eq!(paper.with_tails([1.0]).unwrap(), paper);
+}
+
+/// The limiting curve of heating by the formula of its onset, and refusals.
+#[test]
+fn kinetics_with_a_sharp_onset() {
+    let (width, spread, sharpness) = (20.0, 4.0, 0.6);
+    let smooth = of_family(
+        LoopFamily::Kinetics,
+        (width, spread, 0.5),
+        Rule::LastReversal,
+    );
+    let sharp = smooth.with_onset([sharpness]).unwrap();
+    let start_degc = width - 2.25 * spread;
+    for u in [-0.1_f64, 0.0, 0.01, 0.3, 0.5, 0.9, 1.0, 1.2] {
+        let sine = (0.5 * PI * u.clamp(0.0, 1.0)).sin();
+        let expected = (1.0 - sharpness) * sine * sine + sharpness * sine;
+        let mut memory = sharp.on_limiting_curve(Branch::Cooling, [-1e5]);
+        let share = walk(&sharp, &mut memory, &[start_degc + 4.5 * spread * u]);
+        assert!((share - expected).abs() < 1e-12, "{u}: {share} {expected}");
+    }
+    // It sets in at a finite rate: π/2 s of the range.
+    let memory = sharp.on_limiting_curve(Branch::Cooling, [-1e5]);
+    let [slope] = sharp.peek(&memory, [start_degc + 1e-9]).slope_per_k;
+    assert!((slope - 0.5 * PI * sharpness / (4.5 * spread)).abs() < 1e-9);
+    for value in [-0.1, 1.1, f64::NAN] {
+        let refused = smooth.with_onset([value]).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            format!("sharpness of the onset = {value}: must be from 0 to 1")
+        );
+    }
+    // Relays and the paper's loop have none.
+    let shape = (width, spread, 0.5);
+    let relays = of_family(LoopFamily::Relays, shape, Rule::Nested);
+    let paper = material(width, spread, 0.5, Rule::Nested);
+    for other in [relays, paper] {
+        assert_eq!(other.with_onset([1.0]).unwrap(), other);
+    }
 }
 
 /// A limiting curve of two populations is that of both, by their shares; and refusals.
