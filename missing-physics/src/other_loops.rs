@@ -5,7 +5,7 @@ use recording::Recording;
 
 use crate::model::case::Case;
 use crate::model::coarse::coarse;
-use crate::search::families::{OtherBaseline, plain_fits};
+use crate::search::families::{OtherBaseline, plain_fits, retain_one_of_each};
 use crate::{LoopFamily, Setting};
 
 /// Error over that of the paper's loop up to which a loop counts: of two that leave errors of one size neither is the rod's, and
@@ -24,7 +24,7 @@ pub struct OtherLoop {
     pub fit: Fit,
 }
 
-/// Fits of the baseline model with loops of the other families that leave errors of the size of that in `fit`, or smaller ones; to as
+/// Fits of the baseline model with loops of the other families, the nearest of each, that leave errors of the size of that in `fit`, or smaller ones; to as
 /// many samples as tell about as much as all.
 ///
 /// # Errors
@@ -39,8 +39,10 @@ pub fn other_loops(
 ) -> Result<Vec<OtherLoop>, IdentifyError> {
     let few = coarse(base, fit, training)?;
     let case = Case::new(base, fit, &few, setting);
-    let others = plain_fits(&case, STARTS, seed)?.into_iter();
+    let mut others = plain_fits(&case, STARTS, seed)?;
+    retain_one_of_each(&mut others);
     Ok(others
+        .into_iter()
         .filter(|other| other.fit.train_rmse <= OF_ONE_SIZE * fit.train_rmse)
         .map(|OtherBaseline { family, fit, .. }| OtherLoop { family, fit })
         .collect())

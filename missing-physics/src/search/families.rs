@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use identify::{
     Fit, FitConfig, ForwardModel, IdentifyError, ONSET_SHARPNESS, ParameterVector, WienerModel,
+    try_in_parallel,
 };
 use recording::order::rising;
 
@@ -64,6 +65,24 @@ impl OtherBaseline {
         Ok(self.followed_by(base, freedom, with))
     }
 
+    /// The fit from where this one ended, with the shape of the loop free, and how recordings began that may begin warm.
+    fn opened(&self, case: &Case<'_>, seed: u64) -> Result<Self, IdentifyError> {
+        let warm = case.base.with_open_starts(case.training);
+        let mut opened = self.shaped(case, warm, seed)?;
+        let turned = case.base.with_open_reversals();
+        // Where the paper's loop asks for no warm start, none of its reversals is missed.
+        if turned.parameters() != case.base.parameters() {
+            // At once, and from where it ended without: either may miss the lower minimum.
+            for from in [self, &opened.clone()] {
+                let with = from.shaped(case, turned.clone(), seed)?;
+                if is_told(&opened.fit, &with.fit, case.training.len()) {
+                    opened = with;
+                }
+            }
+        }
+        Ok(opened)
+    }
+
     /// The baseline model of a fit that began where this one ended: the starts are those of this one, and the simulations those of both.
     pub(super) fn followed_by(&self, base: WienerModel, freedom: LoopFreedom, with: Fit) -> Self {
         Self {
@@ -106,7 +125,7 @@ pub(crate) fn plain_fits(
     seed: u64,
 ) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let freedom = LoopFreedom::Formula;
-    let fitted = OTHERS.into_iter().map(|(family, sharpness)| {
+    let mut fits = try_in_parallel(&OTHERS, |&(family, sharpness)| {
         let base = case.base.clone();
         let model = case.of_family(family, &base, case.fit, freedom);
         let model = model.model(CandidateSet::EMPTY);
@@ -118,8 +137,7 @@ pub(crate) fn plain_fits(
             freedom,
             fit,
         })
-    });
-    let mut fits = fitted.collect::<Result<Vec<_>, IdentifyError>>()?;
+    })?;
     rising(&mut fits, |other| other.fit.train_rmse);
     Ok(fits)
 }
@@ -137,30 +155,13 @@ pub(crate) fn fits(
 ) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let mut fits = plain_fits(case, STARTS, seed)?;
     retain_near(&mut fits, case);
-    let warm = case.base.with_open_starts(case.training);
-    // Where the paper's loop asks for no warm start, none of its reversals is missed.
-    let turned = case.base.with_open_reversals();
-    for other in &mut fits {
-        let formula = other.clone();
-        *other = formula.shaped(case, warm.clone(), seed)?;
-        if turned.parameters() != case.base.parameters() {
-            // At once, and from where it ended without: either may miss the lower minimum.
-            for from in [&formula, &other.clone()] {
-                let with = from.shaped(case, turned.clone(), seed)?;
-                if is_told(&other.fit, &with.fit, case.training.len()) {
-                    *other = with;
-                }
-            }
-        }
-    }
+    let mut fits = try_in_parallel(&fits, |formula| formula.opened(case, seed))?;
     rising(&mut fits, |other| other.fit.train_rmse);
     retain_near(&mut fits, case);
     retain_one_of_each(&mut fits);
     // Not before: relays of two populations take in more of what is missing than loops of another family can.
     if effort == Effort::Thorough {
-        for other in &mut fits {
-            *other = other.populated(case, seed)?;
-        }
+        fits = try_in_parallel(&fits, |other| other.populated(case, seed))?;
         rising(&mut fits, |other| other.fit.train_rmse);
     }
     Ok(fits)
@@ -182,7 +183,7 @@ fn retain_near(fits: &mut Vec<OtherBaseline>, case: &Case<'_>) {
 }
 
 /// Keeps the nearest of each family. Where others of it ended apart are other minima, from which effects are tried as well.
-fn retain_one_of_each(fits: &mut Vec<OtherBaseline>) {
+pub(crate) fn retain_one_of_each(fits: &mut Vec<OtherBaseline>) {
     let mut nearest: Vec<OtherBaseline> = Vec::new();
     for other in fits.drain(..) {
         let Some(kept) = nearest.iter_mut().find(|one| one.family == other.family) else {
