@@ -5,21 +5,10 @@ use wiener::hysteresis::LoopFamily;
 use crate::{Bounds, ParameterInfo, Scale};
 
 /// Names of the parameters that are the shape of a loop of relays or kinetics.
-pub const SHAPE_PARAMETERS: [&str; 4] = [
-    "branch_asymmetry",
-    "loop_bend_1",
-    "loop_bend_2",
-    "loop_bend_3",
-];
+pub const SHAPE_PARAMETERS: [&str; 3] = ["loop_bend_1", "loop_bend_2", "loop_bend_3"];
 
-/// Ends of these parameters. Bends within them let no slope turn its sign, and with such asymmetries both branches hardly ever
-/// cross.
-const SHAPE_ENDS: [[f64; 2]; 4] = [
-    [-0.3, 0.3],
-    [-0.333, 0.333],
-    [-0.333, 0.666],
-    [-0.333, 0.333],
-];
+/// Ends of these parameters. Bends within them let no slope turn its sign.
+const SHAPE_ENDS: [[f64; 2]; 3] = [[-0.333, 0.333], [-0.333, 0.666], [-0.333, 0.333]];
 
 /// Name of the tails of a loop of relays.
 const RELAY_TAILS: &str = "relay_tails";
@@ -56,7 +45,6 @@ pub fn is_of_family(name: &str) -> bool {
 }
 
 /// Parameters of a family that the paper's loop does not have, behind those of the baseline model: of a loop of relays or kinetics
-/// the difference of its branches' spreads ([`LimitingLoop::with_asymmetry`](wiener::hysteresis::LimitingLoop::with_asymmetry)) and
 /// three bends ([`Hysteresis::with_bends`](wiener::hysteresis::Hysteresis::with_bends)), and of relays their tails
 /// ([`LoopFamily::Relays`]) and a second population of them ([`SecondPopulation`](wiener::hysteresis::SecondPopulation)).
 /// In files of earlier versions, which lack some of them, these are 0.

@@ -39,8 +39,6 @@ pub struct EffectInfo {
     pub costly: bool,
     /// True if a [`LoopFamily`](wiener::hysteresis::LoopFamily) other than the paper's is reported under its name.
     pub names_loop_families: bool,
-    /// True if it is a part of what loops of the other families are free to be.
-    pub within_loop_families: bool,
     /// True if it changes nothing but how the output follows the temperature and its past, as another formula of the loop does.
     pub like_loop: bool,
     /// True if a recorded temperature of the surroundings already contains it, so that a thermometer beside the rod settles
@@ -69,7 +67,6 @@ impl EffectInfo {
         needs_in_recording: &[],
         costly: false,
         names_loop_families: false,
-        within_loop_families: false,
         like_loop: false,
         settled_by_ambient_record: false,
         mean_acts_as: None,

@@ -110,15 +110,9 @@ impl<const L: usize> Plants<L> {
             Hypothesis::checked(setting.hypotheses, &lane.own)?;
         }
         let baseline = Wiener::new(setting.drive, setting.rule, params)?;
-        let is_papers = setting.loop_family == LoopFamily::Proximity;
-        let asymmetry = values.each_ref().map(|lane| {
-            let own = lane.loop_asymmetry.loop_asymmetry;
-            if is_papers {
-                own
-            } else {
-                own + lane.family.asymmetry
-            }
-        });
+        let asymmetry = values
+            .each_ref()
+            .map(|lane| lane.loop_asymmetry.loop_asymmetry);
         let limits = baseline.hysteresis().limits().with_asymmetry(asymmetry)?;
         let tails = values.each_ref().map(|lane| lane.family.tails);
         let onset = values.each_ref().map(|lane| lane.family.onset);

@@ -237,7 +237,6 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
             LoopFamily::Relays,
             &[
                 ..,
-                asymmetry,
                 skew,
                 bend,
                 third,
@@ -249,7 +248,6 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
                 zeta_difference,
             ],
         ) => FamilyShape {
-            asymmetry,
             bends: [skew, bend, third],
             tails,
             onset: 0.0,
@@ -261,8 +259,7 @@ pub(crate) fn values_of_family(family: LoopFamily, plain: &[f64]) -> EffectValue
                 zeta_difference,
             },
         },
-        (LoopFamily::Kinetics, &[.., asymmetry, skew, bend, third, onset]) => FamilyShape {
-            asymmetry,
+        (LoopFamily::Kinetics, &[.., skew, bend, third, onset]) => FamilyShape {
             bends: [skew, bend, third],
             onset,
             ..FamilyShape::default()

@@ -256,7 +256,7 @@ pub(crate) fn cases<'a>(case: &Case<'a>, fits: &'a [OtherBaseline]) -> Vec<Case<
 /// Those of the candidates that a loop of this family does not already have in it.
 pub(crate) fn beside(family: LoopFamily, catalogue: CandidateSet) -> CandidateSet {
     let is_beside =
-        |one: &Candidate| family == LoopFamily::Proximity || !one.info().within_loop_families;
+        |one: &Candidate| family == LoopFamily::Proximity || !one.info().names_loop_families;
     catalogue.iter().filter(is_beside).collect()
 }
 
@@ -345,14 +345,13 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_of_another_family_has_its_asymmetry_and_shape_in_it() {
+    fn a_loop_of_another_family_has_its_shape_in_it_and_no_effect() {
         let all = CandidateSet::all(EffectSet::all(), &[]);
         assert_eq!(beside(LoopFamily::Proximity, all), all);
-        let own = [EffectId::LoopAsymmetry, EffectId::LoopShape].map(Candidate::from);
         for (family, _) in OTHERS {
             let beside = beside(family, all);
-            assert!(own.iter().all(|&one| !beside.contains(one)));
-            assert_eq!(beside.len() + own.len(), all.len());
+            assert!(!beside.contains(Candidate::other_loop()));
+            assert_eq!(beside.len() + 1, all.len());
         }
     }
 

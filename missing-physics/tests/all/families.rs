@@ -43,6 +43,27 @@ fn a_loop_of_kinetics_alone_is_another_shape_of_the_loop() {
 }
 
 #[test]
+fn asymmetry_beside_kinetics_that_set_in_sharply_is_named_with_its_size() {
+    let effect = EffectId::LoopAsymmetry;
+    let wire = wire(LoopFamily::Kinetics, EffectSet::of(effect));
+    let mut truth = EffectValues::typical(effect, 1.0);
+    truth.family.onset = 1.0;
+    let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);
+    let mut findings = diagnosis.findings.iter();
+    let asymmetry = findings.find(|one| one.effect == effect).unwrap();
+    let [lower, upper] = asymmetry.parameters[0].ci95.unwrap();
+    let size = truth.loop_asymmetry.loop_asymmetry;
+    assert!(lower < size && size < upper, "{lower} {upper}");
+    let extended = diagnosis.extended.unwrap();
+    assert_eq!(extended.model.loop_family(), LoopFamily::Kinetics);
+    let onset = extended.stage.fit.parameter("onset_sharpness").unwrap();
+    assert!(onset.values[0] > 0.8, "{:?}", onset.values);
+    // Noise of 5 µm.
+    let rmse = extended.stage.fit.train_rmse;
+    assert!((rmse - 5e-3).abs() < 5e-4, "{rmse}");
+}
+
+#[test]
 fn an_effect_beside_relays_is_named_with_its_size() {
     let effect = EffectId::LatentHeat;
     let wire = wire(LoopFamily::Relays, EffectSet::of(effect));

@@ -31,7 +31,6 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     presence: Presence::Seldom,
     acts_like: &[],
     needs_in_recording: &[Occurrence::BothBranches],
-    within_loop_families: true,
     like_loop: true,
     ..EffectInfo::ORDINARY
 };

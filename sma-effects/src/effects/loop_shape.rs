@@ -43,7 +43,6 @@ pub(super) const INFO: EffectInfo = EffectInfo {
     acts_like: &[],
     needs_in_recording: &[],
     names_loop_families: true,
-    within_loop_families: true,
     like_loop: true,
     ..EffectInfo::ORDINARY
 };

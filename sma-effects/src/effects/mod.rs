@@ -71,9 +71,6 @@ mod thermocouple_lag;
 /// Shape of a loop of relays or kinetics; 0 is the family's own.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FamilyShape {
-    /// Relative difference of the spreads on cooling and on heating, beside that of the effect; both add up to less
-    /// than 1. See [`LimitingLoop::with_asymmetry`](wiener::hysteresis::LimitingLoop::with_asymmetry).
-    pub asymmetry: f64,
     /// Bends c_1 to c_3 with |c_1| + max(-c_2, c_2/2) + |c_3| ≤ 1. See
     /// [`Hysteresis::with_bends`](wiener::hysteresis::Hysteresis::with_bends).
     pub bends: [f64; 3],

@@ -123,10 +123,6 @@ fn what_waits_for_a_reversal_says_so() {
 fn facts_of_single_effects() {
     assert_eq!(ids(|info| info.costly), ["end-conduction"]);
     assert_eq!(ids(|info| info.names_loop_families), ["loop-shape"]);
-    assert_eq!(
-        ids(|info| info.within_loop_families),
-        ["loop-shape", "loop-asymmetry"]
-    );
     // Beside another loop they may be an error of its formula.
     assert_eq!(
         ids(|info| info.like_loop),
