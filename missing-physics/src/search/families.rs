@@ -298,7 +298,7 @@ mod tests {
     use super::*;
     use crate::decide::OF_FORMULAS;
     use crate::model::synthetic::{NOISE_MM, Synthetic};
-    use crate::{EffectId, EffectSet, EffectValues};
+    use crate::{EffectSet, EffectValues};
 
     /// The value of [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on this test.
     #[test]
