@@ -45,9 +45,9 @@ pub fn is_of_family(name: &str) -> bool {
 }
 
 /// Parameters of a family that the paper's loop does not have, behind those of the baseline model: of a loop of relays or kinetics
-/// three bends ([`Hysteresis::with_bends`](wiener::hysteresis::Hysteresis::with_bends)), and of relays their tails
-/// ([`LoopFamily::Relays`]) and a second population of them ([`SecondPopulation`](wiener::hysteresis::SecondPopulation)).
-/// In files of earlier versions, which lack some of them, these are 0.
+/// three bends ([`Hysteresis::with_bends`](wiener::hysteresis::Hysteresis::with_bends)), of kinetics the sharpness of their onset
+/// ([`LoopFamily::Kinetics`]), and of relays their tails ([`LoopFamily::Relays`]) and a second population of them
+/// ([`SecondPopulation`](wiener::hysteresis::SecondPopulation)). In files of earlier versions, which lack some of them, these are 0.
 #[must_use]
 pub fn parameters_of_family(family: LoopFamily) -> Vec<ParameterInfo> {
     let searched = |name, [lower, upper]: [f64; 2]| {

@@ -24,8 +24,8 @@ pub struct OtherLoop {
     pub fit: Fit,
 }
 
-/// Fits of the baseline model with loops of the other families, the nearest of each, that leave errors of the size of that in `fit`, or smaller ones; to as
-/// many samples as tell about as much as all.
+/// Fits of the baseline model with loops of the other families, the nearest of each, that leave errors of the size of that in `fit`, or
+/// smaller ones; to as many samples as tell about as much as all.
 ///
 /// # Errors
 ///
