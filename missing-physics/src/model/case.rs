@@ -211,7 +211,8 @@ impl<'a> Case<'a> {
 
     /// The model with these effects.
     pub(crate) fn model(&self, effects: CandidateSet) -> ExtendedModel {
-        ExtendedModel::with_loop_freedom((self.base, self.fit), self.setting, effects, self.freedom)
+        ExtendedModel::new(self.base, self.fit, self.setting, effects)
+            .with_loop_freedom(self.freedom)
     }
 
     /// The fitted baseline as a node.

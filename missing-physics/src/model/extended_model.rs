@@ -43,16 +43,7 @@ impl ExtendedModel {
         setting: Setting,
         active: impl Into<CandidateSet>,
     ) -> Self {
-        Self::with_loop_freedom((base, fit), setting, active.into(), LoopFreedom::Shape)
-    }
-
-    /// The model with so much free of a loop of another family; the rest stays as the fit has it, or the family's formulas.
-    pub(crate) fn with_loop_freedom(
-        (base, fit): (&WienerModel, &Fit),
-        setting: Setting,
-        active: CandidateSet,
-        freedom: LoopFreedom,
-    ) -> Self {
+        let active = active.into();
         let mut parameters = base.parameters().to_vec();
         let gain = parameters
             .iter()
@@ -68,11 +59,7 @@ impl ExtendedModel {
             },
             ..parameters[gain].clone()
         };
-        let of_family = parameters_of_family(setting.loop_family).into_iter();
-        parameters.extend(of_family.map(|info| {
-            let fitted = fit.parameter(info.name).map(|own| own.values[0]);
-            freedom.applied_to(info, fitted.unwrap_or(0.0))
-        }));
+        parameters.extend(parameters_of_family(setting.loop_family));
         let mut slots = Vec::new();
         for effect in active.iter() {
             for (k, parameter) in effect.info().parameters.iter().enumerate() {
@@ -104,7 +91,7 @@ impl ExtendedModel {
                 slots.push((effect, k));
             }
         }
-        Self {
+        let model = Self {
             setting: Setting {
                 drive: base.drive(),
                 rule: base.rule(),
@@ -116,7 +103,21 @@ impl ExtendedModel {
             base: base.clone(),
             slots,
             parameters,
+        };
+        model.with_loop_freedom(LoopFreedom::Shape)
+    }
+
+    /// The model with so much free of a loop of another family; the rest stays as the family's formulas have it.
+    pub(crate) fn with_loop_freedom(mut self, freedom: LoopFreedom) -> Self {
+        for info in &mut self.parameters {
+            let least = LoopFreedom::of(info.name);
+            if least > freedom {
+                info.state = ParameterState::Fixed(0.0);
+            } else if least > LoopFreedom::Formula {
+                info.state = ParameterState::Free;
+            }
         }
+        self
     }
 
     /// The model with a parameter of its loop held at a value; itself if it has none of that name.
@@ -205,19 +206,6 @@ pub(crate) enum LoopFreedom {
 }
 
 impl LoopFreedom {
-    /// A parameter of a family's loop, free if so much is free, or fixed at a value. Those of its formula stay as they are.
-    fn applied_to(self, info: ParameterInfo, fixed: f64) -> ParameterInfo {
-        let least = Self::of(info.name);
-        let state = if least > self {
-            ParameterState::Fixed(fixed)
-        } else if least > Self::Formula {
-            ParameterState::Free
-        } else {
-            info.state
-        };
-        ParameterInfo { state, ..info }
-    }
-
     /// The least with which a parameter is free.
     fn of(parameter: &str) -> Self {
         if SECOND_POPULATION_PARAMETERS.contains(&parameter) {

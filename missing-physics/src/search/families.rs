@@ -59,8 +59,8 @@ impl OtherBaseline {
         seed: u64,
     ) -> Result<Self, IdentifyError> {
         let freedom = LoopFreedom::Shape;
-        let model = case.of_family(self.family, &base, case.fit, freedom);
-        let model = model.model(CandidateSet::EMPTY);
+        let of_family = case.of_family(self.family, &base, case.fit, freedom);
+        let model = of_family.model(CandidateSet::EMPTY);
         let with = fit_from(case, &model, &self.fit, 0, seed)?;
         Ok(self.followed_by(base, freedom, with))
     }
@@ -126,16 +126,16 @@ pub(crate) fn plain_fits(
 ) -> Result<Vec<OtherBaseline>, IdentifyError> {
     let freedom = LoopFreedom::Formula;
     let mut fits = try_in_parallel(&OTHERS, |&(family, sharpness)| {
-        let base = case.base.clone();
-        let model = case.of_family(family, &base, case.fit, freedom);
-        let model = model.model(CandidateSet::EMPTY);
-        let model = sharpness.map_or(model.clone(), |held| model.holding(ONSET_SHARPNESS, held));
-        let fit = fit_from(case, &model, case.fit, starts, seed)?;
+        let of_family = case.of_family(family, case.base, case.fit, freedom);
+        let mut model = of_family.model(CandidateSet::EMPTY);
+        if let Some(held) = sharpness {
+            model = model.holding(ONSET_SHARPNESS, held);
+        }
         Ok(OtherBaseline {
             family,
-            base,
+            base: case.base.clone(),
             freedom,
-            fit,
+            fit: fit_from(case, &model, case.fit, starts, seed)?,
         })
     })?;
     rising(&mut fits, |other| other.fit.train_rmse);
