@@ -45,8 +45,12 @@ const JUDGED: Enough = Enough {
 /// Fewest samples of a recording.
 const FEWEST: usize = 50;
 
-/// Swings of the temperature that count, K: smaller ones hardly show beside any loop.
-const SWING_K: f64 = 0.25;
+/// Swings of the temperature that count, K, the smallest first. The paper's loop starts anew wherever the temperature turns, however little,
+/// so that the smallest count where they are few. Those smaller than the largest are left out where they are many: a drive that is noisy.
+const SWINGS_K: [f64; 3] = [0.001, 0.016, 0.25];
+
+/// Most turns of the temperature by smaller swings than the largest that counts, as a share of the samples that are kept.
+const TURNS: f64 = 0.25;
 
 /// Change of the drive over the changes before and after it from which it is a step, and no ramp.
 const STEP: f64 = 3.0;
@@ -161,7 +165,7 @@ fn of_every(
 ) -> Result<Recording, IdentifyError> {
     let n = recording.len();
     let fine = predict(model, point, recording)?;
-    let mut kept = turns(&fine.temperature_degc);
+    let mut kept = turns(&fine.temperature_degc, n / every);
     kept.extend((0..n).step_by(every));
     kept.extend(steps(recording.drive(), n / every));
     kept.push(n - 1);
@@ -224,11 +228,20 @@ fn of_every(
 }
 
 /// Samples at which a temperature turns back: a loop remembers them. It begins low.
-fn turns(temperature_degc: &[f64]) -> Vec<usize> {
-    let points = turning_points(temperature_degc, SWING_K);
-    let begins_low = |first: &TurningPoint| !first.is_top;
-    let since = usize::from(points.first().is_some_and(begins_low));
-    points[since..].iter().map(|point| point.at).collect()
+fn turns(temperature_degc: &[f64], n_kept: usize) -> Vec<usize> {
+    let by = |swing_k: f64| {
+        let points = turning_points(temperature_degc, swing_k);
+        let begins_low = |first: &TurningPoint| !first.is_top;
+        let since = usize::from(points.first().is_some_and(begins_low));
+        points[since..]
+            .iter()
+            .map(|point| point.at)
+            .collect::<Vec<_>>()
+    };
+    let [smaller @ .., largest] = SWINGS_K.map(by);
+    let most = largest.len() + (TURNS * n_kept as f64) as usize;
+    let is_affordable = |turns: &Vec<usize>| turns.len() <= most;
+    smaller.into_iter().find(is_affordable).unwrap_or(largest)
 }
 
 /// Where a drive steps, if it does so seldom among so many samples that are kept.
@@ -287,6 +300,31 @@ mod tests {
             let k = stepped.time_s().partition_point(|one| one < time_s);
             let off_k = on_few.temperature_degc[j] - on_all.temperature_degc[k];
             assert!(off_k.abs() < 1e-9, "{j} {off_k}");
+        }
+    }
+
+    #[test]
+    fn a_loop_that_starts_anew_at_every_turn_shows_the_same_at_few_samples() {
+        let synthetic = Synthetic::of(EffectSet::EMPTY, EffectValues::default(), 1);
+        let fine = synthetic.case();
+        let recording = &fine.training[0];
+        let (point, tau_s) = (fine.fit.point(0), fine.fit.tau_s());
+        // Now and then the drive falls for a moment, in inner loops, too: the temperature turns by less than a quarter of a kelvin, twice.
+        let n = recording.len();
+        let dips = |(k, drive): (usize, &f64)| if k % 53 == 0 { 0.8 * drive } else { *drive };
+        let drive = recording.drive().iter().enumerate().map(dips).collect();
+        let dipping = recording.driven_by(drive).unwrap();
+        let on_all = predict(fine.base, &point, &dipping).unwrap();
+        let [few, many] =
+            [0.25, 0.001].map(|swing_k| turning_points(&on_all.temperature_degc, swing_k).len());
+        assert!(many > few + 5, "{few} {many}");
+        let few = of_every(20, fine.base, (&point, tau_s), &dipping).unwrap();
+        assert!(few.len() < n / 4);
+        let on_few = predict(fine.base, &point, &few).unwrap();
+        for (j, time_s) in few.time_s().iter().enumerate() {
+            let k = dipping.time_s().partition_point(|one| one < time_s);
+            let off_mm = on_few.output[j] - on_all.output[k];
+            assert!(off_mm.abs() < 1e-3, "{j} {off_mm}");
         }
     }
 
