@@ -56,6 +56,7 @@ impl<'a> Completing<'a> {
             let foremost = (!model.is_whole()).then(|| foremost(searches, &population));
             let mut unsettled = std::iter::once((place, effects))
                 .chain(foremost.into_iter().flatten())
+                .chain(nearest_misfit(searches))
                 .filter(|one| !one.1.is_empty() && !self.settled.contains(one));
             if let Some((place, effects)) = unsettled.next()
                 && !case.leaves_out(Part::OtherStarts)
@@ -103,6 +104,24 @@ fn foremost(searches: &[Search<'_>], population: &Population) -> Vec<(usize, Can
         best.map(|model| (place, model.effects))
     };
     (0..searches.len()).filter_map(of).collect()
+}
+
+/// The model with an effect that leaves the least of the output, of those that may be chosen, where even that leaves far more than noise.
+///
+/// Noise with a memory takes up what is left there, so that a model in a wrong minimum is worth as much as one in the right one.
+fn nearest_misfit(searches: &[Search<'_>]) -> Option<(usize, CandidateSet)> {
+    let of = |(place, search): (usize, &Search<'_>)| {
+        let with_effects = search.nodes().filter(|node| !node.effects.is_empty());
+        let admitted = with_effects.filter(|node| search.admits(node));
+        let errors = admitted.map(|node| (node.mean_square(), (place, node.effects)));
+        errors.min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    if !searches.iter().all(Search::is_misfit) {
+        return None;
+    }
+    let nearest = searches.iter().enumerate().filter_map(of);
+    let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map(|(_, model)| model)
 }
 
 /// Share of what could be explained that a drift alone explains, from which others are tried beside it.

@@ -142,22 +142,31 @@ pub(crate) fn plain_fits(
     Ok(fits)
 }
 
-/// Those of the families that come nearer than the paper's, each with the shape of its loop free, relays of two populations where the
+/// How near a loop of another family must come to be searched, by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Near {
+    /// Nearer than the paper's.
+    Nearer,
+    /// About as near: where something else that is missing shows more than any loop does, none shows by itself which is the rig's.
+    About,
+}
+
+/// Those of the fits of formulas that come as near as they must, each with the shape of its loop free, relays of two populations where the
 /// search is thorough and the recordings tell of them, and the start of recordings that may begin warm.
 ///
 /// The curves of each family are formulas of no real material, and what is missing may hide until they are bent: their
 /// shape is always free. How a recording began decides which of its loops are inner ones, which are the most that families
 /// differ by: it is free, too.
-pub(crate) fn fits(
+pub(crate) fn shaped(
     case: &Case<'_>,
-    effort: Effort,
-    seed: u64,
+    mut formulas: Vec<OtherBaseline>,
+    near: Near,
+    (effort, seed): (Effort, u64),
 ) -> Result<Vec<OtherBaseline>, IdentifyError> {
-    let mut fits = plain_fits(case, STARTS, seed)?;
-    retain_near(&mut fits, case);
-    let mut fits = try_in_parallel(&fits, |formula| formula.opened(case, seed))?;
+    retain_near(&mut formulas, case, near);
+    let mut fits = try_in_parallel(&formulas, |formula| formula.opened(case, seed))?;
     rising(&mut fits, |other| other.fit.train_rmse);
-    retain_near(&mut fits, case);
+    retain_near(&mut fits, case, near);
     retain_one_of_each(&mut fits);
     // Not before: relays of two populations take in more of what is missing than loops of another family can.
     if effort == Effort::Thorough {
@@ -165,6 +174,11 @@ pub(crate) fn fits(
         rising(&mut fits, |other| other.fit.train_rmse);
     }
     Ok(fits)
+}
+
+/// Baseline models of all other families with the formulas of their loops, to choose from by [`shaped`].
+pub(crate) fn formulas(case: &Case<'_>, seed: u64) -> Result<Vec<OtherBaseline>, IdentifyError> {
+    plain_fits(case, STARTS, seed)
 }
 
 /// True if what is left falls by more than so many parameters cost by Schwarz's criterion, counted in the independent residuals of the fit
@@ -175,10 +189,14 @@ pub(super) fn is_told(without: &Fit, with: &Fit, n_parameters: usize) -> bool {
     gain > n_parameters as f64 * n.ln()
 }
 
-/// Keeps those that come nearer than the paper's, and not much less near than the nearest.
-fn retain_near(fits: &mut Vec<OtherBaseline>, case: &Case<'_>) {
+/// Keeps those that come as near to the recordings as they must beside the paper's loop, and not much less near than the nearest.
+fn retain_near(fits: &mut Vec<OtherBaseline>, case: &Case<'_>, near: Near) {
+    let papers = case.fit.train_rmse;
     let nearest = fits.first().map_or(0.0, |other| other.fit.train_rmse);
-    let most = (NEARLY * nearest).min(case.fit.train_rmse);
+    let most = match near {
+        Near::Nearer => (NEARLY * nearest).min(papers),
+        Near::About => NEARLY * nearest.min(papers),
+    };
     fits.retain(|other| other.fit.train_rmse < most);
 }
 
@@ -203,7 +221,7 @@ pub(crate) fn retain_one_of_each(fits: &mut Vec<OtherBaseline>) {
 pub(crate) fn instead(
     case: &Case<'_>,
     among: CandidateSet,
-    (effort, seed): (Effort, u64),
+    searched: (Effort, u64),
 ) -> Result<Vec<OtherBaseline>, IdentifyError> {
     if !among.contains(Candidate::other_loop()) {
         return Ok(Vec::new());
@@ -213,7 +231,8 @@ pub(crate) fn instead(
     if !RuleId::Describes.rule().passes(described) || case.leaves_out(Part::OtherLoops) {
         return Ok(Vec::new());
     }
-    let fits = fits(case, effort, seed)?;
+    let formulas = formulas(case, searched.1)?;
+    let fits = shaped(case, formulas, Near::Nearer, searched)?;
     Ok(if has_another(&fits, case.fit) {
         fits
     } else {
@@ -239,11 +258,20 @@ pub(crate) fn is_another(fits: &[OtherBaseline], papers: &Search<'_>) -> bool {
     nearest.is_some_and(|other| IN_VAIN * other.fit.train_rmse.powi(2) < least)
 }
 
-/// Those alone that come about as near with nothing missing as a model of the paper's loop does with what it names: what
+/// How many of the loops, the first, come about as near with nothing missing as a model of the paper's loop does with what it names: what
 /// another loop shows by itself is a rival of every name, since each is but a formula.
-pub(crate) fn retain_rivals(fits: &mut Vec<OtherBaseline>, named: Option<&Node>) {
+pub(crate) fn rivals(fits: &[OtherBaseline], named: Option<&Node>) -> usize {
     let most = named.map_or(0.0, |node| IN_VAIN * node.mean_square());
-    fits.retain(|other| other.fit.train_rmse.powi(2) <= most);
+    let is_rival = |other: &&OtherBaseline| other.fit.train_rmse.powi(2) <= most;
+    fits.iter().take_while(is_rival).count()
+}
+
+/// True if a loop of another family leaves less than half of the mean square that the paper's, the first, leaves with whatever was tried
+/// beside it. Then it is the rig's, though no curve finds what the paper's loop leaves.
+pub(crate) fn is_far_nearer(searches: &[Search<'_>]) -> bool {
+    let least = |search: &Search<'_>| search.nearest().mean_square();
+    let others = searches[1..].iter().map(least);
+    IN_VAIN * others.fold(f64::INFINITY, f64::min) < least(&searches[0])
 }
 
 /// The rig with each of these loops.

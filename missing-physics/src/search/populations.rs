@@ -81,7 +81,7 @@ impl OtherBaseline {
 mod tests {
     use super::*;
     use crate::model::synthetic::{NOISE_MM, Synthetic};
-    use crate::search::families::{fits, plain_fits};
+    use crate::search::families::{Near, formulas, plain_fits, shaped};
     use crate::{EffectSet, EffectValues, Effort};
     use wiener::hysteresis::SecondPopulation;
 
@@ -126,7 +126,8 @@ mod tests {
         let synthetic = Synthetic::with_loop(LoopFamily::Relays, EffectSet::EMPTY, values, 1);
         let case = synthetic.case();
         let freedom_of = |effort| {
-            let fits = fits(&case, effort, 1).unwrap();
+            let formulas = formulas(&case, 1).unwrap();
+            let fits = shaped(&case, formulas, Near::Nearer, (effort, 1)).unwrap();
             let relays = fits.iter().find(|one| one.family == LoopFamily::Relays);
             relays.unwrap().freedom
         };

@@ -9,7 +9,7 @@ use crate::model::case::Case;
 use crate::noise::floor::{Measured, measured};
 use crate::search::complete::Completing;
 use crate::search::families::{
-    self, OtherBaseline, is_anything, is_described, may_be_the_loop, retain_rivals,
+    self, Near, OtherBaseline, is_anything, is_described, may_be_the_loop,
 };
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet};
@@ -29,7 +29,9 @@ pub(crate) struct Survey<'c> {
 #[derive(Debug)]
 pub(crate) struct Loops {
     pub(crate) fits: Vec<OtherBaseline>,
-    /// True if they are searched for all that is missing, and not only as rivals of what has a name.
+    /// So many of them, the first, are rivals of what has a name.
+    n_rivals: usize,
+    /// True if all are searched for all that is missing, and not only the rivals as such.
     goes_on: bool,
 }
 
@@ -60,25 +62,40 @@ impl<'c> Survey<'c> {
     pub(crate) fn loops(&mut self, stand_ins: Vec<OtherBaseline>) -> Result<Loops, IdentifyError> {
         let stands_in = !stand_ins.is_empty();
         let mut fits = stand_ins;
+        let searched = (self.config.effort, self.config.seed);
+        let mut formulas = Vec::new();
         if !stands_in
             && self.catalogue.contains(Candidate::other_loop())
-            && is_anything(&self.completing.audited(&self.searches)?)
+            && (self.searches[0].is_misfit()
+                || is_anything(&self.completing.audited(&self.searches)?))
             && !self.case.leaves_out(Part::OtherLoops)
         {
-            fits = families::fits(self.case, self.config.effort, self.config.seed)?;
+            formulas = families::formulas(self.case, self.config.seed)?;
+            fits = families::shaped(self.case, formulas.clone(), Near::Nearer, searched)?;
         }
         let mut goes_on =
             self.is_thorough(&fits) || stands_in || families::is_another(&fits, &self.searches[0]);
+        let mut n_rivals = fits.len();
         if !goes_on {
             // More effects than one are worth their search where a curve finds more than one has.
             let population = self.completing.completed(&mut self.searches)?;
             goes_on = may_be_the_loop(&population);
-            if !goes_on {
-                let named = self.searches[0].get(leading(&population).names);
-                retain_rivals(&mut fits, named);
+            let named = self.searches[0].get(leading(&population).names);
+            n_rivals = families::rivals(&fits, named);
+            if self.searches[0].is_misfit() {
+                let is_there = |family| fits.iter().any(|fit| fit.family == family);
+                formulas.retain(|formula| !is_there(formula.family));
+                let further = families::shaped(self.case, formulas, Near::About, searched)?;
+                fits.extend(further);
+            } else if !goes_on {
+                fits.truncate(n_rivals);
             }
         }
-        Ok(Loops { fits, goes_on })
+        Ok(Loops {
+            fits,
+            n_rivals,
+            goes_on,
+        })
     }
 
     /// Searches beside these loops, too; `cases` are the rig with each of them.
@@ -92,13 +109,15 @@ impl<'c> Survey<'c> {
             let search = with_one(case, beside, &self.noise, self.config.seed)?;
             self.searches.push(search);
         }
-        if !loops.goes_on {
+        if !loops.goes_on && !families::is_far_nearer(&self.searches) {
+            self.searches.truncate(1 + loops.n_rivals);
             return Ok(());
         }
-        // Where a loop leaves nothing that a curve finds, by itself or with one effect, more effects are in vain; and where not even
-        // a curve describes the output.
+        // Where a loop leaves nothing that a curve finds, and no more than noise, by itself or with one effect, more effects are in vain;
+        // and where not even a curve describes the output.
         let population = self.completing.audited(&self.searches)?;
         let is_in_vain = leading(&population).is_whole()
+            && !self.searches.iter().all(Search::is_misfit)
             || !is_described(&population, self.case.output_squares());
         if self.is_thorough(&loops.fits) || !is_in_vain {
             families::grow(&mut self.searches)?;

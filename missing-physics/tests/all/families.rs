@@ -103,3 +103,18 @@ fn without_another_shape_of_the_loop_no_family_is_tried() {
     let family = diagnosis.extended.map(|one| one.model.loop_family());
     assert_ne!(family, Some(LoopFamily::Kinetics));
 }
+
+#[test]
+fn an_effect_that_shows_more_than_any_loop_is_named_beside_relays() {
+    let effect = EffectId::LatentHeat;
+    let wire = wire(LoopFamily::Relays, EffectSet::of(effect));
+    let truth = EffectValues::typical(effect, 4.0);
+    let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);
+    assert_eq!(found(&diagnosis), ["latent-heat", "loop-shape"]);
+    let extended = diagnosis.extended.unwrap();
+    assert_eq!(extended.model.loop_family(), LoopFamily::Relays);
+    // Noise of 5 µm, of which the paper's loop with nothing missing leaves more than twenty times.
+    let rmse = extended.stage.fit.train_rmse;
+    assert!((rmse - 5e-3).abs() < 5e-4, "{rmse}");
+    assert!(diagnosis.baseline.fit.train_rmse > 20.0 * rmse);
+}
