@@ -1,7 +1,7 @@
 //! Visibility of an effect to an oracle, who knows the plant without the effect, and the noise.
 
 use identify::{
-    Fit, ForwardModel, IdentifyError, ParameterVector, RefineConfig, WienerModel, predict, refine,
+    Fit, ForwardModel, IdentifyError, ParameterVector, Prior, RefineConfig, predict, refine,
 };
 use recording::{Recording, RecordingParts};
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,10 @@ pub struct Oracle {
     /// t² = Δ' Σ⁻¹ Δ,   Δ = (y₁ - f(θ₁)) - (y₀ - f(θ₀))        with and without it, each with the baseline model's best
     /// ```
     pub t: f64,
+    /// The same of one who knows neither what belongs to single runs nor, where it is not the paper's, which loop the rig has: the
+    /// model that is refitted leaves both open, as a diagnosis must. `None` in earlier trials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub t_open: Option<f64>,
 }
 
 /// Trace that an effect leaves in the training recordings after the baseline model has been refitted, sample by sample.
@@ -37,12 +41,14 @@ pub(crate) struct Left {
     pub(crate) output_mm: Vec<Vec<f64>>,
 }
 
-/// How the baseline model sees the training recordings.
-#[derive(Debug, Clone, Copy)]
+/// How a model without the effect sees the training recordings.
+#[derive(Clone, Copy)]
 pub(crate) struct Eye<'a> {
-    pub(crate) base: &'a WienerModel,
-    /// Where it ended on the noisy recordings: a start near both ends that are sought.
+    pub(crate) model: &'a dyn ForwardModel,
+    /// Where a fit of it, or of one with a part of its parameters, ended on the noisy recordings: a start near both ends that are sought.
     pub(crate) fit: &'a Fit,
+    /// How the priors of its parameters count.
+    pub(crate) prior: Prior,
     pub(crate) training: &'a [Recording],
     /// The true rig: its noise counts.
     pub(crate) truth: &'a TruthPlant,
@@ -70,18 +76,19 @@ impl Eye<'_> {
                 raw_mm: rms(&raw.concat()),
                 left_mm: rms(&output_mm.concat()),
                 t: squares.sqrt(),
+                t_open: None,
             },
             output_mm,
         })
     }
 
-    /// Residual of the baseline model, refitted to quiet traces.
+    /// Residual of the model, refitted to quiet traces.
     fn rest(&self, traces: &[Traces]) -> Result<Rest, IdentifyError> {
         let pairs = self.training.iter().zip(traces);
         let recordings = pairs
             .map(|(noisy, traces)| quiet(noisy, traces))
             .collect::<Result<Vec<_>, _>>()?;
-        let vector = ParameterVector::new(self.base.parameters(), recordings.len());
+        let vector = ParameterVector::new(self.model.parameters(), recordings.len());
         let start = self.fit.coordinates(&vector);
         let has_temperature = self.training[0].temperature_degc().is_some();
         let temperature_weight = match self.fit.temperature_rmse_k {
@@ -92,12 +99,13 @@ impl Eye<'_> {
         };
         let config = RefineConfig {
             temperature_weight,
+            prior: self.prior,
             ..RefineConfig::default()
         };
-        let refined = refine(self.base, &recordings, &[start], &config)?;
+        let refined = refine(self.model, &recordings, &[start], &config)?;
         let mut rest = Rest::default();
         for (recording, point) in recordings.iter().zip(&refined.points) {
-            let shown = predict(self.base, point, recording)?;
+            let shown = predict(self.model, point, recording)?;
             rest.output_mm.push(less(recording.output(), &shown.output));
             if let Some(recorded) = recording.temperature_degc() {
                 rest.temperature_k

@@ -1,10 +1,12 @@
 use std::path::Path;
 use std::time::Instant;
 
-use identify::Fit;
-use missing_physics::{Diagnosis, Entry, Finding, Run, Status};
+use identify::{Fit, Prior};
+use missing_physics::{
+    CandidateSet, Diagnosis, Entry, ExtendedModel, Finding, LoopFamily, Run, Status,
+};
 use rand::Rng;
-use sma_effects::{EffectBlock, EffectSet};
+use sma_effects::{EffectBlock, EffectSet, Setting};
 use truth_plant::{Draw, DriveProfile, Shape};
 
 use crate::aliases::{aliases, effects_of, stand_ins};
@@ -129,7 +131,7 @@ impl Judge<'_> {
         let fit = &self.diagnosis.baseline.fit;
         let mut left = Vec::new();
         for without in &self.case.without {
-            left.push(self.left(fit, without)?);
+            left.push(self.left(without)?);
         }
         revealed.oracles = left.iter().map(|left| left.oracle).collect::<Vec<Oracle>>();
         for concealed in &answer.concealed {
@@ -166,19 +168,45 @@ impl Judge<'_> {
         Ok(revealed)
     }
 
-    fn left(&self, fit: &Fit, without: &truth_plant::TruthPlant) -> Result<Left, TrialError> {
+    /// Trace that an effect leaves beside the baseline model, and its score beside the model that is open, too.
+    fn left(&self, without: &truth_plant::TruthPlant) -> Result<Left, TrialError> {
         let training = self.case.runs.training.iter();
         let quiet = training
             .map(|run| self.case.run(without, run))
             .collect::<Result<Vec<_>, _>>()?;
-        let eye = Eye {
-            base: &self.files.base,
+        let eye = |model, fit, prior| Eye {
+            model,
             fit,
+            prior,
             training: &self.files.training,
             truth: &self.case.truth,
         };
-        eye.left(&self.recorded.training, &quiet)
-            .map_err(TrialError::diagnosis(self.case.id))
+        let seen = |eye: Eye<'_>| {
+            let left = eye.left(&self.recorded.training, &quiet);
+            left.map_err(TrialError::diagnosis(self.case.id))
+        };
+        let fit = &self.diagnosis.baseline.fit;
+        let mut left = seen(eye(&self.files.base, fit, Prior::Nothing))?;
+        let (open, fit) = self.open_model();
+        let prior = Prior::Profiled(fit.noise.n_effective.max(1.0));
+        left.oracle.t_open = Some(seen(eye(&open, fit, prior))?.oracle.t);
+        Ok(left)
+    }
+
+    /// The model without an effect that a diagnosis must leave open, and the fit nearest to it: with the level and the start of runs, and,
+    /// where the rig's loop is not the paper's, with the loop that was found.
+    fn open_model(&self) -> (ExtendedModel, &Fit) {
+        let found = self.diagnosis.extended.as_ref();
+        let found = found.filter(|_| self.case.id.has_other_loop());
+        let loop_family = found.map_or(LoopFamily::Proximity, |one| one.model.loop_family());
+        let fit = found.map_or(&self.diagnosis.baseline.fit, |one| &one.stage.fit);
+        let base = self.files.base.with_unknowns(&self.files.training);
+        let setting = Setting {
+            loop_family,
+            ..self.files.config.setting
+        };
+        let open = ExtendedModel::new(&base, fit, setting, CandidateSet::EMPTY);
+        (open, fit)
     }
 
     /// Entry of an effect in the catalogue of the diagnosis.
@@ -251,5 +279,29 @@ fn recommended(run: &Run) -> DriveProfile {
     DriveProfile {
         drive: run.drive.clone(),
         dt_s: run.dt_s,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CaseId;
+
+    #[test]
+    fn who_leaves_more_open_sees_no_more_of_an_effect() {
+        // Of either plant one of few samples.
+        for number in [4, 13] {
+            let case = Case::drawn("a seed", CaseId::lab(Family::Single, number));
+            let folder = tempfile::tempdir().unwrap();
+            let ran = run_case(&case, folder.path(), false).unwrap();
+            let [oracle] = &ran.line.opened.oracles[..] else {
+                panic!("{:?}", ran.line.opened.oracles);
+            };
+            let t_open = oracle.t_open.unwrap();
+            assert!(
+                t_open > 0.0 && t_open <= 1.01 * oracle.t,
+                "{number} {oracle:?}"
+            );
+        }
     }
 }

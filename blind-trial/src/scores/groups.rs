@@ -2,7 +2,7 @@
 
 use super::calibration::Calibration;
 use super::figure::{Figure, Score, mean};
-use super::table::{beyond_names, false_alarms, share};
+use super::table::{beside_all_that_is_open, beyond_names, false_alarms, share};
 use crate::{CaseLine, Family};
 
 /// Quantities of every kind of recording and of every plant that there is, without targets; those without a case are
@@ -84,6 +84,7 @@ fn quantities(name: &str, lines: &[&CaseLine]) -> Vec<Score> {
             None,
         ),
     ];
+    scores.extend(beside_all_that_is_open(&seen));
     scores.extend(false_alarms(&of));
     scores.extend(beyond_names(lines));
     scores.push(number(
@@ -146,6 +147,38 @@ mod tests {
             assert!(alarms < 0.2, "{name}: {alarms}");
         }
         assert!(scores.iter().all(|score| score.target.is_none()));
+    }
+
+    #[test]
+    fn effects_are_counted_that_show_beside_what_is_open_where_that_was_asked() {
+        let quantity = "guide: visible beside what is open: true effect in the stated set";
+        let of = |lines: &[CaseLine]| {
+            groups(lines)
+                .into_iter()
+                .find(|one| one.quantity == quantity)
+        };
+        let mut lines = lines();
+        assert!(of(&lines).is_none());
+        // One of them misses, and does not show beside what is open.
+        let mut of_guide = lines.iter_mut().filter(|line| {
+            let is_single = line.case.family == Family::Single && line.is_visible();
+            is_single && line.recording() == Some("guide") && line.states_all()
+        });
+        let missed = of_guide.next().unwrap();
+        missed.verdict.findings.clear();
+        let missed = missed.case;
+        for line in &mut lines {
+            let is_hidden = line.case == missed;
+            for oracle in &mut line.opened.oracles {
+                oracle.t_open = Some(if is_hidden { 1.0 } else { oracle.t });
+            }
+        }
+        let share = |lines: &[CaseLine]| of(lines).unwrap().figure.value().unwrap();
+        let without = share(&lines);
+        for oracle in lines.iter_mut().flat_map(|line| &mut line.opened.oracles) {
+            oracle.t_open = Some(oracle.t);
+        }
+        assert!(without > share(&lines));
     }
 
     #[test]

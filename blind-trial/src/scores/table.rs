@@ -37,6 +37,7 @@ pub fn table(lines: &[CaseLine], calibration: &Calibration, times_alone_s: &[f64
         Some(Target::AtLeast(0.8)),
     ));
     scores.extend(unknown(&seen(Family::Outside), &seen(Family::Deleted)));
+    scores.extend(beside_all_that_is_open(&seen));
     scores.push(share(
         "other hysteresis: true effect in the stated set",
         &seen(Family::OtherLoop),
@@ -67,6 +68,39 @@ pub fn table(lines: &[CaseLine], calibration: &Calibration, times_alone_s: &[f64
         target: Some(Target::AtMost(2.0)),
     });
     scores.extend(groups(lines));
+    scores
+}
+
+/// The same of effects that are visible beside unknowns of single runs and another loop, too; nothing of trials that did not ask.
+pub(super) fn beside_all_that_is_open<'a>(
+    seen: &impl Fn(Family) -> Vec<&'a CaseLine>,
+) -> Vec<Score> {
+    let still_seen = |families: &[Family]| -> Vec<&'a CaseLine> {
+        let all = families.iter().flat_map(|&family| seen(family));
+        all.filter(|line| line.is_visible_beside_all_that_is_open())
+            .collect()
+    };
+    let mut scores = vec![
+        share(
+            "visible beside what is open: true effect in the stated set",
+            &still_seen(&[Family::Single]),
+            CaseLine::states_all,
+            None,
+        ),
+        share(
+            "visible beside what is open: both effects of a pair in the sets",
+            &still_seen(&[Family::Pair]),
+            CaseLine::states_all,
+            None,
+        ),
+        share(
+            "visible beside what is open: outside or deleted: unexplained",
+            &still_seen(&[Family::Outside, Family::Deleted]),
+            CaseLine::is_unexplained,
+            None,
+        ),
+    ];
+    scores.retain(|score| score.figure.value().is_some());
     scores
 }
 

@@ -25,6 +25,13 @@ impl CaseLine {
         !oracles.is_empty() && oracles.iter().all(|oracle| oracle.t >= VISIBLE_T)
     }
 
+    /// True if all concealed effects were visible beside what a diagnosis must leave open, too.
+    pub(super) fn is_visible_beside_all_that_is_open(&self) -> bool {
+        let is_seen = |t: Option<f64>| t.is_some_and(|t| t >= VISIBLE_T);
+        let mut oracles = self.opened.oracles.iter();
+        self.is_visible() && oracles.all(|oracle| is_seen(oracle.t_open))
+    }
+
     /// Catalogue names of what is concealed.
     pub(super) fn truths(&self) -> impl Iterator<Item = &str> {
         let concealed = self.opened.answer.concealed.iter();
