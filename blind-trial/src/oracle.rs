@@ -27,7 +27,7 @@ pub struct Oracle {
     /// t² = Δ' Σ⁻¹ Δ,   Δ = (y₁ - f(θ₁)) - (y₀ - f(θ₀))        with and without it, each with the baseline model's best
     /// ```
     pub t: f64,
-    /// The same of one who knows neither what belongs to single runs nor, where it is not the paper's, which loop the rig has: the
+    /// Score of one who knows neither what belongs to single runs nor, where it is not the paper's, which loop the rig has: the
     /// model that is refitted leaves both open, as a diagnosis must. `None` in earlier trials.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub t_open: Option<f64>,

@@ -71,7 +71,7 @@ pub fn table(lines: &[CaseLine], calibration: &Calibration, times_alone_s: &[f64
     scores
 }
 
-/// The same of effects that are visible beside unknowns of single runs and another loop, too; nothing of trials that did not ask.
+/// Shares of effects that are visible beside unknowns of single runs and another loop, too; nothing of trials that did not ask.
 pub(super) fn beside_all_that_is_open<'a>(
     seen: &impl Fn(Family) -> Vec<&'a CaseLine>,
 ) -> Vec<Score> {
