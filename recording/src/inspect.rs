@@ -12,6 +12,7 @@ use crate::rates::has_one_rate;
 use crate::recording::Recording;
 use crate::sampling::{Gap, Sampling};
 use crate::slip::{Slip, slips};
+use crate::stuck::{Stuck, stuck};
 use crate::warning::Warning;
 use crate::wild::{Wild, wild};
 
@@ -117,6 +118,8 @@ pub struct Inspection {
     pub wild: Vec<Wild>,
     /// Where the output slips.
     pub slips: Vec<Slip>,
+    /// Where the logger repeats a value of the output.
+    pub stuck: Option<Stuck>,
     /// Noise in the column of the drive.
     pub drive_noise: Option<DriveNoise>,
     /// True if all other fields describe the recording without wild samples, slips and noise of the drive, as fits take it.
@@ -164,6 +167,7 @@ pub fn inspect(recording: &Recording) -> Inspection {
     Inspection {
         wild: wild(recording),
         slips: slips(recording),
+        stuck: stuck(recording),
         drive_noise: drive_noise(recording),
         is_mended: true,
         adaptations: recording.adaptations().to_vec(),
@@ -196,6 +200,7 @@ pub fn inspect_as_recorded(recording: &Recording) -> Inspection {
         has_one_rate: has_one_rate(std::slice::from_ref(recording)),
         wild: wild(recording),
         slips: slips(recording),
+        stuck: stuck(recording),
         drive_noise: drive_noise(recording),
         is_mended: false,
         adaptations: recording.adaptations().to_vec(),

@@ -57,6 +57,7 @@
 //! | is a signal flat at its extreme? | [`clipping`] |
 //! | which samples do not belong to the series, and a recording without them? | [`wild`], [`mended`] |
 //! | where does the output slip? | [`slips`] |
+//! | where does the logger repeat a value? | [`stuck`] |
 //! | is the column of the drive noisy? | [`drive_noise`] |
 //! | in what steps can the supply be set, and from where on? | [`drive_resolution`] |
 //! | where is the drive constant? | [`holds`] |
@@ -115,6 +116,7 @@ mod resolution;
 mod sampling;
 mod slip;
 mod stretches;
+mod stuck;
 mod survey;
 mod unit;
 mod used;
@@ -144,6 +146,7 @@ pub use resistance::Resistance;
 pub use resolution::{DriveResolution, drive_resolution};
 pub use sampling::{GAP_FACTOR, Gap, Sampling};
 pub use slip::{Slip, slips};
+pub use stuck::{Stuck, stuck};
 pub use survey::{Meaning, Survey, SurveyedColumn, survey};
 pub use warning::Warning;
 pub use wild::{Wild, wild};

@@ -9,6 +9,7 @@ use crate::holds::HOLD_TOLERANCE;
 use crate::ordered::{Ordered, usual_size};
 use crate::quantization::quantization_step;
 use crate::sampling::Sampling;
+use crate::stuck::stuck;
 use crate::warning::{Short, WithUnit, quantity};
 
 /// Step of the output over what neighbors usually differ by, from which it may be a slip: the same as of a sample that stands apart.
@@ -124,9 +125,12 @@ pub fn slips(recording: &Recording) -> Vec<Slip> {
         let is_back = |other: &usize| (steps[*other] + steps[k]).abs() < BACK * steps[k].abs();
         jumps.iter().any(is_back)
     };
+    // Behind a value that is repeated the output only goes on.
+    let stuck = stuck(recording).map_or_else(Vec::new, |stuck| stuck.runs);
     let slips: Vec<usize> = jumps
         .iter()
         .copied()
+        .filter(|&k| !stuck.iter().any(|run| run.end == k + 1))
         .filter(|&k| are_held(k - AROUND..=k) && stays(output, k, steps[k]))
         .filter(|&k| !comes_back(k))
         .collect();

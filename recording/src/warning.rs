@@ -7,6 +7,7 @@ use crate::drive_noise::DriveNoise;
 use crate::inspect::{Channel, Inspection, LONG_HOLD_S, MOVING, SETTLE_S};
 use crate::sampling::Sampling;
 use crate::slip::Slip;
+use crate::stuck::Stuck;
 use crate::wild::Wild;
 
 /// Fewest samples at rest, from which an offset is taken. Our choice.
@@ -80,6 +81,8 @@ pub enum Warning {
     },
     /// The output slips.
     Slip(Slip),
+    /// The logger repeats a value of the output.
+    Stuck(Stuck),
     /// The column of the drive is noisy.
     NoisyDrive {
         /// By how much, and whether the rod felt it.
@@ -140,6 +143,7 @@ impl Warning {
             is_replaced: inspection.is_mended,
         }));
         found.extend(inspection.slips.iter().cloned().map(Self::Slip));
+        found.extend(inspection.stuck.clone().map(Self::Stuck));
         found.extend(inspection.drive_noise.iter().map(|noise| Self::NoisyDrive {
             noise: noise.clone(),
             is_smoothed: inspection.is_mended && noise.is_of_the_sensor,
@@ -379,6 +383,7 @@ impl fmt::Display for Warning {
                 is_replaced: false,
             } => write!(f, "{wild}: {}", wild.advice()),
             Self::Slip(slip) => write!(f, "{slip}"),
+            Self::Stuck(stuck) => write!(f, "{stuck}"),
             Self::NoisyDrive {
                 noise,
                 is_smoothed: true,

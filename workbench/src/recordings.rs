@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use identify::Rod;
 use recording::{
-    ReadOptions, Recording, RecordingError, Warning, drive_noise, mended, slips, wild,
+    ReadOptions, Recording, RecordingError, Warning, drive_noise, mended, slips, stuck, wild,
 };
 
 use crate::WorkbenchError;
@@ -179,6 +179,7 @@ pub fn input_notes(training: &[Recording], unseen: &[Recording]) -> Vec<String> 
                 .iter()
                 .map(|slip| format!("{name}: {slip}")),
         );
+        notes.extend(stuck(recording).map(|stuck| format!("{name}: {stuck}")));
         notes.extend(drive_noise(recording).map(|noise| {
             let is_smoothed = false;
             format!("{name}: {}", Warning::NoisyDrive { noise, is_smoothed })

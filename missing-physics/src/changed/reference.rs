@@ -21,7 +21,7 @@ use crate::model::case::Case;
 use crate::model::coarse::{COMPARED, TOLD_APART, coarse_at};
 use crate::model::unseen::validated;
 use crate::noise::floor::measured;
-use crate::report::catalogue::HALF_95;
+use crate::report::formula::HALF_95;
 use crate::search::families::beside;
 use crate::watch::{Caller, DiagnoseProgress};
 use crate::{Belongs, Candidate, CandidateSet, EffectSet, ExtendedModel, Setting};

@@ -15,7 +15,6 @@ mod verdict;
 pub(crate) use known::{Known, Oddness};
 pub(crate) use leading::leading;
 pub(crate) use names::Named;
-#[cfg(test)]
 pub(crate) use names::OF_FORMULAS;
 pub use rules::{Basis, Comparison, RULES, Rule, RuleId};
 pub use said::Verdict;

@@ -12,7 +12,9 @@ use crate::model::elsewhere::is_drift;
 use crate::model::extended_model::LoopFreedom;
 use crate::model::series::{Channel, Layout, Noise};
 use crate::watch::{Unwatched, Watch, Watched};
-use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Need, Role, Setting};
+use crate::{
+    Candidate, CandidateSet, EffectParameter, ExtendedModel, LoopFamily, Need, Role, Setting,
+};
 
 /// Iterations of a refinement that is only to be compared with others.
 const ITERATIONS: usize = 8;
@@ -31,7 +33,7 @@ const RACE: usize = 4;
 const NEAR_THE_END: f64 = 2e-2;
 
 /// Logarithm of a likelihood, if each sample were told by itself, that is left to gain where a refinement has its end: it moves no belief.
-const LEFT_NATS: f64 = 0.05;
+const LEFT_NATS: f64 = 0.25;
 
 /// Logarithm of a likelihood, if each sample were told by itself, that an iteration must gain; two in a row that gain less end a search.
 /// As many as ten times so much moves no belief.
@@ -545,18 +547,9 @@ impl Node {
     /// True if a parameter of an effect is pressed against a bound: the recordings pull it beyond what is physical. A
     /// bound that is an end of the possible values does not count.
     pub(crate) fn is_pressed(&self, effect: Candidate) -> bool {
-        /// Distance from a bound, as a share of the range.
-        const NEAR: f64 = 1e-3;
         let values = self.values(effect).unwrap_or(&[]);
-        let parameters = effect.info().parameters.iter().zip(values);
-        parameters.into_iter().any(|(parameter, &value)| {
-            let [lower, upper] = parameter.bounds;
-            let margin = NEAR * (upper - lower);
-            // Nothing is nowhere less: without a size there is no effect, and a play has no softness.
-            let at_lower = value <= lower + margin && lower != 0.0;
-            let at_upper = value >= upper - margin && !parameter.upper_is_physical;
-            at_lower || at_upper
-        })
+        let mut parameters = effect.info().parameters.iter().zip(values);
+        parameters.any(|(parameter, &value)| is_beyond(parameter, value))
     }
 
     /// True if a size of an effect is too small for the effect's name.
@@ -586,9 +579,35 @@ impl Node {
     }
 }
 
+/// True if the value of an effect's parameter stands against a bound that is no end of what can be.
+pub(crate) fn is_beyond(parameter: &EffectParameter, value: f64) -> bool {
+    /// Distance from a bound, as a share of the range.
+    const NEAR: f64 = 1e-3;
+    let [lower, upper] = parameter.bounds;
+    let margin = NEAR * (upper - lower);
+    // Nothing is nowhere less: without a size there is no effect, and a play has no softness.
+    let at_lower = value <= lower + margin && lower != 0.0;
+    let at_upper = value >= upper - margin && !parameter.upper_is_physical;
+    at_lower || at_upper
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_bound_counts_where_it_is_no_end_of_what_can_be() {
+        let parameters = |effect: EffectId| Candidate::from(effect).info().parameters;
+        // A bow may be of either sign; of a backlash 0 is none.
+        let bow = &parameters(EffectId::SensorNonlinearity)[0];
+        let [lower, upper] = bow.bounds;
+        assert!(is_beyond(bow, lower) && is_beyond(bow, upper));
+        assert!(!is_beyond(bow, 0.5 * upper) && !is_beyond(bow, 0.0));
+        let play = &parameters(EffectId::Backlash)[0];
+        assert!(!is_beyond(play, 0.0) && is_beyond(play, play.bounds[1]));
+        let limit = &parameters(EffectId::Radiation)[0];
+        assert_eq!(is_beyond(limit, limit.bounds[1]), !limit.upper_is_physical);
+    }
     use crate::model::synthetic::Synthetic;
     use crate::{EffectId, EffectSet, EffectValues, LoopFamily};
 

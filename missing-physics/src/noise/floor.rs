@@ -60,7 +60,8 @@ pub(crate) fn measured(training: &[Recording], tau_s: f64) -> Measured {
     Measured {
         gate: gate(least, rounding),
         lower: lower.sqrt(),
-        upper: pooled(&NoiseFloor::upper).map(f64::sqrt),
+        // Holds and cycles may be of other recordings than the least is.
+        upper: pooled(&NoiseFloor::upper).map(|upper| upper.max(lower).sqrt()),
         rounding: rounding.map(f64::sqrt),
     }
 }

@@ -5,14 +5,12 @@ use identify::{FittedParameter, IdentifyError, ParameterState};
 use crate::decide::{Decided, Named, Verdict, leading};
 use crate::evidence::{Model, Population};
 use crate::report::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
+use crate::report::formula::{HALF_95, error_of_formula};
 use crate::report::sentence;
 use crate::screen::scores::Score;
 use crate::screen::screening::{POWER, at_their_sizes};
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, EffectParameter, LoopFamily, Role, Setting};
-
-/// Standard errors of half a 95 % interval.
-pub(crate) const HALF_95: f64 = 1.96;
 
 /// An effect of the chosen model with its numbers.
 pub(crate) fn finding(
@@ -123,6 +121,7 @@ pub(crate) fn catalogue(
         decided.verdict,
         Verdict::Unexplained | Verdict::ExplainedInPart
     );
+    let is_suspect = |effect: Candidate| decided.suspects.iter().any(|one| one.effect == effect);
     let entry = |effect: Candidate| {
         let unit = search.case.setting.unit_of(&effect.info().parameters[0]);
         let score = plain
@@ -139,7 +138,10 @@ pub(crate) fn catalogue(
             Status::Unknown { need }
         } else if decided.named.iter().any(|named| named.effect == effect) {
             Status::Detected
-        } else if effects.contains(effect) || decided.named.iter().any(is_other) {
+        } else if effects.contains(effect)
+            || decided.named.iter().any(is_other)
+            || is_suspect(effect)
+        {
             Status::Ambiguous
         } else {
             let (largest, signed) = largest(effect);
@@ -147,7 +149,8 @@ pub(crate) fn catalogue(
                 let size = left.sizes[0];
                 let size = if signed { size.abs() } else { size.max(0.0) };
                 // A smaller one would be passed over, and one that a model as credible has is not out of the question.
-                (size + HALF_95 * left.errors[0])
+                let of_formula = error_of_formula(search.case, effect, left.shown_per_unit);
+                (size + HALF_95 * left.errors[0].hypot(of_formula))
                     .max(least_rms / left.shown_per_unit)
                     .max(held_possible(search, &credible, effect))
             };

@@ -7,14 +7,14 @@ use identify::{Bounds, Fit, FittedParameter, IdentifyError, ParameterState, Vali
 use recording::Recording;
 
 use crate::decide::{Decided, RuleId, Traces, Verdict};
-use crate::model::case::Node;
+use crate::model::case::{Node, is_beyond};
 use crate::model::elsewhere::{is_drift, predicted, spread};
 use crate::model::unseen::{Unseen, validated_by};
 use crate::noise::of_drive::of_drive;
-use crate::report::catalogue::HALF_95;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::explained::share;
+use crate::report::formula::{HALF_95, with_error_of_formula};
 use crate::search::roads::Search;
 use crate::search::settle::fitted;
 use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Role};
@@ -47,6 +47,7 @@ pub(crate) fn extended(
     if let Some((whole, node)) = whole.zip(search.get(effects)) {
         fit = fitted(&whole, node, fit.seed)?;
     }
+    let fit = with_error_of_formula(search, effects, fit)?;
     let model = search.case.model(effects);
     let point = fit.point(0);
     let (validated, error) = validated_by(&model, &point, unseen)?;
@@ -77,9 +78,9 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
         let sizes = effect.info().parameters.iter();
         let free = sizes
             .filter(|parameter| parameter.role == Role::Size)
-            .filter_map(|size| fit.parameter(size.name))
-            .filter(|size| size.info.state == ParameterState::Free);
-        let over = free.flat_map(|size| {
+            .filter_map(|size| Some((size, fit.parameter(size.name)?)))
+            .filter(|(_, size)| size.info.state == ParameterState::Free);
+        let over = free.clone().flat_map(|(_, size)| {
             let each = size.values.iter().zip(&size.intervals);
             each.map(move |(&value, interval)| match interval {
                 // An end that stands at a bound is no end of the interval.
@@ -90,9 +91,15 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
             })
         });
         let over: Vec<f64> = over.collect();
+        // The recordings pull it beyond what is possible: it does the work of something else. A drift may do so in one of them.
+        let is_pressed = !is_drift(effect)
+            && free.clone().any(|(parameter, size)| {
+                let mut values = size.values.iter();
+                size.at_bound && values.any(|value| is_beyond(parameter, *value))
+            });
         // A loop of another family has no size.
         let largest = over.iter().copied().reduce(f64::max);
-        let largest = largest.map(|largest| match is_slow(effect, fit) {
+        let largest = largest.map(|largest| match is_slow(effect, fit) && !is_pressed {
             true => largest / widened(over.len()),
             false => 0.0,
         });

@@ -4,6 +4,7 @@ pub(crate) mod catalogue;
 pub(crate) mod diagnosis;
 pub(crate) mod errors;
 pub(crate) mod explained;
+pub(crate) mod formula;
 pub(crate) mod held;
 pub(crate) mod judged;
 pub(crate) mod ladder;

@@ -35,7 +35,7 @@ const STARTS: u64 = 4;
 const NEARLY: f64 = 4.0;
 
 /// Mean square of what is left over that of another loop from which a search with the first is in vain.
-const IN_VAIN: f64 = 2.0;
+pub(super) const IN_VAIN: f64 = 2.0;
 
 /// Error over that of the nearest fit of a family from which another one ended in another minimum.
 const APART: f64 = 1.001;
@@ -286,19 +286,6 @@ pub(crate) fn beside(family: LoopFamily, catalogue: CandidateSet) -> CandidateSe
     let is_beside =
         |one: &Candidate| family == LoopFamily::Proximity || !one.info().names_loop_families;
     catalogue.iter().filter(is_beside).collect()
-}
-
-/// Goes the whole way with the paper's loop, the first, and with each other that does not stay further from the recordings than
-/// another's with as many effects.
-pub(crate) fn grow(searches: &mut [Search<'_>]) -> Result<(), IdentifyError> {
-    let least = |search: &Search<'_>| search.nearest().mean_square();
-    let nearest = searches.iter().map(least).fold(f64::INFINITY, f64::min);
-    for (place, search) in searches.iter_mut().enumerate() {
-        if place == 0 || !search.is_misfit() || least(search) <= IN_VAIN * nearest {
-            search.grow()?;
-        }
-    }
-    Ok(())
 }
 
 /// True if there is anything to explain: something has a name, or a curve finds more than the baseline model has.

@@ -4,6 +4,7 @@ pub(crate) mod complete;
 pub(crate) mod credit;
 pub(crate) mod exchange;
 pub(crate) mod families;
+mod growth;
 pub(crate) mod known;
 pub(crate) mod occurs;
 pub(crate) mod odds;

@@ -20,9 +20,9 @@ const HOPELESS: f64 = 12.0;
 const ROUNDS: usize = 12;
 
 /// Models that are judged: at least, and at most, of those that may be chosen; and of those that may not.
-const FEWEST: usize = 12;
+const FEWEST: usize = 6;
 const MOST: usize = 24;
-const FEW_PRESSED: usize = 4;
+const FEW_PRESSED: usize = 2;
 
 /// The population of some models on the judged samples: those that the searches at few samples leave in question, at the ends that they have there.
 ///

@@ -170,15 +170,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Goes on to models that leave nothing significant, by several roads.
-    pub(crate) fn grow(&mut self) -> Result<(), IdentifyError> {
-        while !self.frontier.is_empty() && !self.case.leaves_out(Part::MoreEffects) {
-            self.grow_by_one()?;
-        }
-        Ok(())
-    }
-
-    /// Goes to models with one effect more.
+    /// Goes to models with one effect more, beside those that the last ones led to.
     pub(crate) fn grow_by_one(&mut self) -> Result<(), IdentifyError> {
         let frontier = std::mem::take(&mut self.frontier);
         let mut grown: Vec<CandidateSet> = Vec::new();

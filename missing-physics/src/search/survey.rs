@@ -11,6 +11,7 @@ use crate::search::complete::Completing;
 use crate::search::families::{
     self, Near, OtherBaseline, is_anything, is_described, may_be_the_loop,
 };
+use crate::search::growth::grow;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet};
 
@@ -120,7 +121,7 @@ impl<'c> Survey<'c> {
             && !self.searches.iter().all(Search::is_misfit)
             || !is_described(&population, self.case.output_squares());
         if self.is_thorough(&loops.fits) || !is_in_vain {
-            families::grow(&mut self.searches)?;
+            grow(&mut self.searches, &mut self.completing)?;
         }
         self.completing.completed(&mut self.searches)?;
         Ok(())

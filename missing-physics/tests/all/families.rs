@@ -46,7 +46,7 @@ fn a_loop_of_kinetics_alone_is_another_shape_of_the_loop() {
 fn asymmetry_beside_kinetics_that_set_in_sharply_is_named_with_its_size() {
     let effect = EffectId::LoopAsymmetry;
     let wire = wire(LoopFamily::Kinetics, EffectSet::of(effect));
-    let mut truth = EffectValues::typical(effect, 1.0);
+    let mut truth = EffectValues::typical(effect, 2.0);
     truth.family.onset = 1.0;
     let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);
     let mut findings = diagnosis.findings.iter();

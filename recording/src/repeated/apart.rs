@@ -35,6 +35,9 @@ pub struct Apart {
     pub differences: Vec<Difference>,
     /// Root mean square of what is left without all of them.
     pub left: f64,
+    /// Root mean square of what they differ by within short stretches, as noise with a memory does; `None` where the difference follows
+    /// the motion beyond chance, or few samples are compared.
+    pub jitter: Option<f64>,
     /// Time in the first recording, s, and the outputs of both there, the offset taken out of the second: at most a thousand
     /// of them, equally far apart.
     pub outputs: Vec<[f64; 3]>,
@@ -45,6 +48,16 @@ const SHOWN: usize = 1000;
 
 /// Share of the square of a difference that a term takes, from which it is named.
 const NAMED: f64 = 0.05;
+
+/// Share of noise, times its independent samples, that four terms take in one of a thousand draws.
+const BY_CHANCE: f64 = 18.5;
+
+/// Samples of a stretch within which noise varies as it does at large: eight times the longest memory of a sensor's noise.
+const STRETCH: usize = 200;
+
+/// Fewest stretches, and fewest samples of one.
+const FEWEST_STRETCHES: usize = 8;
+const FEWEST_SAMPLES: usize = 25;
 
 /// The outputs of a pair.
 ///
@@ -80,6 +93,7 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
     let columns = terms(time_s, &levels, &both);
     let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
     let whole = square(&differences);
+    let independent = independent(&differences);
     let (values, taken, left) = regressed(&columns, differences);
     let kinds = [
         Difference::Gain,
@@ -95,11 +109,14 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
         .map(|((kind, value), taken)| (taken, kind(value)))
         .collect();
     falling(&mut named, |one| one.0);
+    let of_motion = 1.0 - square(&left) / whole;
+    let is_by_chance = of_motion * independent <= BY_CHANCE;
     Apart {
         offset,
         rms: (whole / n).sqrt(),
         differences: named.into_iter().map(|(_, one)| one).collect(),
         left: (square(&left) / n).sqrt(),
+        jitter: jitter(&left).filter(|_| is_by_chance),
         outputs: time_s
             .iter()
             .zip(of_first)
@@ -108,6 +125,33 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
             .step_by(time_s.len().div_ceil(SHOWN))
             .collect(),
     }
+}
+
+/// Independent samples in noise that forgets at the rate at which its neighbors do.
+fn independent(noise: &[f64]) -> f64 {
+    let square: f64 = noise.iter().map(|value| value * value).sum();
+    let of_neighbors: f64 = noise.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let correlation = (of_neighbors / square).clamp(0.0, 1.0);
+    noise.len() as f64 * (1.0 - correlation) / (1.0 + correlation)
+}
+
+/// Root mean square about the mean of each short stretch; of half of the stretches it is more, which an event in the others does not move.
+fn jitter(differences: &[f64]) -> Option<f64> {
+    let n_stretch = STRETCH.min(differences.len() / FEWEST_STRETCHES);
+    if n_stretch < FEWEST_SAMPLES {
+        return None;
+    }
+    let n = n_stretch as f64;
+    let mut squares: Vec<f64> = differences
+        .chunks_exact(n_stretch)
+        .map(|stretch| {
+            let mean = stretch.iter().sum::<f64>() / n;
+            let squares = stretch.iter().map(|value| (value - mean).powi(2));
+            squares.sum::<f64>() / (n - 1.0)
+        })
+        .collect();
+    falling(&mut squares, |square| *square);
+    Some(squares[squares.len() / 2].sqrt())
 }
 
 /// Regression columns: changes of an output about its mean by another gain, a delay of heating, a delay of cooling, and

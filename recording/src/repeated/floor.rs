@@ -13,6 +13,9 @@ const ROUNDING: f64 = 1e-6;
 /// Difference of two runs over that of independent noise, up to which they repeat.
 const REPEATS: f64 = 1.5;
 
+/// Noise over its white part, at most: a sensor's noise has a memory of 25 samples at the longest.
+const MOST_MEMORY: f64 = 5.0;
+
 /// A stretch of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
@@ -36,7 +39,7 @@ pub struct RepeatedDrive {
     /// Samples that were compared.
     pub samples: usize,
     /// Root mean square of the difference that noise alone would cause, in the unit of the output. Noise is that of settled
-    /// holds where there are any, else the white part alone.
+    /// holds where there are any, else the white part, and what the difference itself has of noise with a memory.
     pub by_noise: f64,
     pair: Pair,
 }
@@ -207,12 +210,15 @@ pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
             end_s: end_s + lag_s,
         };
         let [of_first, of_second] = pair.recordings.map(|place| noises[place]);
+        let apart = at_best_lag(first, second, pair);
+        let known = of_first.hypot(of_second);
+        let with_memory = apart.jitter.filter(|jitter| *jitter <= MOST_MEMORY * known);
         RepeatedDrive {
             first: part(first, 0.0),
             second: part(second, pair.lag_s),
-            apart: at_best_lag(first, second, pair),
+            apart,
             samples: time_s.len(),
-            by_noise: of_first.hypot(of_second),
+            by_noise: with_memory.map_or(known, |jitter| jitter.max(known)),
             pair: pair.clone(),
         }
     };

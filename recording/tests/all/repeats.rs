@@ -279,3 +279,48 @@ fn static_data_and_one_run_alone_say_nothing() {
     let untimed = untimed.unwrap();
     assert_eq!(repeat_floor(&[untimed.clone(), untimed]), None);
 }
+
+/// A recording of so many samples of an output that moves, with noise of a memory of ten samples.
+fn with_memory(name: &str, gain: f64, seed: u64) -> Recording {
+    let n = 1200;
+    let mut slow = 0.0;
+    let output = (0..n).map(|k| {
+        slow = 0.9 * slow + 0.19_f64.sqrt() * 0.02 * noise(k, seed);
+        gain * (1.0 - (0.02 * k as f64).cos()) + slow
+    });
+    Recording::new(RecordingParts {
+        name: name.to_owned(),
+        output: output.collect(),
+        time_s: Some((0..n).map(|k| DT_S * k as f64).collect()),
+        drive: (0..n)
+            .map(|k| 0.5 - 0.5 * (0.02 * k as f64).cos())
+            .collect(),
+        output_unit: "mm".to_owned(),
+        ..RecordingParts::default()
+    })
+    .unwrap()
+}
+
+#[test]
+fn noise_with_a_memory_is_noise_and_another_gain_beside_it_is_none() {
+    for seed in [1, 11, 21, 31] {
+        let of = |gain: f64| {
+            let runs = [
+                with_memory("a", 1.0, seed),
+                with_memory("b", gain, seed + 1),
+            ];
+            repeat_floor(&runs).unwrap()
+        };
+        let same = of(1.0);
+        // A memory of ten samples makes it some three times the white part.
+        assert!(same.is_noise(), "{:?} {:?}", same.rms(), same.by_noise());
+        assert!((same.by_noise().unwrap() / 0.028 - 1.0).abs() < 0.25);
+        let further = of(1.08);
+        assert!(
+            !further.is_noise(),
+            "{:?} {:?}",
+            further.rms(),
+            further.by_noise()
+        );
+    }
+}

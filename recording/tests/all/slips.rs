@@ -1,6 +1,6 @@
 //! An output that slips is told from one that moves.
 
-use recording::{Recording, inspect, mended, slips};
+use recording::{Recording, inspect, mended, slips, stuck};
 
 use crate::inspect::{Noise, recording, response};
 
@@ -104,4 +104,41 @@ fn motion_is_no_slip() {
     let output = response(&drive, DT_S, 0.01);
     drive.rotate_left(3);
     assert_eq!(slips(&recording(DT_S, drive, output)), []);
+}
+
+/// The response with noise, its value repeated in some runs of samples.
+fn repeated(runs: &[(usize, usize)]) -> Recording {
+    let mut output = slipped(&[], 1).output().to_vec();
+    for &(start, end) in runs {
+        let value = output[start];
+        output[start..end].fill(value);
+    }
+    recording(DT_S, drive(), output)
+}
+
+#[test]
+fn a_logger_that_repeats_a_value_is_said_with_the_way_round_it_and_is_no_slip() {
+    // While the rod cools and a drive of zero is held.
+    let odd = repeated(&[(805, 845), (2405, 2480)]);
+    assert_eq!(slips(&odd), []);
+    let found = stuck(&odd).unwrap();
+    assert_eq!(found.runs, [806..845, 2406..2480]);
+    let warnings = inspect(&odd).warnings();
+    let said = warnings.iter().map(ToString::to_string);
+    let said: Vec<String> = said.filter(|said| said.contains("repeats")).collect();
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0].starts_with("the output stands at one value from 40.3 to 42.2 s and once more, and goes on by a step of -"),
+        "{said:?}"
+    );
+    assert!(
+        said[0].ends_with("leave it out with exclude_s = [[40.3, 42.2], [120.3, 123.95]] under [recordings.\"run3.csv\"] in the rod file"),
+        "{said:?}"
+    );
+    // Whole, at rest for as long, and where a converter repeats most of its values.
+    assert_eq!(stuck(&repeated(&[])), None);
+    assert_eq!(stuck(&repeated(&[(100, 200)])), None);
+    let rounded = repeated(&[(805, 845)]);
+    let output = rounded.output().iter().map(|y| (y * 8.0).round() / 8.0);
+    assert_eq!(stuck(&recording(DT_S, drive(), output.collect())), None);
 }
