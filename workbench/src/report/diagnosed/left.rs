@@ -219,7 +219,7 @@ pub(super) fn rest(diagnosis: &Diagnosis) -> Option<String> {
 
 fn remainder(left: &Remainder, unit: &str) -> String {
     let mut text = format!(
-        "Left: {}{unit} RMS beyond the noise in training, {} of the error above the noise",
+        "Left: {}{unit} RMS beyond the noise on stretches that were left out, {} of the error above the noise",
         spoken(left.rms),
         spoken_percent(left.share)
     );
