@@ -3,7 +3,7 @@
 use identify::{Bounds, Fit, IdentifyError};
 
 use crate::decide::OF_FORMULAS;
-use crate::model::case::Case;
+use crate::model::case::{Case, Node};
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily, Role};
 
@@ -14,58 +14,57 @@ const SHAPES: f64 = 10.0;
 /// Standard errors of half a 95 % interval.
 pub(crate) const HALF_95: f64 = 1.96;
 
-/// Standard error of an effect's first size by the error of the loop's formula, where a size of 1 shows so much: 0 beside the baseline
-/// model's loop, and of what does not act like a loop.
-pub(crate) fn error_of_formula(case: &Case<'_>, effect: Candidate, shown_per_unit: f64) -> f64 {
+/// Root mean square of that part of the error of the loop's formula which has the shape of an effect: 0 beside the baseline model's loop,
+/// and of what does not act like a loop.
+fn of_formula(case: &Case<'_>, effect: Candidate) -> f64 {
     if case.setting.loop_family == LoopFamily::Proximity || !effect.info().like_loop {
         return 0.0;
     }
     let deviation = (case.output_squares() / case.layout.n_outputs() as f64).sqrt();
-    OF_FORMULAS * deviation / SHAPES.sqrt() / shown_per_unit
+    OF_FORMULAS * deviation / SHAPES.sqrt()
 }
 
-/// A fit of the model with these effects, the intervals of sizes as wide as the error of the loop's formula makes them.
+/// Standard error of an effect's first size by the error of the loop's formula, where a size of 1 shows so much.
+pub(crate) fn error_of_formula(case: &Case<'_>, effect: Candidate, shown_per_unit: f64) -> f64 {
+    match of_formula(case, effect) {
+        error if error > 0.0 => error / shown_per_unit,
+        _ => 0.0,
+    }
+}
+
+/// A fit of the model with these effects, the intervals of sizes as wide as the error of the loop's formula makes them. All sizes of an effect
+/// are as uncertain by it as what the effect explains.
 pub(crate) fn with_error_of_formula(
     search: &mut Search<'_>,
     effects: CandidateSet,
     mut fit: Fit,
 ) -> Result<Fit, IdentifyError> {
-    for effect in effects.iter().filter(|effect| effect.info().like_loop) {
-        let Some(less) = search.without(effects, effect)? else {
-            continue;
-        };
-        let sifted = search.sifted(less)?;
-        let mut scores = sifted.found.scores.iter();
-        let Some(score) = scores.find(|score| score.effect == effect) else {
-            continue;
-        };
-        let error = error_of_formula(search.case, effect, score.shown_per_unit);
-        let sizes = effect.info().parameters.iter();
-        let sizes: Vec<&str> = sizes
-            .filter(|parameter| parameter.role == Role::Size)
-            .map(|parameter| parameter.name)
-            .collect();
-        let of_first = fit
-            .parameters
-            .iter()
-            .find(|one| Some(&one.info.name) == sizes.first());
-        let intervals = of_first
-            .into_iter()
-            .flat_map(|first| first.intervals.iter().flatten());
-        let half = intervals.map(|own| 0.5 * own.width()).fold(0.0, f64::max);
-        if half <= 0.0 || !error.is_finite() {
+    for effect in effects.iter() {
+        let error = of_formula(search.case, effect);
+        if error <= 0.0 {
             continue;
         }
-        // All sizes of an effect are as uncertain by it as the first.
-        let factor = half.hypot(HALF_95 * error) / half;
-        for size in fit
-            .parameters
-            .iter_mut()
-            .filter(|one| sizes.contains(&one.info.name))
-        {
-            for (value, interval) in size.values.iter().zip(&mut size.intervals) {
-                if let Some(own) = interval {
-                    *own = stretched(*own, *value, factor, size.info.bounds);
+        let less = search.without(effects, effect)?;
+        let squares = [less, Some(effects)].map(|set| {
+            let node = set.and_then(|set| search.get(set));
+            node.map_or(f64::NAN, Node::mean_square)
+        });
+        let share = error / (squares[0] - squares[1]).sqrt();
+        if !share.is_finite() {
+            continue;
+        }
+        let sizes = effect.info().parameters.iter();
+        for size in sizes.filter(|parameter| parameter.role == Role::Size) {
+            let fitted = fit.parameters.iter_mut();
+            for fitted in fitted.filter(|fitted| fitted.info.name == size.name) {
+                let each = fitted.values.iter().zip(&mut fitted.intervals);
+                for (value, own) in each.filter_map(|(value, own)| Some((*value, own.as_mut()?))) {
+                    let error = share * (value - size.neutral()).abs();
+                    let half = 0.5 * own.width();
+                    if half > 0.0 {
+                        let factor = half.hypot(HALF_95 * error) / half;
+                        *own = stretched(*own, value, factor, fitted.info.bounds);
+                    }
                 }
             }
         }
