@@ -164,3 +164,42 @@ fn low_exponent(case: &Case<'_>, node: &Node) -> f64 {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+    use recording::RecordingParts;
+
+    /// A recording of so many seconds, at rest for a share of them, then with a drive and an output that go to and fro.
+    fn recording(n: usize, at_rest: f64, noise_mm: f64) -> Recording {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let still = (at_rest * n as f64) as usize;
+        let level = |k: usize| 1.0 - (0.05 * k.saturating_sub(still) as f64).cos();
+        let output = (0..n).map(|k| {
+            let normal: f64 = StandardNormal.sample(&mut rng);
+            level(k) + noise_mm * normal
+        });
+        Recording::new(RecordingParts {
+            output: output.collect(),
+            time_s: Some((0..n).map(|k| k as f64).collect()),
+            drive: (0..n).map(level).collect(),
+            output_unit: "mm".to_owned(),
+            ..RecordingParts::default()
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn the_largest_noise_is_no_less_than_the_least_where_one_quiet_recording_alone_has_rests() {
+        let quiet = recording(400, 0.5, 0.002);
+        let loud = recording(2000, 0.0, 0.03);
+        let alone = measured(std::slice::from_ref(&quiet), 5.0);
+        assert!(alone.upper.unwrap() < 0.005, "{alone:?}");
+        let both = measured(&[quiet, loud], 5.0);
+        assert!((0.02..0.03).contains(&both.lower), "{both:?}");
+        assert!(both.upper.unwrap() >= both.lower, "{both:?}");
+    }
+}

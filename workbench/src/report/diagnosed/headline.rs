@@ -2,6 +2,7 @@
 
 use identify::Validated;
 use missing_physics::{Diagnosis, Finding, RuleId, Rung, Stage, Verdict};
+use sma_effects::Belongs;
 
 use super::traces::{failed, passed, value};
 use crate::report::number::{behind, percent, significant, spoken};
@@ -12,6 +13,15 @@ use crate::report::words::{listed, recordings};
 pub fn headline(diagnosis: &Diagnosis) -> String {
     let class = diagnosis.verdict.id().replace('_', " ").to_uppercase();
     format!("{class}: {}", said(diagnosis))
+}
+
+/// What else to ask where the model does not describe the recordings, but a drift reduces the error.
+fn or_changed(diagnosis: &Diagnosis) -> &'static str {
+    let is_drift = |one: &Finding| one.effect.info().belongs_to == Belongs::Recording;
+    match diagnosis.suspects.iter().any(is_drift) {
+        true => ", or did something change while they were recorded, a fan for example",
+        false => "",
+    }
 }
 
 fn said(diagnosis: &Diagnosis) -> String {
@@ -30,9 +40,10 @@ fn said(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Unexplained if failed(diagnosis, RuleId::Describes).is_some() => format!(
             "the model does not describe this recording. Of what the output does it predicts {} on stretches that it has not seen; \
-             {} are required. Do drive and output belong together?",
+             {} are required. Do drive and output belong together{}?",
             percent(value(diagnosis, RuleId::Describes).unwrap_or(0.0).max(0.0)),
             percent(RuleId::Describes.rule().threshold),
+            or_changed(diagnosis),
         ),
         Verdict::Unexplained if fails_unseen_alone(diagnosis) => format!(
             "the baseline model does not hold on the unseen {}, and the training does not show why. {} Add {} to the training.",
