@@ -118,19 +118,19 @@ pub fn slips(recording: &Recording) -> Vec<Slip> {
         let mut drives = drives.iter();
         drives.all(|(drive, still)| is_held(&drive[samples.clone()], *still))
     };
+    // The step behind a repeated value is the logger's.
+    let stuck = stuck(recording).map_or_else(Vec::new, |stuck| stuck.runs);
+    let ends_stuck = |k: usize| stuck.iter().any(|run| run.end == k + 1);
     let jumps: Vec<usize> = (AROUND..steps.len() - AROUND)
-        .filter(|&k| steps[k].abs() > least && is_alone(&steps, k))
+        .filter(|&k| steps[k].abs() > least && is_alone(&steps, k) && !ends_stuck(k))
         .collect();
     let comes_back = |k: usize| {
         let is_back = |other: &usize| (steps[*other] + steps[k]).abs() < BACK * steps[k].abs();
         jumps.iter().any(is_back)
     };
-    // Behind a value that is repeated the output only goes on.
-    let stuck = stuck(recording).map_or_else(Vec::new, |stuck| stuck.runs);
     let slips: Vec<usize> = jumps
         .iter()
         .copied()
-        .filter(|&k| !stuck.iter().any(|run| run.end == k + 1))
         .filter(|&k| are_held(k - AROUND..=k) && stays(output, k, steps[k]))
         .filter(|&k| !comes_back(k))
         .collect();

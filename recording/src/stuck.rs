@@ -9,15 +9,18 @@ use crate::ordered::usual_size;
 use crate::sampling::Sampling;
 use crate::warning::{Short, quantity};
 
-/// Fewest samples of one value that are looked at.
+/// Fewest samples of one value that are looked at. Our choice: fewer are a dropout, which is found as such.
 const FEWEST: usize = 8;
 
-/// Number of such runs that noise may make in the recording.
+/// Number of such runs that noise may make in the recording. Our choice.
 const BY_CHANCE: f64 = 1e-3;
 
-/// Step out of a run over what neighbors usually differ by: noise comes no farther than six times, and what stood still all the same does
-/// no harm.
+/// Step out of a run over what neighbors usually differ by, at least: noise comes no farther than six times, and a repeated value that is
+/// no farther off does no harm.
 const FAR: f64 = 10.0;
+
+/// Step out of a run over the next one, at least: a logger catches up at once, a rod that begins to move goes on as it began.
+const AT_ONCE: f64 = 5.0;
 
 /// Spans in which the output stands at one value, while it moves on unseen: a logger or a connection that hangs.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +39,9 @@ pub struct Stuck {
 
 impl fmt::Display for Stuck {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [start_s, end_s] = self.spans_s[0];
+        let Some(&[start_s, end_s]) = self.spans_s.first() else {
+            return Ok(());
+        };
         write!(
             f,
             "the output stands at one value from {} to {} s",
@@ -64,8 +69,9 @@ impl fmt::Display for Stuck {
     }
 }
 
-/// Where the output stands at one value, sample for sample, and goes on with a step, though its neighbors hardly ever agree elsewhere.
-/// `None` if it nowhere does, and for static data.
+/// Where the output stands at one value, sample for sample, and goes on with a single step, though its neighbors hardly ever agree elsewhere.
+/// `None` if it nowhere does, for static data, and where the output stands still as often without a step behind it: then that is its rest. A
+/// value that is repeated up to the end is not told from rest.
 #[must_use]
 pub fn stuck(recording: &Recording) -> Option<Stuck> {
     let (time_s, output) = (recording.time_s(), recording.output());
@@ -92,10 +98,20 @@ pub fn stuck(recording: &Recording) -> Option<Stuck> {
             .get(run.end)
             .map_or(0.0, |next| next - output[run.start])
     };
-    let is_stuck = |run: &Range<usize>| {
-        run.len() >= FEWEST && by_chance(run) < BY_CHANCE && step(run).abs() > FAR * usual
+    let next = |run: &Range<usize>| {
+        let two = output.get(run.end..run.end + 2);
+        two.map_or(0.0, |two| two[1] - two[0])
     };
-    let found: Vec<Range<usize>> = all.into_iter().filter(is_stuck).collect();
+    let stands = |run: &Range<usize>| run.len() >= FEWEST && by_chance(run) < BY_CHANCE;
+    let goes_on = |run: &Range<usize>| {
+        let step = step(run).abs();
+        step > FAR * usual && step > AT_ONCE * next(run).abs()
+    };
+    let standing = all.into_iter().filter(stands);
+    let (found, at_rest): (Vec<Range<usize>>, Vec<Range<usize>>) = standing.partition(goes_on);
+    if at_rest.len() >= found.len() {
+        return None;
+    }
     let steps = found.iter().map(step);
     let step = steps.reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
     let file = Path::new(recording.name()).file_name();

@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 use recording::{
     NoiseConfig, Quantity, Recording, RecordingParts, clipping, cycles, drive_noise,
     drive_resolution, has_one_rate, holds, inspect, mended, noise_floor, quantization_step,
-    repeat_floor, repeats, resample, slips, wild,
+    repeat_floor, repeats, resample, slips, stuck, wild,
 };
 
 #[derive(Debug, Arbitrary)]
@@ -75,6 +75,7 @@ fuzz_target!(|drawn: Drawn| {
     }
     let _ = (
         slips(&recording),
+        stuck(&recording),
         drive_noise(&recording),
         clipping(recording.output()),
     );

@@ -228,7 +228,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Told,
         name: "told",
-        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; 0 of a drift that turns back three times in a recording, or goes most of its way within an eighth of one",
+        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; 0 of a drift that turns back three times in a recording, or goes most of its way within an eighth of one, and of another name that ends at a bound which is no physical end",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Quantile,

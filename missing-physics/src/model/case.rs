@@ -32,7 +32,8 @@ const RACE: usize = 4;
 /// is left to gain.
 const NEAR_THE_END: f64 = 2e-2;
 
-/// Logarithm of a likelihood, if each sample were told by itself, that is left to gain where a refinement has its end: it moves no belief.
+/// Logarithm of a likelihood, if each sample were told by itself, that is left to gain where a refinement has its end: a twelfth of what
+/// another model may lack to do as well.
 const LEFT_NATS: f64 = 0.25;
 
 /// Logarithm of a likelihood, if each sample were told by itself, that an iteration must gain; two in a row that gain less end a search.
@@ -369,7 +370,9 @@ impl<'a> Case<'a> {
                 relative_offset: if iterations < TO_THE_END {
                     NEAR_THE_END
                 } else {
-                    (2.0 * LEFT_NATS / self.layout.len() as f64).sqrt()
+                    (2.0 * LEFT_NATS / self.layout.len() as f64)
+                        .sqrt()
+                        .min(NEAR_THE_END)
                 },
                 least_gain: self.least_gain(&near.noise.output),
             },
@@ -594,6 +597,8 @@ pub(crate) fn is_beyond(parameter: &EffectParameter, value: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::synthetic::Synthetic;
+    use crate::{EffectId, EffectSet, EffectValues, LoopFamily};
 
     #[test]
     fn a_bound_counts_where_it_is_no_end_of_what_can_be() {
@@ -605,11 +610,10 @@ mod tests {
         assert!(!is_beyond(bow, 0.5 * upper) && !is_beyond(bow, 0.0));
         let play = &parameters(EffectId::Backlash)[0];
         assert!(!is_beyond(play, 0.0) && is_beyond(play, play.bounds[1]));
-        let limit = &parameters(EffectId::Radiation)[0];
-        assert_eq!(is_beyond(limit, limit.bounds[1]), !limit.upper_is_physical);
+        // A stop cannot hold back more than all of the movement.
+        let stop = &parameters(EffectId::EndStop)[0];
+        assert!(!is_beyond(stop, stop.bounds[1]));
     }
-    use crate::model::synthetic::Synthetic;
-    use crate::{EffectId, EffectSet, EffectValues, LoopFamily};
 
     #[test]
     fn as_much_of_a_loop_is_free_with_another_effect_as_without() {

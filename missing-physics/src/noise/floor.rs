@@ -119,7 +119,7 @@ impl Measured {
         if self.is_coarse(best.mean_square()) {
             return NoiseClass::Quantized;
         }
-        let noise = self.upper.unwrap_or(self.lower).max(self.lower);
+        let noise = self.upper.unwrap_or(self.lower);
         // The lowest frequencies alone say too little: noise that grows towards them has a memory at once.
         if best.noise.output.coefficients.is_empty() {
             NoiseClass::White

@@ -1,6 +1,6 @@
 //! Status of each effect by the recordings, and the findings.
 
-use identify::{FittedParameter, IdentifyError, ParameterState};
+use identify::{Bounds, FittedParameter, IdentifyError, ParameterState};
 
 use crate::decide::{Decided, Named, Verdict, leading};
 use crate::evidence::{Model, Population};
@@ -53,7 +53,7 @@ pub(crate) fn finding(
                 value: fitted.map_or(parameter.neutral(), |fitted| fitted.values[r]),
                 ci95: fitted
                     .and_then(|fitted| fitted.intervals[r])
-                    .map(|interval| [interval.lower, interval.upper]),
+                    .map(|interval| within(interval, fitted.map(|one| one.info.bounds))),
                 literature: literature.map(|literature| literature.range),
             }
         })
@@ -67,6 +67,12 @@ pub(crate) fn finding(
         sentence: sentence::finding(info, &parameters),
         parameters,
     }
+}
+
+/// Both ends of an interval, as far as they are possible.
+fn within(interval: Bounds, possible: Option<Bounds>) -> [f64; 2] {
+    let ends = [interval.lower, interval.upper];
+    possible.map_or(ends, |one| ends.map(|end| end.clamp(one.lower, one.upper)))
 }
 
 /// Index of the recording in which a drift is largest; 0 of an effect that all recordings share.
@@ -130,9 +136,12 @@ pub(crate) fn catalogue(
             .iter()
             .find(|score| score.effect == effect);
         let left = left.iter().find(|score| score.effect == effect);
-        let detectable = left.or(score).map(|score| {
-            ((critical + POWER) * score.errors[0]).max(least_rms / score.shown_per_unit)
-        });
+        let error = |score: &Score| {
+            score.errors[0].hypot(error_of_formula(search.case, effect, score.shown_per_unit))
+        };
+        let detectable = left
+            .or(score)
+            .map(|score| ((critical + POWER) * error(score)).max(least_rms / score.shown_per_unit));
         let is_other = |named: &Named| named.others.iter().any(|(other, _)| *other == effect);
         let status = if let Some(need) = search.case.missing(effect) {
             Status::Unknown { need }
@@ -149,8 +158,7 @@ pub(crate) fn catalogue(
                 let size = left.sizes[0];
                 let size = if signed { size.abs() } else { size.max(0.0) };
                 // A smaller one would be passed over, and one that a model as credible has is not out of the question.
-                let of_formula = error_of_formula(search.case, effect, left.shown_per_unit);
-                (size + HALF_95 * left.errors[0].hypot(of_formula))
+                (size + HALF_95 * error(left))
                     .max(least_rms / left.shown_per_unit)
                     .max(held_possible(search, &credible, effect))
             };
@@ -158,7 +166,7 @@ pub(crate) fn catalogue(
                 // While something unknown is left, no limit is tighter than that allows.
                 _ if is_open => Status::NotTestable,
                 Some(left)
-                    if (critical + POWER) * left.errors[0] <= largest && upper(left) < largest =>
+                    if (critical + POWER) * error(left) <= largest && upper(left) < largest =>
                 {
                     Status::Excluded { upper: upper(left) }
                 }

@@ -1,14 +1,14 @@
 //! Uncertainty of a size by how inexact the formula of the loop beside it is.
 
-use identify::{Bounds, Fit, IdentifyError};
+use identify::{Bounds, Fit, FittedParameter, IdentifyError};
 
 use crate::decide::OF_FORMULAS;
-use crate::model::case::{Case, Node};
+use crate::model::case::Case;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, LoopFamily, Role};
 
-/// Independent shapes in which the formula of a loop may err: five bends of either branch beyond those that are free. The error is as
-/// likely of one as of another, and an effect that acts like the loop takes up its share.
+/// Independent shapes in which the formula of a loop may err: some five bends of either branch beyond the three that are free. Our choice. The
+/// error is as likely of one as of another, and an effect that acts like the loop takes up its share.
 const SHAPES: f64 = 10.0;
 
 /// Standard errors of half a 95 % interval.
@@ -32,8 +32,8 @@ pub(crate) fn error_of_formula(case: &Case<'_>, effect: Candidate, shown_per_uni
     }
 }
 
-/// A fit of the model with these effects, the intervals of sizes as wide as the error of the loop's formula makes them. All sizes of an effect
-/// are as uncertain by it as what the effect explains.
+/// Widens the intervals of sizes by the error of the loop's formula. All sizes of an effect have one relative error: that of the formula over
+/// the root mean square that the effect explains. An end may lie beyond what is possible: then the size is not told.
 pub(crate) fn with_error_of_formula(
     search: &mut Search<'_>,
     effects: CandidateSet,
@@ -45,25 +45,23 @@ pub(crate) fn with_error_of_formula(
             continue;
         }
         let less = search.without(effects, effect)?;
-        let squares = [less, Some(effects)].map(|set| {
-            let node = set.and_then(|set| search.get(set));
-            node.map_or(f64::NAN, Node::mean_square)
-        });
-        let share = error / (squares[0] - squares[1]).sqrt();
-        if !share.is_finite() {
+        let nodes = (less.and_then(|less| search.get(less)), search.get(effects));
+        // Without it another vanishes: what it explains by itself is not known.
+        let (Some(less), Some(with)) = nodes else {
             continue;
-        }
+        };
+        let explained = (less.mean_square() - with.mean_square()).max(0.0).sqrt();
         let sizes = effect.info().parameters.iter();
         for size in sizes.filter(|parameter| parameter.role == Role::Size) {
-            let fitted = fit.parameters.iter_mut();
-            for fitted in fitted.filter(|fitted| fitted.info.name == size.name) {
-                let each = fitted.values.iter().zip(&mut fitted.intervals);
-                for (value, own) in each.filter_map(|(value, own)| Some((*value, own.as_mut()?))) {
-                    let error = share * (value - size.neutral()).abs();
-                    let half = 0.5 * own.width();
-                    if half > 0.0 {
-                        let factor = half.hypot(HALF_95 * error) / half;
-                        *own = stretched(*own, value, factor, fitted.info.bounds);
+            let of_size = |fitted: &&mut FittedParameter| fitted.info.name == size.name;
+            for fitted in fit.parameters.iter_mut().filter(of_size) {
+                let range = fitted.info.bounds.width();
+                for (&value, interval) in fitted.values.iter().zip(&mut fitted.intervals) {
+                    let own = error * (value - size.neutral()).abs() / explained;
+                    // What explains nothing may have any size.
+                    let half = HALF_95 * if own < range { own } else { range };
+                    if let Some(interval) = interval {
+                        *interval = widened_by(*interval, value, half);
                     }
                 }
             }
@@ -72,11 +70,11 @@ pub(crate) fn with_error_of_formula(
     Ok(fit)
 }
 
-/// An interval around a value, so many times as wide, within what is possible.
-fn stretched(own: Bounds, value: f64, factor: f64, possible: Bounds) -> Bounds {
+/// An interval around a value with another half, in quadrature on either side.
+fn widened_by(own: Bounds, value: f64, half: f64) -> Bounds {
     Bounds {
-        lower: (value - factor * (value - own.lower)).max(possible.lower),
-        upper: (value + factor * (own.upper - value)).min(possible.upper),
+        lower: value - (value - own.lower).hypot(half),
+        upper: value + (own.upper - value).hypot(half),
     }
 }
 
@@ -110,21 +108,18 @@ mod tests {
     }
 
     #[test]
-    fn an_interval_is_stretched_on_either_side_of_its_value_within_what_is_possible() {
+    fn a_size_whose_formula_may_make_it_is_not_told() {
         let own = Bounds {
-            lower: 0.1,
-            upper: 0.4,
-        };
-        let possible = Bounds {
-            lower: 0.0,
+            lower: 0.8,
             upper: 1.0,
         };
-        let wide = stretched(own, 0.2, 1.5, possible);
-        assert!((wide.lower - 0.05).abs() < 1e-12 && (wide.upper - 0.5).abs() < 1e-12);
-        let wider = stretched(own, 0.2, 10.0, possible);
+        let wide = widened_by(own, 0.9, 0.9);
+        // Beyond 0 and beyond the whole: a size over its half interval of less than 1.
+        assert!(wide.lower < 0.0 && wide.upper > 1.8);
+        let narrow = widened_by(own, 0.9, 0.0);
         assert_eq!(
-            [wider.lower, wider.upper].map(f64::to_bits),
-            [0.0, 1.0_f64].map(f64::to_bits)
+            [narrow.lower, narrow.upper].map(f64::to_bits),
+            [0.8_f64, 1.0].map(f64::to_bits)
         );
     }
 }

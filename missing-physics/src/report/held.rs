@@ -71,7 +71,8 @@ const RESTLESS: usize = 3;
 /// constant as long as values are apart goes that far in the time, 1 - 1/e, and what is slower less far.
 const AT_ONCE: f64 = 0.632;
 
-/// Decision without names whose sizes may be zero, and without drifts that are not slow; such names become suspects.
+/// Decision without names whose sizes may be zero, without drifts that are not slow, and without other names that end at a bound which is no end
+/// of what can be; such names become suspects.
 pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     let fit = &extended.stage.fit;
     let is_told = |effect: Candidate, traces: &mut Traces| {

@@ -3,7 +3,7 @@
 use identify::IdentifyError;
 
 use crate::config::Part;
-use crate::evidence::Population;
+use crate::evidence::{Model, Population};
 use crate::model::case::Node;
 use crate::search::complete::Completing;
 use crate::search::families::IN_VAIN;
@@ -12,8 +12,8 @@ use crate::search::roads::{MOST_EFFECTS, Search};
 /// Goes on, effect by effect, with the paper's loop, the first, and with each other that does not stay further from the recordings than
 /// another's does.
 ///
-/// Each goes on to pairs, and from there until a loop with an effect fewer outdoes it, or the blocks that are left out are predicted no
-/// better than with an effect fewer.
+/// Each of these goes on to pairs, and from there until a loop with an effect fewer outdoes it, or its models are worth no more than those with
+/// fewer effects.
 pub(crate) fn grow(
     searches: &mut [Search<'_>],
     completing: &mut Completing<'_>,
@@ -61,20 +61,21 @@ fn is_outdone(searches: &[Search<'_>], place: usize, n_effects: usize) -> bool {
     IN_VAIN * simpler < least(&searches[place], n_effects)
 }
 
-/// True if a model of a search with so many effects is worth more than all with fewer.
+/// True if a model of a search with so many effects is worth more, by its prior and the blocks that are left out, than all with fewer that may be chosen.
 fn predicts_more(population: &Population, search: &Search<'_>, n_effects: usize) -> bool {
-    let worth = |is_asked: &dyn Fn(usize) -> bool| {
+    let worth = |is_asked: &dyn Fn(&Model) -> bool| {
         let family = search.case.setting.loop_family;
         let own = population
             .models
             .iter()
             .filter(|model| model.family == family);
-        let asked = own.filter(|model| is_asked(model.effects.len()));
+        let asked = own.filter(|model| is_asked(model));
         asked
             .map(|model| model.worth())
             .fold(f64::NEG_INFINITY, f64::max)
     };
-    worth(&|n| n == n_effects) > worth(&|n| n < n_effects)
+    let fewer = |model: &Model| model.effects.len() < n_effects && model.is_admissible();
+    worth(&|model| model.effects.len() == n_effects) > worth(&fewer)
 }
 
 #[cfg(test)]
@@ -112,6 +113,7 @@ mod tests {
         });
         let mut searches: Vec<Search<'_>> = with_one.collect();
         grow(&mut searches, &mut Completing::new(&blocks, 1)).unwrap();
+        assert!(is_outdone(&searches, 0, 2) && !is_outdone(&searches, 1, 2));
         let papers = searches[0].nodes().map(|node| node.effects.len());
         assert_eq!(papers.max(), Some(2));
     }

@@ -46,6 +46,7 @@ fn a_loop_of_kinetics_alone_is_another_shape_of_the_loop() {
 fn asymmetry_beside_kinetics_that_set_in_sharply_is_named_with_its_size() {
     let effect = EffectId::LoopAsymmetry;
     let wire = wire(LoopFamily::Kinetics, EffectSet::of(effect));
+    // Twice the typical: what the formula of another loop may be off by makes once of it a suspect.
     let mut truth = EffectValues::typical(effect, 2.0);
     truth.family.onset = 1.0;
     let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);

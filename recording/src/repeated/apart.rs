@@ -35,9 +35,9 @@ pub struct Apart {
     pub differences: Vec<Difference>,
     /// Root mean square of what is left without all of them.
     pub left: f64,
-    /// Root mean square of what they differ by within short stretches, as noise with a memory does; `None` where the difference follows
-    /// the motion beyond chance, or few samples are compared.
-    pub jitter: Option<f64>,
+    /// Standard deviation of the difference within a short stretch, gain, delays and pace taken out: of half of the stretches it is less.
+    /// Noise with a memory has it, too. `None` where gain, delays and pace take more than they take of noise, or few samples are compared.
+    pub within_stretches: Option<f64>,
     /// Time in the first recording, s, and the outputs of both there, the offset taken out of the second: at most a thousand
     /// of them, equally far apart.
     pub outputs: Vec<[f64; 3]>,
@@ -93,7 +93,6 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
     let columns = terms(time_s, &levels, &both);
     let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
     let whole = square(&differences);
-    let independent = independent(&differences);
     let (values, taken, left) = regressed(&columns, differences);
     let kinds = [
         Difference::Gain,
@@ -110,13 +109,14 @@ pub(crate) fn apart(first: &Recording, second: &Recording, pair: &Pair) -> Apart
         .collect();
     falling(&mut named, |one| one.0);
     let of_motion = 1.0 - square(&left) / whole;
-    let is_by_chance = of_motion * independent <= BY_CHANCE;
+    // Of what is left: a slow motion would itself look like noise with a long memory.
+    let is_by_chance = of_motion * independent(&left) <= BY_CHANCE;
     Apart {
         offset,
         rms: (whole / n).sqrt(),
         differences: named.into_iter().map(|(_, one)| one).collect(),
         left: (square(&left) / n).sqrt(),
-        jitter: jitter(&left).filter(|_| is_by_chance),
+        within_stretches: within_stretches(&left).filter(|_| is_by_chance),
         outputs: time_s
             .iter()
             .zip(of_first)
@@ -135,8 +135,8 @@ fn independent(noise: &[f64]) -> f64 {
     noise.len() as f64 * (1.0 - correlation) / (1.0 + correlation)
 }
 
-/// Root mean square about the mean of each short stretch; of half of the stretches it is more, which an event in the others does not move.
-fn jitter(differences: &[f64]) -> Option<f64> {
+/// Standard deviation within a short stretch: of half of the stretches it is less, so that an event in some of them does not move it.
+fn within_stretches(differences: &[f64]) -> Option<f64> {
     let n_stretch = STRETCH.min(differences.len() / FEWEST_STRETCHES);
     if n_stretch < FEWEST_SAMPLES {
         return None;

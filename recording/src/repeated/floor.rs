@@ -13,7 +13,8 @@ const ROUNDING: f64 = 1e-6;
 /// Difference of two runs over that of independent noise, up to which they repeat.
 const REPEATS: f64 = 1.5;
 
-/// Noise over its white part, at most: a sensor's noise has a memory of 25 samples at the longest.
+/// Noise over its white part, at most, as for what is slower than a sensor's noise: with a memory of 25 samples it is five times as large as
+/// between neighbors.
 const MOST_MEMORY: f64 = 5.0;
 
 /// A stretch of a recording.
@@ -180,16 +181,17 @@ fn at_best_lag(first: &Recording, second: &Recording, pair: &Pair) -> Apart {
 /// ```
 #[must_use]
 pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
-    let noises: Vec<f64> = recordings
+    // The white part, and with what holds show.
+    let noises: Vec<[f64; 2]> = recordings
         .iter()
         .map(|recording| {
             let (lowest, highest) = range(recording.output().iter().copied());
             let floor = noise_floor(recording, NoiseConfig::default());
-            let known = floor.map_or(0.0, |floor| {
+            let known = floor.map_or([0.0; 2], |floor| {
                 let held = floor.holds.map_or(0.0, |holds| holds.standard_deviation);
-                floor.white().max(held)
+                [floor.white(), floor.white().max(held)]
             });
-            known.max(ROUNDING * (highest - lowest))
+            known.map(|deviation| deviation.max(ROUNDING * (highest - lowest)))
         })
         .collect();
     let mut all = pairs(recordings);
@@ -211,14 +213,15 @@ pub fn repeat_floor(recordings: &[Recording]) -> Option<RepeatFloor> {
         };
         let [of_first, of_second] = pair.recordings.map(|place| noises[place]);
         let apart = at_best_lag(first, second, pair);
-        let known = of_first.hypot(of_second);
-        let with_memory = apart.jitter.filter(|jitter| *jitter <= MOST_MEMORY * known);
+        let [white, known] = [0, 1].map(|k: usize| of_first[k].hypot(of_second[k]));
+        let with_memory = apart.within_stretches;
+        let with_memory = with_memory.filter(|own| *own <= MOST_MEMORY * white);
         RepeatedDrive {
             first: part(first, 0.0),
             second: part(second, pair.lag_s),
             apart,
             samples: time_s.len(),
-            by_noise: with_memory.map_or(known, |jitter| jitter.max(known)),
+            by_noise: with_memory.map_or(known, |own| own.max(known)),
             pair: pair.clone(),
         }
     };

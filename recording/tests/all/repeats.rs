@@ -315,12 +315,15 @@ fn noise_with_a_memory_is_noise_and_another_gain_beside_it_is_none() {
         // A memory of ten samples makes it some three times the white part.
         assert!(same.is_noise(), "{:?} {:?}", same.rms(), same.by_noise());
         assert!((same.by_noise().unwrap() / 0.028 - 1.0).abs() < 0.25);
-        let further = of(1.08);
-        assert!(
-            !further.is_noise(),
-            "{:?} {:?}",
-            further.rms(),
-            further.by_noise()
-        );
+        for gain in [1.04, 1.08] {
+            let further = of(gain);
+            assert_eq!(further.pairs[0].apart.within_stretches, None, "{gain}");
+            assert!(
+                !further.is_noise(),
+                "{:?} {:?}",
+                further.rms(),
+                further.by_noise()
+            );
+        }
     }
 }

@@ -138,6 +138,21 @@ fn a_logger_that_repeats_a_value_is_said_with_the_way_round_it_and_is_no_slip() 
     // Whole, at rest for as long, and where a converter repeats most of its values.
     assert_eq!(stuck(&repeated(&[])), None);
     assert_eq!(stuck(&repeated(&[(100, 200)])), None);
+    // A rod without noise that rests, a sensor at its end, and a slip of an output that rests to the last digit.
+    let quiet = response(&drive(), DT_S, 1.0);
+    assert_eq!(stuck(&recording(DT_S, drive(), quiet.clone())), None);
+    let clipped = slipped(&[], 1)
+        .output()
+        .iter()
+        .map(|y| y.min(0.7))
+        .collect();
+    assert_eq!(stuck(&recording(DT_S, drive(), clipped)), None);
+    let digits = |y: f64| (y * 1e6).round() / 1e6;
+    let slipping = quiet.iter().zip(0..);
+    let slipping = slipping.map(|(y, k)| digits(if k < 1100 { *y } else { y + 0.8 }));
+    let slipping = recording(DT_S, drive(), slipping.collect());
+    assert_eq!(stuck(&slipping), None);
+    assert_eq!(slips(&slipping).len(), 1);
     let rounded = repeated(&[(805, 845)]);
     let output = rounded.output().iter().map(|y| (y * 8.0).round() / 8.0);
     assert_eq!(stuck(&recording(DT_S, drive(), output.collect())), None);

@@ -137,6 +137,8 @@ fn against(diagnosis: &Diagnosis, suspect: &Finding) -> Vec<String> {
         reasons.push(
             if told.value.abs() <= 0.0 && is_drift_through_values(suspect) {
                 "it turns back again and again, or comes within an eighth of a recording: that is no slow drift".to_owned()
+            } else if told.value.abs() <= 0.0 {
+                "its size ends at a bound of what is possible: it does the work of something else, or it has none".to_owned()
             } else {
                 format!(
                     "its size is {} times half of its interval{}",

@@ -15,11 +15,11 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
     format!("{class}: {}", said(diagnosis))
 }
 
-/// What else to ask where the model does not describe the recordings, but a drift reduces the error.
+/// A second question where the model does not describe the recordings, but a drift reduces the error.
 fn or_changed(diagnosis: &Diagnosis) -> &'static str {
     let is_drift = |one: &Finding| one.effect.info().belongs_to == Belongs::Recording;
     match diagnosis.suspects.iter().any(is_drift) {
-        true => ", or did something change while they were recorded, a fan for example",
+        true => ", or did something change during the recording, a fan for example",
         false => "",
     }
 }
