@@ -1,6 +1,7 @@
 //! The checked value.
 
 use std::ops::Range;
+use std::path::Path;
 
 use crate::adapt::Adaptation;
 use crate::check::{Place, check_duty, check_rising};
@@ -100,6 +101,12 @@ impl Recording {
     pub(crate) fn also_adapted_by(mut self, done: Adaptation) -> Self {
         self.adaptations.push(done);
         self
+    }
+
+    /// Name of its file, without the folders of the path: as rod files name it.
+    pub(crate) fn file_name(&self) -> String {
+        let name = Path::new(self.name()).file_name();
+        name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
     }
 
     /// This recording under another name.

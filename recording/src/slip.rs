@@ -2,7 +2,6 @@
 
 use std::fmt;
 use std::ops::RangeInclusive;
-use std::path::Path;
 
 use crate::Recording;
 use crate::holds::HOLD_TOLERANCE;
@@ -10,7 +9,7 @@ use crate::ordered::{Ordered, usual_size};
 use crate::quantization::quantization_step;
 use crate::sampling::Sampling;
 use crate::stuck::stuck;
-use crate::warning::{Short, WithUnit, quantity};
+use crate::warning::{Short, WithUnit, copied, quantity};
 
 /// Step of the output over what neighbors usually differ by, from which it may be a slip: the same as of a sample that stands apart.
 const FAR: f64 = 30.0;
@@ -54,7 +53,7 @@ impl fmt::Display for Slip {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("the output slips by ")?;
         quantity(f, self.step, &self.unit)?;
-        let [start_s, end_s] = self.longest_s.map(|time_s| (time_s * 1e6).round() / 1e6);
+        let [start_s, end_s] = copied(self.longest_s);
         let file = &self.file;
         write!(
             f,
@@ -138,14 +137,12 @@ pub fn slips(recording: &Recording) -> Vec<Slip> {
         return Vec::new();
     }
     let longest_s = longest_between(time_s, &slips);
-    let path = Path::new(recording.name());
-    let file = path.file_name().map(|name| name.to_string_lossy());
     let slip = |k: usize| Slip {
         index: k,
         time_s: time_s[k],
         step: steps[k],
         unit: recording.output_unit().to_owned(),
-        file: file.clone().unwrap_or_default().into_owned(),
+        file: recording.file_name(),
         longest_s,
     };
     slips.into_iter().map(slip).collect()

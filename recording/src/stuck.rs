@@ -2,12 +2,11 @@
 
 use std::fmt;
 use std::ops::Range;
-use std::path::Path;
 
 use crate::Recording;
 use crate::ordered::usual_size;
 use crate::sampling::Sampling;
-use crate::warning::{Short, quantity};
+use crate::warning::{Short, copied, quantity};
 
 /// Fewest samples of one value that are looked at. Our choice: fewer are a dropout, which is found as such.
 const FEWEST: usize = 8;
@@ -56,7 +55,7 @@ impl fmt::Display for Stuck {
         f.write_str(", and goes on by a step of ")?;
         quantity(f, self.step, &self.unit)?;
         let spans = self.spans_s.iter().map(|span| {
-            let [start_s, end_s] = span.map(|time_s| (time_s * 1e6).round() / 1e6);
+            let [start_s, end_s] = copied(*span);
             format!("[{start_s}, {end_s}]")
         });
         let spans = spans.collect::<Vec<_>>().join(", ");
@@ -114,7 +113,6 @@ pub fn stuck(recording: &Recording) -> Option<Stuck> {
     }
     let steps = found.iter().map(step);
     let step = steps.reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
-    let file = Path::new(recording.name()).file_name();
     let runs: Vec<Range<usize>> = found.iter().map(|run| run.start + 1..run.end).collect();
     Some(Stuck {
         spans_s: runs
@@ -124,7 +122,7 @@ pub fn stuck(recording: &Recording) -> Option<Stuck> {
         runs,
         step,
         unit: recording.output_unit().to_owned(),
-        file: file.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        file: recording.file_name(),
     })
 }
 

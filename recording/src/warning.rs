@@ -277,6 +277,11 @@ pub(crate) fn quantity(f: &mut fmt::Formatter<'_>, value: f64, unit: &str) -> fm
     write!(f, "{}", WithUnit(value, unit))
 }
 
+/// The ends of a span, s, as they are written for a user to copy: to the microsecond.
+pub(crate) fn copied(span_s: [f64; 2]) -> [f64; 2] {
+    span_s.map(|time_s| (time_s * 1e6).round() / 1e6)
+}
+
 /// How often.
 struct Times(usize);
 

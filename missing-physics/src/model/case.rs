@@ -202,6 +202,11 @@ impl<'a> Case<'a> {
         self.recorded_squares(Channel::Output)
     }
 
+    /// Standard deviation of the recorded outputs, each about the mean of its recording.
+    pub(crate) fn output_deviation(&self) -> f64 {
+        (self.output_squares() / self.layout.n_outputs() as f64).sqrt()
+    }
+
     /// Squares of what a channel recorded about the mean of each recording.
     pub(crate) fn recorded_squares(&self, channel: Channel) -> f64 {
         let squares = self.layout.of_channel(channel).map(|one| {

@@ -20,8 +20,7 @@ fn of_formula(case: &Case<'_>, effect: Candidate) -> f64 {
     if case.setting.loop_family == LoopFamily::Proximity || !effect.info().like_loop {
         return 0.0;
     }
-    let deviation = (case.output_squares() / case.layout.n_outputs() as f64).sqrt();
-    OF_FORMULAS * deviation / SHAPES.sqrt()
+    OF_FORMULAS * case.output_deviation() / SHAPES.sqrt()
 }
 
 /// Standard error of an effect's first size by the error of the loop's formula, where a size of 1 shows so much.

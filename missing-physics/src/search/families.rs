@@ -331,8 +331,7 @@ mod tests {
                 (values.family.bends, values.family.onset) = (bends, onset);
                 let synthetic = Synthetic::with_loop(truth, EffectSet::EMPTY, values, 1);
                 let case = synthetic.case();
-                let n_outputs = case.layout.n_outputs() as f64;
-                let deviation = (case.output_squares() / n_outputs).sqrt();
+                let deviation = case.output_deviation();
                 let share = |other: &OtherBaseline| {
                     let error = (other.fit.train_rmse.powi(2) - NOISE_MM.powi(2)).max(0.0);
                     error.sqrt() / deviation / OF_FORMULAS

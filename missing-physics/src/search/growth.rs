@@ -18,10 +18,10 @@ pub(crate) fn grow(
     searches: &mut [Search<'_>],
     completing: &mut Completing<'_>,
 ) -> Result<(), IdentifyError> {
-    let nearest = searches.iter().map(|search| least(search, MOST_EFFECTS));
-    let nearest = nearest.fold(f64::INFINITY, f64::min);
+    let left = |search: &Search<'_>| search.nearest().mean_square();
+    let nearest = searches.iter().map(left).fold(f64::INFINITY, f64::min);
     let may_be_nearest = |(place, search): (usize, &Search<'_>)| {
-        place == 0 || !search.is_misfit() || least(search, MOST_EFFECTS) <= IN_VAIN * nearest
+        place == 0 || !search.is_misfit() || left(search) <= IN_VAIN * nearest
     };
     let mut goes_on: Vec<bool> = searches.iter().enumerate().map(may_be_nearest).collect();
     for n_effects in 2..=MOST_EFFECTS {
