@@ -36,6 +36,15 @@ pub(crate) struct Loops {
     goes_on: bool,
 }
 
+impl Loops {
+    /// No other loop, and no more than one effect.
+    const NONE: Self = Self {
+        fits: Vec::new(),
+        n_rivals: 0,
+        goes_on: false,
+    };
+}
+
 impl<'c> Survey<'c> {
     /// The models of the paper's loop with one effect at most. `blocks` are those of the case.
     pub(crate) fn begun(
@@ -59,20 +68,26 @@ impl<'c> Survey<'c> {
     /// The loops that are to be searched beside the paper's. `stand_ins` are fitted because the paper's loop has no single minimum; else
     /// there are none.
     ///
-    /// A loop of another family bends what is found of the rest: it comes before more effects do.
+    /// A loop of another family bends what is found of the rest: it comes before more effects do. Where not even a curve on top of the
+    /// paper's loop describes the output, neither does another loop, nor do more effects.
     pub(crate) fn loops(&mut self, stand_ins: Vec<OtherBaseline>) -> Result<Loops, IdentifyError> {
         let stands_in = !stand_ins.is_empty();
         let mut fits = stand_ins;
         let searched = (self.config.effort, self.config.seed);
         let mut formulas = Vec::new();
-        if !stands_in
-            && self.catalogue.contains(Candidate::other_loop())
-            && (self.searches[0].is_misfit()
-                || is_anything(&self.completing.audited(&self.searches)?))
-            && !self.case.leaves_out(Part::OtherLoops)
-        {
-            formulas = families::formulas(self.case, self.config.seed)?;
-            fits = families::shaped(self.case, formulas.clone(), Near::Nearer, searched)?;
+        if !stands_in {
+            let population = self.completing.audited(&self.searches)?;
+            // Any loop is near to any other beside an output that none describes.
+            if !is_described(&population, self.case.output_squares()) {
+                return Ok(Loops::NONE);
+            }
+            if self.catalogue.contains(Candidate::other_loop())
+                && (self.searches[0].is_misfit() || is_anything(&population))
+                && !self.case.leaves_out(Part::OtherLoops)
+            {
+                formulas = families::formulas(self.case, self.config.seed)?;
+                fits = families::shaped(self.case, formulas.clone(), Near::Nearer, searched)?;
+            }
         }
         let mut goes_on =
             self.is_thorough(&fits) || stands_in || families::is_another(&fits, &self.searches[0]);
