@@ -15,8 +15,8 @@ parameters! {
     ///
     /// The first is exact for a drive that is constant over samples of one length: where the delayed power changes
     /// within a sample, the sample is computed in two parts, because the rod may turn from heating to cooling
-    /// there. If more than one change falls into a sample (samples of very different lengths), the
-    /// powers before the last change count by what they leave at the end of it. Before the first
+    /// there. If more than one change falls into a sample (samples of very different lengths), its parts meet at the largest of
+    /// them, and powers within a part count by what they leave at the end of it. Before the first
     /// sample the rod is held at its start: at rest the drive was off, and the output is still. The second is exact for a displacement whose course
     /// within a sample is a parabola; the hysteresis is asked for its middle.
     /// A delay of more than 64 samples acts as one of 64. The displacement alone does not tell b.
@@ -147,6 +147,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         let mut share = [0.0; L];
         let mut older = [0.0; L];
         let mut rate = [0.0; L];
+        let mut arriving = [0; L];
         for l in 0..L {
             rate[l] = unit(moment.dt_s / self.tau_s[l]);
         }
@@ -173,6 +174,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
             for l in 0..L {
                 last[l] = unit((age_s - self.delay_s[l]) / moment.dt_s);
                 first[l] = unit((start_s - self.delay_s[l]) / moment.dt_s);
+                arriving[l] += i32::from(last[l] < first[l]);
                 let is_newest = (last[l] <= 0.0) & (first[l] > 0.0);
                 power_w_per_m[l] = if is_newest { sent[l] } else { power_w_per_m[l] };
                 share[l] = if is_newest { 1.0 - first[l] } else { share[l] };
@@ -202,6 +204,11 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         }
         past.earlier_share = share;
         past.earlier_w_per_m = older;
+        for l in 0..L {
+            if arriving[l] > 2 {
+                power_w_per_m[l] = past.part_at_largest(l, self.delay_s[l], moment.dt_s, rate[l]);
+            }
+        }
     }
 
     #[inline(always)]
@@ -264,6 +271,50 @@ impl<const L: usize> Past<L> {
             earlier_w_per_m: self.earlier_w_per_m,
             later_w_per_m,
         }
+    }
+
+    /// Parts the current sample of a lane where the delayed power changes most; returns the power of the later part, W/m. `rate` is the
+    /// sample's length over the time constant.
+    #[cold]
+    fn part_at_largest(&mut self, l: usize, delay_s: f64, dt_s: f64, rate: f64) -> f64 {
+        let count = self.length_s.len();
+        // Power by what it leaves at the end of the sample, and what a power of 1 would: so far, and in the later part.
+        let (mut all, mut later) = ([0.0; 2], [0.0; 2]);
+        let (mut largest, mut share) = (0.0, 0.0);
+        let mut newer = None;
+        let mut age_s = 0.0;
+        for back in 0..count {
+            let k = (self.newest + count - back) % count;
+            let is_oldest = back + 1 == count;
+            let start_s = if is_oldest {
+                f64::INFINITY
+            } else {
+                age_s + self.length_s[k]
+            };
+            // Shares of the sample, counted backward from its end.
+            let last = unit((age_s - delay_s) / dt_s);
+            let first = unit((start_s - delay_s) / dt_s);
+            if last < first {
+                let power = self.power_w_per_m[k][l];
+                let change = newer.map_or(0.0, |newer: f64| (newer - power).abs());
+                if change > largest {
+                    (largest, share, later) = (change, 1.0 - last, all);
+                }
+                let weight = progress(first, rate) - progress(last, rate);
+                all = [all[0] + power * weight, all[1] + weight];
+                newer = Some(power);
+            }
+            if first >= 1.0 {
+                break;
+            }
+            age_s = start_s;
+        }
+        self.earlier_share[l] = share;
+        if largest == 0.0 {
+            return newer.unwrap_or(0.0);
+        }
+        self.earlier_w_per_m[l] = (all[0] - later[0]) / (all[1] - later[1]);
+        later[0] / later[1]
     }
 
     #[inline(always)]

@@ -409,6 +409,42 @@ fn dead_time_is_a_shift_of_the_drive() {
 }
 
 #[test]
+fn a_delayed_drive_turns_the_rod_where_it_changes_in_samples_of_any_length() {
+    // Ticks of 0.05 s: the drive changes each 1.25 s. Samples end there, a tick later, and each 0.3 s: of ends of samples that are
+    // delayed into another, the first but one is a change.
+    const TICK_S: f64 = 0.05;
+    let ticks: Vec<f64> = (0..1600)
+        .map(|k| if k / 25 % 2 == 0 { 2.4 } else { 0.9 })
+        .collect();
+    let mut values = EffectValues::default();
+    values.dead_time.dead_time_s = 0.35;
+    let setting = setting(EffectSet::of(EffectId::DeadTime));
+    let fine = trace(&setting, &params(), &values, &ticks, TICK_S);
+    let turns = fine.fraction.windows(3);
+    let turns = turns
+        .filter(|w| (w[1] - w[0]) * (w[2] - w[1]) < 0.0)
+        .count();
+    assert!(turns > 20, "{turns}");
+
+    let plant = ExtendedPlant::new(&setting, &params(), &values).unwrap();
+    let mut state = plant.rest(AMBIENT_DEGC);
+    let ends: Vec<usize> = (0..ticks.len())
+        .filter(|k| k % 25 < 2 || k % 6 == 0)
+        .collect();
+    let mut gap = 0.0_f64;
+    for pair in ends.windows(2) {
+        let shown = plant.output(&state).displacement[0];
+        gap = gap.max((shown - fine.displacement[pair[0]]).abs() / params().gain);
+        let input = Input {
+            drive: [ticks[pair[0]]],
+            ambient_degc: AMBIENT_DEGC,
+        };
+        plant.step(&mut state, &input, (pair[1] - pair[0]) as f64 * TICK_S);
+    }
+    assert!(gap < 1e-6, "{gap:e}");
+}
+
+#[test]
 fn a_delay_behind_the_rod_shifts_the_output_and_leaves_the_temperature() {
     for (delay_s, share) in [(0.4, 1.0), (0.8, 0.5), (0.5, 0.6), (0.9, 1.0)] {
         let mut values = EffectValues::default();
