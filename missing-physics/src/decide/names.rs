@@ -21,8 +21,10 @@ pub(crate) struct Named {
     pub(crate) contribution: f64,
 }
 
-/// The belief in each of some models: in all that may be chosen, and in what is left of the leading one without some of its
-/// names with an anonymous curve in their place.
+/// The belief in each of some models: in all that may be chosen, and in the leading one, whole and without some of its names, with an
+/// anonymous curve on top.
+///
+/// A curve beside all names speaks against none of them: a name with the curve is weighed against its absence with the curve.
 pub(crate) struct Belief {
     /// Names of each model, and what it is believed.
     masses: Vec<(CandidateSet, f64)>,
@@ -37,7 +39,7 @@ impl Belief {
         let named = admissible.map(|model| (model.names, model.ln_prior, &model.evidence.nats));
         let is_part = |model: &&Model| {
             let mut names = model.names.iter();
-            model.names != leading.names && names.all(|name| leading.names.contains(name))
+            names.all(|name| leading.names.contains(name))
         };
         let unlisted = population
             .models
@@ -82,7 +84,8 @@ pub(crate) fn names(
     traces: &mut Traces,
 ) -> [Vec<Named>; 2] {
     let mut sorted = [Vec::new(), Vec::new()];
-    let beats_curve = beats_curve(population, leading, known.seed);
+    let plain = population.plain();
+    let beats_curve_alone = beats_curve([plain, plain, leading], known.seed);
     for effect in leading.names.iter() {
         let id = effect.id();
         let less = population.without(leading, effect);
@@ -92,8 +95,10 @@ pub(crate) fn names(
         if may_be_the_loop(leading, known, effect, lost) {
             named.shares_with(Candidate::other_loop());
         }
-        named.scale_probability(beats_curve);
-        let is_covered = traces.ask(RuleId::Set, id, covered * beats_curve);
+        let in_its_place = beats_curve([plain, less, leading], known.seed);
+        let beats_curves = beats_curve_alone.min(in_its_place);
+        named.scale_probability(beats_curves);
+        let is_covered = traces.ask(RuleId::Set, id, covered * beats_curves);
         named.contribution = population.share(leading.evidence.squares(), less.evidence.squares());
         let added = known.segments.iter().map(|range| {
             let without = centered(&less.evidence.residual[range.clone()]);
@@ -121,11 +126,11 @@ pub(crate) fn names(
     sorted
 }
 
-/// Probability that the leading model leaves no more of the blocks left out than the baseline model with an anonymous curve: that a name
-/// helps beside a curve does not make it what is missing. Formulas may be off by a share of what the curve explains (rule `form`).
-fn beats_curve(population: &Population, leading: &Model, seed: u64) -> f64 {
-    let plain = population.plain();
-    let Some(curve) = &plain.anonymous else {
+/// Probability that the leading model leaves no more of the blocks left out than a part of it with an anonymous curve: that a name
+/// helps beside a curve does not make it what is missing. Formulas may be off by a share of what the curve explains of the baseline model's
+/// error (rule `form`).
+fn beats_curve([plain, part, leading]: [&Model; 3], seed: u64) -> f64 {
+    let Some(curve) = &part.anonymous else {
         return 1.0;
     };
     let [named, plain, curve] = [&leading.evidence, &plain.evidence, &curve.evidence].map(|one| {
@@ -263,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn all_that_may_be_chosen_is_believed_and_parts_of_the_leading_model_with_a_curve() {
+    fn all_that_may_be_chosen_is_believed_and_the_leading_model_and_its_parts_with_a_curve() {
         let mut population = by_priors(&[
             (&[], 1.0),
             (&[OutputLag], 0.5),
@@ -275,9 +280,9 @@ mod tests {
         let belief = Belief::of(&population, &population.models[2], 1);
         // The baseline and the lag alone are parts of lag and backlash.
         let unlisted = UNLISTED.exp();
-        let all = 1.0 + 0.5 + 0.25 + 0.125 + unlisted * (1.0 + 0.5);
+        let all = 1.0 + 0.5 + 0.25 + 0.125 + unlisted * (1.0 + 0.5 + 0.25);
         assert!(is_near(belief.plain(), 1.0 / all));
-        let with_lag = 0.5 + 0.25 + unlisted * 0.5;
+        let with_lag = 0.5 + 0.25 + unlisted * (0.5 + 0.25);
         assert!(is_near(belief.any(set(&[OutputLag])), with_lag / all));
         let any = belief.any(set(&[OutputLag, DeadTime]));
         assert!(is_near(any, (with_lag + 0.125) / all));

@@ -156,11 +156,11 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Set,
         name: "set",
-        statistic: "probability that one of a set of names is there, times the probability that all names leave no more than an anonymous curve alone",
+        statistic: "probability that one of a set of names is there, times the probability that all names leave no more than an anonymous curve, alone or in its place",
         comparison: Comparison::AtLeast,
         threshold: 0.95,
         basis: Basis::Odds,
-        reason: "19 to 1 against everything else, the unlisted included: where a curve alone does better, there is no name",
+        reason: "19 to 1 against everything else, the unlisted included: where a curve does better, there is no name",
     },
     Rule {
         id: RuleId::Own,

@@ -534,6 +534,32 @@ fn a_name_that_leaves_more_than_a_curve_alone_is_none() {
 }
 
 #[test]
+fn what_a_curve_finds_beside_all_names_speaks_against_none_of_them() {
+    // A large lag, a stop that a curve in its place misses by two fifths, and `beside` them what only a curve finds: so much that the curve in
+    // the place of the stop leaves less than both names, by less than a hundredth of all that is explained, or by more.
+    let held: [(f64, &[&str]); 2] = [(0.9, &["end-stop", "output-lag"]), (1.5, &["output-lag"])];
+    for (beside, names) in held {
+        let quiet = noise(1.0, 1);
+        let (lag, stop, other) = (trace(10.0, 1), trace(1.5, 2), trace(beside, 3));
+        let share = |of: &[f64], share: f64| of.iter().map(|s| share * s).collect::<Vec<f64>>();
+        let rest = sum(&quiet, &other);
+        let left_by_curve = [
+            sum(&quiet, &share(&lag, 0.3)),
+            sum(&quiet, &share(&stop, 0.4)),
+            quiet,
+        ];
+        let both = [EffectId::OutputLag, EffectId::EndStop];
+        let residuals = [sum(&sum(&rest, &stop), &lag), sum(&rest, &stop), rest];
+        let pairs = residuals.into_iter().zip(left_by_curve).enumerate();
+        let models = pairs.map(|(n, (rest, with_curve))| model(&both[..n], rest, with_curve));
+        let population = Population {
+            models: models.collect(),
+        };
+        assert_eq!(named(&decide(&population, &known())), names, "{beside}");
+    }
+}
+
+#[test]
 fn a_drift_that_slips_is_no_drift() {
     let found = around(&with_lag(3.0, 0.0), RuleId::Slip, |known, slip| {
         known.slip = Some((EffectId::OutputLag.into(), slip));

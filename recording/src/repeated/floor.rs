@@ -70,8 +70,9 @@ impl RepeatedDrive {
 pub struct RepeatFloor {
     /// Stretches with the same drive, the longest first.
     pub pairs: Vec<RepeatedDrive>,
-    /// Stretches with the same drive that begin, or may begin, in different states: first cycles and the next, recordings
-    /// that begin driven, rods that have not come to rest. Their difference need not be the rig's.
+    /// Stretches with the same drive that begin, or may begin, in different states: first cycles and the next, cycles that are still on
+    /// their way to the one that repeats, recordings that begin driven, rods that have not come to rest. Their difference need not be the
+    /// rig's.
     pub first_cycles: Vec<RepeatedDrive>,
     /// Unit of the output.
     pub unit: String,
@@ -154,7 +155,8 @@ fn at_best_lag(first: &Recording, second: &Recording, pair: &Pair) -> Apart {
 /// How far recordings of one rig repeat, without a model: what their outputs differ by where the drive does the same after the same.
 ///
 /// Compared are the longest stretches that two recordings have in common from their beginnings on, or after rests that last as long
-/// as the stretch, and cycles with the ones after them. Drives are the same within half a percent of their range but for edges that
+/// as the stretch, and cycles with the ones after them, where those lie no more than a twentieth of their range higher or lower.
+/// Drives are the same within half a percent of their range but for edges that
 /// clocks put a sample or two apart. Of recordings in several units those of the longest pair are compared. `None` if no drive is repeated.
 ///
 /// # Examples

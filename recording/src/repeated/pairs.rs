@@ -34,6 +34,10 @@ const MOST_BEGINNINGS: usize = 12;
 /// Share of its range by which the output moves in a stretch that tells anything.
 const MOVES: f64 = 0.2;
 
+/// Share of what the output moves by in a cycle, by which the next one lies higher or lower, from which the rod is still on its way: cycles that
+/// are short beside its time constant take many to come to theirs.
+const ON_ITS_WAY: f64 = 0.05;
+
 /// Fewest samples of a stretch.
 const FEWEST: usize = 30;
 
@@ -46,8 +50,8 @@ pub(crate) struct Pair {
     pub(crate) samples: Range<usize>,
     /// Time in the second over that in the first, s.
     pub(crate) lag_s: f64,
-    /// True if the two begin, or may begin, in different states: a first cycle and the next, a recording that begins driven,
-    /// a rod that has not come to rest.
+    /// True if the two begin, or may begin, in different states: a first cycle and the next, cycles that are on their way, a
+    /// recording that begins driven, a rod that has not come to rest.
     pub(crate) begins_elsewhere: bool,
     /// By how much the lag may be off, s: a step of the clocks, unless all drives are equal as they stand.
     pub(crate) lag_within_s: f64,
@@ -131,13 +135,22 @@ impl<'a> Followed<'a> {
                     recordings: [place, place],
                     samples,
                     lag_s,
-                    begins_elsewhere: !goes_on,
+                    begins_elsewhere: !goes_on || self.is_on_its_way([first, second]),
                     lag_within_s,
                 });
             }
             goes_on = is_same;
         }
         found
+    }
+
+    /// True if the output of a cycle lies elsewhere than that of the one before.
+    fn is_on_its_way(&self, [first, second]: [&Range<usize>; 2]) -> bool {
+        let output = self.recording.output();
+        let mean = |samples: &Range<usize>| {
+            output[samples.clone()].iter().sum::<f64>() / samples.len() as f64
+        };
+        (mean(second) - mean(first)).abs() > ON_ITS_WAY * width(&output[first.clone()])
     }
 
     /// The longest stretches that two recordings, or one, have in common, of each two beginnings.

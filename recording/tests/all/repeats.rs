@@ -269,6 +269,22 @@ fn a_first_cycle_is_set_apart() {
 }
 
 #[test]
+fn cycles_on_their_way_to_their_end_are_set_apart() {
+    // Each is two thirds of the time constant.
+    const LEVELS_S: &[f64] = &[3.0; 41];
+    let run = Run {
+        levels_s: LEVELS_S,
+        tau_s: 9.0,
+        ..Run::default()
+    };
+    let found = floor(&[run]).unwrap();
+    assert!(found.first_cycles.len() > 2, "{}", found.first_cycles.len());
+    assert!(found.pairs.len() > 5, "{}", found.pairs.len());
+    assert!(found.is_noise(), "{:?} {:?}", found.rms(), found.by_noise());
+    assert!(found.first_cycles[1].apart.rms > 5.0 * found.by_noise().unwrap());
+}
+
+#[test]
 fn static_data_and_one_run_alone_say_nothing() {
     assert_eq!(floor(&[Run::default()]), None);
     let untimed = Recording::new(RecordingParts {
