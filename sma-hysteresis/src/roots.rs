@@ -2,6 +2,8 @@
 
 /// Values at which a search has not ended after so many steps are as near as it gets.
 const MOST_STEPS: usize = 60;
+/// Steps after which a search that has not ended halves the distance of the ends: false position is slow where a function is flat on one side.
+const PATIENCE: usize = 20;
 /// Value, and distance of the ends, that are as good as none.
 const NOTHING: f64 = 1e-15;
 
@@ -28,9 +30,14 @@ impl Search {
         }
     }
 
-    fn place(&mut self) {
+    fn place(&mut self, step: usize) {
         let [lower, upper] = self.at_ends;
-        self.root = self.ends[0] - lower * (self.ends[1] - self.ends[0]) / (upper - lower);
+        let share = if step < PATIENCE {
+            -lower / (upper - lower)
+        } else {
+            0.5
+        };
+        self.root = self.ends[0] + share * (self.ends[1] - self.ends[0]);
     }
 
     fn narrow(&mut self, value: f64) {
@@ -45,19 +52,19 @@ impl Search {
 }
 
 /// Roots between 0 and 1 of rising functions, the nearer end where there is none: by false position, where the value at an end that
-/// stays is halved. The root of a lane does not depend on the others.
+/// stays is halved, and in the end by bisection. The root of a lane does not depend on the others.
 pub(crate) fn rising_roots<const L: usize>(
     values: &mut impl FnMut(&[f64; L]) -> [f64; L],
 ) -> [f64; L] {
     let at_ends = [values(&[0.0; L]), values(&[1.0; L])];
     let mut searches: [Search; L] =
         core::array::from_fn(|l| Search::between([at_ends[0][l], at_ends[1][l]]));
-    for _ in 0..MOST_STEPS {
+    for step in 0..MOST_STEPS {
         if searches.iter().all(|search| !search.is_open) {
             break;
         }
         for search in searches.iter_mut().filter(|search| search.is_open) {
-            search.place();
+            search.place(step);
         }
         let at_roots = values(&searches.map(|search| search.root));
         for (search, value) in searches.iter_mut().zip(at_roots) {
@@ -72,6 +79,15 @@ pub(crate) fn rising_roots<const L: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_function_that_is_flat_on_one_side_has_its_root_where_it_leaves_zero() {
+        let flat = |x: f64| (x - 0.3_f64).max(0.0).powi(4);
+        for at in [0.301, 0.31, 0.4] {
+            let root = rising_roots(&mut |x: &[f64; 1]| [flat(x[0]) - flat(at)]);
+            assert!((flat(root[0]) - flat(at)).abs() < 1e-14, "{at}: {root:?}");
+        }
+    }
 
     #[test]
     fn roots_are_found_each_by_itself_and_the_nearer_end_where_there_is_none() {
