@@ -278,7 +278,7 @@ mod tests {
         ]);
         population.models[4].pressed = set(&[EndStop]);
         let belief = Belief::of(&population, &population.models[2], 1);
-        // The baseline and the lag alone are parts of lag and backlash.
+        // The baseline, the lag alone, and lag and backlash are parts of the last.
         let unlisted = UNLISTED.exp();
         let all = 1.0 + 0.5 + 0.25 + 0.125 + unlisted * (1.0 + 0.5 + 0.25);
         assert!(is_near(belief.plain(), 1.0 / all));

@@ -154,14 +154,7 @@ impl<const L: usize> Effect<L> for Lanes<L> {
         // Age of the end of a past sample.
         let mut age_s = 0.0;
         for back in 0..count {
-            let k = (past.newest + count - back) % count;
-            // What is older than the ring was as its oldest sample.
-            let is_oldest = back + 1 == count;
-            let start_s = if is_oldest {
-                f64::INFINITY
-            } else {
-                age_s + past.length_s[k]
-            };
+            let (k, start_s) = past.sample(back, age_s);
             // What no lane has received yet does not count.
             if start_s <= self.shortest_s {
                 age_s = start_s;
@@ -273,24 +266,32 @@ impl<const L: usize> Past<L> {
         }
     }
 
+    /// Place of the sample that was the newest `back` samples ago, and the age of its start, s, if its end is `age_s` old. What is older than
+    /// the ring was as its oldest sample.
+    #[inline(always)]
+    fn sample(&self, back: usize, age_s: f64) -> (usize, f64) {
+        let count = self.length_s.len();
+        let k = (self.newest + count - back) % count;
+        let is_oldest = back + 1 == count;
+        let start_s = if is_oldest {
+            f64::INFINITY
+        } else {
+            age_s + self.length_s[k]
+        };
+        (k, start_s)
+    }
+
     /// Parts the current sample of a lane where the delayed power changes most; returns the power of the later part, W/m. `rate` is the
     /// sample's length over the time constant.
     #[cold]
     fn part_at_largest(&mut self, l: usize, delay_s: f64, dt_s: f64, rate: f64) -> f64 {
-        let count = self.length_s.len();
         // Power by what it leaves at the end of the sample, and what a power of 1 would: so far, and in the later part.
         let (mut all, mut later) = ([0.0; 2], [0.0; 2]);
         let (mut largest, mut share) = (0.0, 0.0);
         let mut newer = None;
         let mut age_s = 0.0;
-        for back in 0..count {
-            let k = (self.newest + count - back) % count;
-            let is_oldest = back + 1 == count;
-            let start_s = if is_oldest {
-                f64::INFINITY
-            } else {
-                age_s + self.length_s[k]
-            };
+        for back in 0..self.length_s.len() {
+            let (k, start_s) = self.sample(back, age_s);
             // Shares of the sample, counted backward from its end.
             let last = unit((age_s - delay_s) / dt_s);
             let first = unit((start_s - delay_s) / dt_s);
