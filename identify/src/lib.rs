@@ -101,7 +101,7 @@ pub use supply::Supply;
 pub use tasks::{in_order_of, in_parallel, try_in_parallel};
 pub use thermal_model::ThermalModel;
 pub use thinned::{tell_time_constant, thinned};
-pub use validate::{OffsetSource, Validated, validate, validate_at};
+pub use validate::{OffsetSource, Validated, validate, validate_at, validated_with};
 pub use wiener_model::{
     AMBIENT_LEVEL, RUN_PARAMETERS, SINCE_REVERSAL, WienerModel, may_begin_warm,
 };

@@ -145,7 +145,7 @@ fn raced<'a>(
 }
 
 /// Where a search ends from each start that leads anywhere. Each has a problem of its own, so that what one has solved is nothing to the others.
-fn ends(
+pub(crate) fn ends(
     problem: &Problem<'_>,
     starts: &[Vec<f64>],
     config: &LeastSquaresConfig,

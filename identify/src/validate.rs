@@ -2,12 +2,13 @@ use recording::{HOLD_TOLERANCE, Recording};
 
 use crate::beginnings::beginnings;
 use crate::fit::{range, root_mean_square, squares_about_own_mean};
-use crate::least_squares::{LeastSquaresConfig, minimize};
+use crate::least_squares::LeastSquaresConfig;
 use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
+use crate::refine::ends;
 use crate::thermal_model::rest_tells_all;
-use crate::{Fit, ForwardModel, IdentifyError};
+use crate::{Enters, Fit, ForwardModel, IdentifyError, ParameterInfo};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
 const FEWEST_AT_REST: usize = 10;
@@ -27,6 +28,20 @@ pub enum OffsetSource {
     },
     /// Over the whole recording: its drive never rises, so that it tests nothing.
     NeverDriven,
+}
+
+impl OffsetSource {
+    /// Where the offset of a recording is read; `parameters` are those of the model with the recording's own way to begin.
+    fn of(parameters: &[ParameterInfo], recording: &Recording) -> Self {
+        let at_rest = samples_at_rest(recording);
+        if at_rest == recording.len() {
+            Self::NeverDriven
+        } else if at_rest >= FEWEST_AT_REST && rest_tells_all(parameters) {
+            Self::BeforeDrive { n_samples: at_rest }
+        } else {
+            Self::WholeRecording { at_rest }
+        }
+    }
 }
 
 /// How well a fitted model meets a recording that it has not seen.
@@ -51,6 +66,27 @@ pub struct Validated {
 }
 
 impl Validated {
+    fn with_error(
+        recording: &Recording,
+        rmse: f64,
+        (offset, offset_source): (f64, OffsetSource),
+        point: Vec<f64>,
+    ) -> Self {
+        let output = recording.output();
+        let output_range = range(output);
+        let spread = squares_about_own_mean(output) / output.len() as f64;
+        Self {
+            name: recording.name().to_owned(),
+            rmse,
+            fit_fraction: (output_range > 0.0).then(|| 1.0 - rmse / spread.sqrt()),
+            n_samples: recording.len(),
+            output_range,
+            offset,
+            offset_source,
+            point,
+        }
+    }
+
     /// Root mean square over all samples of several recordings, in the output unit; `None` if there are none.
     #[must_use]
     pub fn rmse_of_all<'a>(validated: impl IntoIterator<Item = &'a Self>) -> Option<f64> {
@@ -102,41 +138,51 @@ pub fn validate_at(
     let mut frozen = OfRig::at(model, point);
     frozen.begin_as(recording);
     let mut problem = Problem::new(&frozen, std::slice::from_ref(recording))?;
-    let at_rest = samples_at_rest(recording);
-    let offset_source = if at_rest == recording.len() {
-        OffsetSource::NeverDriven
-    } else if at_rest >= FEWEST_AT_REST && rest_tells_all(&frozen.parameters) {
-        let weight = |k| f64::from(u8::from(k < at_rest));
+    let offset_source = OffsetSource::of(&frozen.parameters, recording);
+    if let OffsetSource::BeforeDrive { n_samples } = offset_source {
+        let weight = |k| f64::from(u8::from(k < n_samples));
         problem.weigh_samples(vec![(0..recording.len()).map(weight).collect()]);
-        OffsetSource::BeforeDrive { n_samples: at_rest }
-    } else {
-        OffsetSource::WholeRecording { at_rest }
-    };
-    let config = LeastSquaresConfig::default();
-    let ends = beginnings(&problem)?
-        .iter()
-        .map(|start| minimize(&problem, problem.bounds(), start, &config))
-        .collect::<Result<Vec<_>, _>>()?;
+    }
+    let starts = beginnings(&problem)?;
+    let ends = ends(&problem, &starts, &LeastSquaresConfig::default())?;
     let lowest = ends
         .into_iter()
-        .min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
-    let point = lowest.map_or_else(Vec::new, |end| end.point);
-    let solved = problem.solve_one(&point)?;
+        .min_by(|(a, _), (b, _)| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    let (point, solved) = match lowest {
+        Some((end, solved)) => (end.point, solved),
+        // Nothing is sought, or no start leads anywhere.
+        None => {
+            let first = starts.into_iter().next().unwrap_or_default();
+            let solved = problem.solve_one(&first)?;
+            (first, solved)
+        }
+    };
     let residuals = problem.residuals(&point, &solved)?;
-    let rmse = root_mean_square(&residuals[0].values);
-    let output = recording.output();
-    let output_range = range(output);
-    let spread = squares_about_own_mean(output) / output.len() as f64;
-    Ok(Validated {
-        point: problem.values(&point, &solved, 0),
-        name: recording.name().to_owned(),
-        rmse,
-        fit_fraction: (output_range > 0.0).then(|| 1.0 - rmse / spread.sqrt()),
-        output_range,
-        n_samples: recording.len(),
-        offset: solved.offsets[0],
-        offset_source,
-    })
+    Ok(Validated::with_error(
+        recording,
+        root_mean_square(&residuals[0].values),
+        (solved.offsets[0], offset_source),
+        problem.values(&point, &solved, 0),
+    ))
+}
+
+/// Validation on a recording where its own parameters have these values, and the model meets it with this root mean square error.
+///
+/// `point` has the values of all parameters, in the model's order; its offset is 0 if the model has none.
+#[must_use]
+pub fn validated_with(
+    model: &dyn ForwardModel,
+    point: Vec<f64>,
+    recording: &Recording,
+    rmse: f64,
+) -> Validated {
+    let mut frozen = OfRig::at(model, &point);
+    frozen.begin_as(recording);
+    let mut infos = frozen.parameters.iter();
+    let offset = infos.position(|info| info.enters == Enters::Offset);
+    let offset = offset.map_or(0.0, |place| point[place]);
+    let source = OffsetSource::of(&frozen.parameters, recording);
+    Validated::with_error(recording, rmse, (offset, source), point)
 }
 
 /// Samples before a drive first rises from its lowest level by more than a hundredth of its range,

@@ -9,8 +9,9 @@ use crate::model::elsewhere::is_drift;
 /// formulas are.
 ///
 /// Beside an effect with a form of its own even a small one is told if with it nothing predictable is left: what a formula
-/// leaves wrong a curve would find. Beside a loop of another family it is told if no such loop could act like it. An effect that does
-/// nearly all of a drift's work without the drift is told as well: a drift is a curve of time, which takes what it can of any law.
+/// leaves wrong a curve would find. Beside a loop of another family it is told if no such loop could act like it, or if it takes nearly
+/// all of what is left there. An effect that does nearly all of a drift's work without the drift is told as well: a drift is a curve of
+/// time, which takes what it can of any law.
 pub(crate) fn leading(population: &Population) -> &Model {
     let mut model = population.best();
     let is_whole = model.is_whole();
@@ -24,7 +25,8 @@ pub(crate) fn leading(population: &Population) -> &Model {
             };
             let is_small = !RuleId::Form.rule().passes(share);
             let is_told = is_whole && has_form_of_its_own(model, name)
-                || does_without_a_drift(population, model, name);
+                || does_without_a_drift(population, model, name)
+                || takes_what_the_loop_leaves(population, model, name);
             (is_small && !is_told).then_some((share, less))
         });
         match idle.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -53,7 +55,7 @@ fn has_form_of_its_own(model: &Model, name: Candidate) -> bool {
         || name != other_loop && !name.info().like_loop && others.all(|one| !one.info().flexible)
 }
 
-/// Share of what a drift and another effect explain together that may be lost without the drift if the other does its work.
+/// Share of what could be explained that an effect which explains nearly all of it may leave.
 const NEARLY_ALL: f64 = 0.1;
 
 /// True if, without some drift of the model, an effect still explains nearly all that the two explain together.
@@ -68,4 +70,27 @@ fn does_without_a_drift(population: &Population, model: &Model, name: Candidate)
             let lost = population.share(all, alone);
             without_drift.names.contains(name) && lost < NEARLY_ALL * population.share(all, none)
         })
+}
+
+/// True if an effect with a form of its own takes nearly all of what a loop of another family leaves to explain, and more than a curve of any
+/// shape does in its place.
+///
+/// What is wrong with the formula of such a loop may have any shape: that of an effect with one or two sizes it has by a rare chance alone.
+fn takes_what_the_loop_leaves(population: &Population, model: &Model, name: Candidate) -> bool {
+    let other_loop = Candidate::other_loop();
+    let less = population.without(model, name);
+    let Some(curve) = &less.anonymous else {
+        return false;
+    };
+    let [left, all, by_curve] =
+        [&model.evidence, &less.evidence, &curve.evidence].map(|one| one.squares());
+    let least = population.ceiling();
+    // In the channel in which it shows.
+    let explained = [0, 1].map(|channel| all[channel] - left[channel]);
+    let shows = usize::from(explained[1] > explained[0]);
+    name != other_loop
+        && !name.info().flexible
+        && less.names.contains(other_loop)
+        && left[shows] <= by_curve[shows]
+        && left[shows] - least[shows] <= NEARLY_ALL * (all[shows] - least[shows])
 }

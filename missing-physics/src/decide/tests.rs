@@ -496,13 +496,40 @@ fn a_small_effect_is_told_beside_what_it_cannot_be_an_error_of() {
     // A fatigue may be what its values miss.
     let alone = ["ambient-drift"];
     assert_eq!(led_by(AmbientDrift, FunctionalFatigue, 1.0), alone);
-    // A play may be an error of the loop's curves, a lag is none if nothing is left with it.
-    assert_eq!(led_by(LoopShape, Backlash, 0.0), ["loop-shape"]);
+    // A play may be an error of the loop's curves unless it is all of that, a lag is none if nothing is left with it.
+    assert_eq!(led_by(LoopShape, Backlash, 0.0), ["loop-shape", "backlash"]);
+    assert_eq!(led_by(LoopShape, Backlash, 1.0), ["loop-shape"]);
     assert_eq!(
         led_by(LoopShape, OutputLag, 0.0),
         ["loop-shape", "output-lag"]
     );
     assert_eq!(led_by(LoopShape, OutputLag, 1.0), ["loop-shape"]);
+}
+
+#[test]
+fn what_takes_nearly_all_that_another_loop_leaves_is_told_beside_it() {
+    // A play that leaves so much of a small error beside the loop, and a curve in its place.
+    let names = |by_play: f64, by_curve: f64| {
+        let quiet = noise(1.0, 1);
+        let (of_loop, error) = (trace(30.0, 1), trace(1.0, 2));
+        let leaving = |share: f64| {
+            let left: Vec<f64> = error.iter().map(|e| share * e).collect();
+            sum(&quiet, &left)
+        };
+        let both = [EffectId::LoopShape, EffectId::Backlash];
+        let population = Population {
+            models: vec![
+                model(&[], sum(&leaving(1.0), &of_loop), quiet.clone()),
+                model(&both[..1], leaving(1.0), leaving(by_curve)),
+                model(&both, leaving(by_play), quiet.clone()),
+            ],
+        };
+        let names = leading(&population).names;
+        names.iter().map(|name| name.id()).collect::<Vec<_>>()
+    };
+    assert_eq!(names(0.3, 0.5), ["loop-shape", "backlash"]);
+    assert_eq!(names(0.33, 0.5), ["loop-shape"]);
+    assert_eq!(names(0.2, 0.1), ["loop-shape"]);
 }
 
 #[test]

@@ -5,9 +5,9 @@
 //! every model.
 
 use identify::{
-    AMBIENT_LEVEL, Enters, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo,
+    AMBIENT_LEVEL, ForwardModel, IdentifyError, LeastSquaresConfig, OfRig, ParameterInfo,
     ParameterState, ParameterVector, Prior, RUN_PARAMETERS, RefineConfig, ResidualNoise, Validated,
-    beginnings_of, predict, refine, try_in_parallel, validate_at,
+    beginnings_of, predict, refine, try_in_parallel, validated_with,
 };
 use recording::Recording;
 
@@ -92,23 +92,14 @@ pub(crate) fn validated_by(
     let pairs: Vec<(&Recording, &Recording)> = recordings.iter().zip(judged).collect();
     let of_each = try_in_parallel(&pairs, |(recording, judged)| {
         let (own, whole) = of_recording(model, point, judged)?;
-        let mut validated = by_stretches(model, &own, whole, judged)?;
+        let mut square = own.squares() / judged.len() as f64;
         if recording.len() > judged.len() {
             // Between the samples on which it is judged there is noise, too.
-            let all = validate_at(model, &validated.point, recording)?;
             let [of_all, of_judged] =
-                [recording, judged].map(|one| mean_square(model, &validated.point, one));
-            let between = of_all? - of_judged?;
-            let rmse = (validated.rmse.powi(2) + between).max(0.0).sqrt();
-            let fraction = |by_rest: f64| 1.0 - (1.0 - by_rest) * rmse / all.rmse;
-            validated = Validated {
-                rmse,
-                fit_fraction: all.fit_fraction.map(fraction),
-                offset: validated.offset,
-                point: validated.point,
-                ..all
-            };
+                [recording, judged].map(|one| mean_square(model, &whole, one));
+            square = (square + of_all? - of_judged?).max(0.0);
         }
+        let validated = validated_with(model, whole, recording, square.sqrt());
         Ok((validated, own))
     })?;
     let (validated, of_each): (Vec<Validated>, Vec<Unseen>) = of_each.into_iter().unzip();
@@ -125,30 +116,6 @@ fn mean_square(
     let pairs = recording.output().iter().zip(shown);
     let squares = pairs.map(|(recorded, shown)| (recorded - shown).powi(2));
     Ok(squares.sum::<f64>() / recording.len() as f64)
-}
-
-/// Validation by the error on stretches of a recording, at its point.
-fn by_stretches(
-    model: &dyn ForwardModel,
-    own: &Unseen,
-    whole: Vec<f64>,
-    recording: &Recording,
-) -> Result<Validated, IdentifyError> {
-    let by_rest = validate_at(model, &whole, recording)?;
-    let rmse = (own.squares() / recording.len() as f64).sqrt();
-    let offset = model
-        .parameters()
-        .iter()
-        .position(|info| info.enters == Enters::Offset);
-    Ok(Validated {
-        fit_fraction: by_rest
-            .fit_fraction
-            .map(|fraction| 1.0 - (1.0 - fraction) * rmse / by_rest.rmse),
-        offset: offset.map_or(by_rest.offset, |offset| whole[offset]),
-        point: whole,
-        rmse,
-        ..by_rest
-    })
 }
 
 fn of_recording(
@@ -217,11 +184,14 @@ fn of_recording(
         starts = vec![whole.coordinates.clone()];
         whole = fitted(&|_| true, &starts, prior)?;
     }
-    let mut ends = Vec::new();
-    for scored in 0..2 {
+    let halves = try_in_parallel(&[0, 1], |&scored| {
         let refined = fitted(&|k| k / length % 2 != scored, &starts, prior)?;
         let shown = predict(model, &refined.points[0], recording)?;
-        ends.push(refined.coordinates);
+        Ok((refined.coordinates, shown))
+    })?;
+    let mut ends = Vec::new();
+    for (scored, (coordinates, shown)) in halves.into_iter().enumerate() {
+        ends.push(coordinates);
         let temperatures = recording.temperature_degc();
         for (k, (recorded, output)) in recording.output().iter().zip(&shown.output).enumerate() {
             let stretch = k / length;

@@ -4,8 +4,9 @@ use identify::{Bounds, Fit, FittedParameter, IdentifyError};
 
 use crate::decide::OF_FORMULAS;
 use crate::model::case::Case;
+use crate::search::families::TAKEN_UP;
 use crate::search::roads::Search;
-use crate::{Candidate, CandidateSet, LoopFamily, Role};
+use crate::{Candidate, CandidateSet, EffectParameter, LoopFamily, Role};
 
 /// Independent shapes in which the formula of a loop may err: some five bends of either branch beyond the three that are free. Our choice. The
 /// error is as likely of one as of another, and an effect that acts like the loop takes up its share.
@@ -14,59 +15,94 @@ const SHAPES: f64 = 10.0;
 /// Standard errors of half a 95 % interval.
 pub(crate) const HALF_95: f64 = 1.96;
 
-/// Root mean square of that part of the error of the loop's formula which has the shape of an effect: 0 beside the baseline model's loop,
-/// and of what does not act like a loop.
-fn of_formula(case: &Case<'_>, effect: Candidate) -> f64 {
-    if case.setting.loop_family == LoopFamily::Proximity || !effect.info().like_loop {
-        return 0.0;
+/// Root mean square of that part of the error of the loop's formula which may have the shape of an effect that acts like it: 0 beside the
+/// baseline model's loop.
+fn along_one_shape(case: &Case<'_>) -> f64 {
+    match case.setting.loop_family {
+        LoopFamily::Proximity => 0.0,
+        _ => OF_FORMULAS * case.output_deviation() / SHAPES.sqrt(),
     }
-    OF_FORMULAS * case.output_deviation() / SHAPES.sqrt()
 }
 
-/// Standard error of an effect's first size by the error of the loop's formula, where a size of 1 shows so much.
+/// Standard error of an effect's first size by the error of the loop's formula, where a size of 1 shows so much; 0 of what does not act like
+/// a loop.
 pub(crate) fn error_of_formula(case: &Case<'_>, effect: Candidate, shown_per_unit: f64) -> f64 {
-    match of_formula(case, effect) {
-        error if error > 0.0 => error / shown_per_unit,
+    match along_one_shape(case) {
+        error if error > 0.0 && effect.info().like_loop => error / shown_per_unit,
         _ => 0.0,
     }
 }
 
-/// Widens the intervals of sizes by the error of the loop's formula. All sizes of an effect have one relative error: that of the formula over
-/// the root mean square that the effect explains. An end may lie beyond what is possible: then the size is not told.
-pub(crate) fn with_error_of_formula(
-    search: &mut Search<'_>,
-    effects: CandidateSet,
-    mut fit: Fit,
-) -> Result<Fit, IdentifyError> {
-    for effect in effects.iter() {
-        let error = of_formula(search.case, effect);
-        if error <= 0.0 {
-            continue;
+/// Errors of sizes by that of the formula of the loop beside them.
+///
+/// All sizes of an effect have one relative error: what the effect may have of that error over what it explains, both root mean squares. What
+/// acts like the loop may have what loops of two families differ by along one shape; what does not has a small part of what is left of the
+/// recordings beyond the noise, since it is bent toward that.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct OfFormula {
+    relative: Vec<(Candidate, f64)>,
+}
+
+impl OfFormula {
+    /// The errors beside the loop of a search; `noise` is the variance of the noise at least.
+    pub(crate) fn beside(
+        search: &mut Search<'_>,
+        effects: CandidateSet,
+        noise: f64,
+    ) -> Result<Self, IdentifyError> {
+        let mut relative = Vec::new();
+        let one_shape = along_one_shape(search.case);
+        for effect in effects.iter().filter(|_| one_shape > 0.0) {
+            let less = search.without(effects, effect)?;
+            let nodes = (less.and_then(|less| search.get(less)), search.get(effects));
+            // Without it another vanishes: what it explains by itself is not known.
+            let (Some(less), Some(with)) = nodes else {
+                continue;
+            };
+            let of_formula = match effect.info().like_loop {
+                true => one_shape,
+                false => ((with.mean_square() - noise).max(0.0) * TAKEN_UP).sqrt(),
+            };
+            let explained = (less.mean_square() - with.mean_square()).max(0.0).sqrt();
+            relative.push((effect, of_formula / explained));
         }
-        let less = search.without(effects, effect)?;
-        let nodes = (less.and_then(|less| search.get(less)), search.get(effects));
-        // Without it another vanishes: what it explains by itself is not known.
-        let (Some(less), Some(with)) = nodes else {
-            continue;
+        Ok(Self { relative })
+    }
+
+    /// The interval of a size with its error by the formula. An end may lie beyond what is possible: then the size is not told.
+    pub(crate) fn widened(
+        &self,
+        (effect, size): (Candidate, &EffectParameter),
+        fitted: &FittedParameter,
+        (value, own): (f64, Bounds),
+    ) -> Bounds {
+        let mut known = self.relative.iter().filter(|(one, _)| *one == effect);
+        let Some((_, relative)) = known.next() else {
+            return own;
         };
-        let explained = (less.mean_square() - with.mean_square()).max(0.0).sqrt();
-        let sizes = effect.info().parameters.iter();
-        for size in sizes.filter(|parameter| parameter.role == Role::Size) {
-            let of_size = |fitted: &&mut FittedParameter| fitted.info.name == size.name;
-            for fitted in fit.parameters.iter_mut().filter(of_size) {
-                let range = fitted.info.bounds.width();
-                for (&value, interval) in fitted.values.iter().zip(&mut fitted.intervals) {
-                    let own = error * (value - size.neutral()).abs() / explained;
-                    // What explains nothing may have any size.
-                    let half = HALF_95 * if own < range { own } else { range };
-                    if let Some(interval) = interval {
-                        *interval = widened_by(*interval, value, half);
-                    }
+        let range = fitted.info.bounds.width();
+        let error = relative * (value - size.neutral()).abs();
+        // What explains nothing may have any size.
+        let half = HALF_95 * if error < range { error } else { range };
+        widened_by(own, value, half)
+    }
+
+    /// Widens the intervals of all sizes of a fit.
+    pub(crate) fn widen(&self, fit: &mut Fit) {
+        for (effect, _) in &self.relative {
+            let sizes = effect.info().parameters.iter();
+            for size in sizes.filter(|parameter| parameter.role == Role::Size) {
+                let of_size = |fitted: &&mut FittedParameter| fitted.info.name == size.name;
+                for fitted in fit.parameters.iter_mut().filter(of_size) {
+                    let wider = fitted.values.iter().zip(&fitted.intervals);
+                    let wider = wider.map(|(&value, own)| {
+                        own.map(|own| self.widened((*effect, size), fitted, (value, own)))
+                    });
+                    fitted.intervals = wider.collect();
                 }
             }
         }
     }
-    Ok(fit)
 }
 
 /// An interval around a value with another half, in quadrature on either side.
@@ -80,8 +116,9 @@ fn widened_by(own: Bounds, value: f64, half: f64) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::synthetic::Synthetic;
-    use crate::{EffectId, EffectSet, EffectValues, Setting};
+    use crate::model::synthetic::{NOISE_MM, Synthetic};
+    use crate::search::families::{Near, cases, formulas, shaped};
+    use crate::{EffectId, EffectSet, EffectValues, Effort, Setting};
 
     #[test]
     fn what_acts_like_another_loop_is_as_uncertain_as_its_formula() {
@@ -104,6 +141,36 @@ mod tests {
         let one = of(&relays, EffectId::Backlash, 1.0);
         assert!((0.005..0.02).contains(&one), "{one}");
         assert!((of(&relays, EffectId::Backlash, 4.0) / one - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_left_beyond_the_noise_makes_sizes_beside_another_loop_uncertain() {
+        let effects = CandidateSet::of(EffectId::DeadTime);
+        let values = EffectValues::typical(EffectId::DeadTime, 1.0);
+        let with = EffectSet::of(EffectId::DeadTime);
+        let synthetic = Synthetic::with_loop(LoopFamily::Relays, with, values, 1);
+        let papers = synthetic.case();
+        let formulas = formulas(&papers, 1).unwrap();
+        let fits = shaped(&papers, formulas, Near::Nearer, (Effort::Normal, 1)).unwrap();
+        let relays = &cases(&papers, &fits)[0];
+        let of = |case: &Case<'_>, noise: f64| {
+            let baseline = case.baseline().unwrap();
+            let mut search = Search::new(case, baseline, effects, NOISE_MM.powi(2), 1).unwrap();
+            search.grow_by_one().unwrap();
+            let [less, with] = [CandidateSet::EMPTY, effects]
+                .map(|set| search.get(set).map_or(f64::NAN, |node| node.mean_square()));
+            let found = OfFormula::beside(&mut search, effects, noise).unwrap();
+            let relative = found.relative.first().map(|(_, relative)| *relative);
+            (relative, less, with)
+        };
+        assert_eq!(of(&papers, 0.0).0, None);
+        let (relative, less, with) = of(relays, 0.0);
+        let expected = (with * TAKEN_UP / (less - with)).sqrt();
+        assert!(
+            (relative.unwrap() / expected - 1.0).abs() < 1e-9,
+            "{relative:?} {expected}"
+        );
+        assert!(of(relays, 2.0 * with).0.unwrap() <= 0.0);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use identify::{Bounds, Fit, FittedParameter, IdentifyError, ParameterState, Validated};
 use recording::Recording;
 
-use crate::decide::{Decided, RuleId, Traces, Verdict};
+use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
 use crate::model::case::{Node, is_beyond};
 use crate::model::elsewhere::{is_drift, predicted, spread};
 use crate::model::unseen::{Unseen, validated_by};
@@ -14,7 +14,7 @@ use crate::noise::of_drive::of_drive;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::explained::share;
-use crate::report::formula::{HALF_95, with_error_of_formula};
+use crate::report::formula::{HALF_95, OfFormula};
 use crate::search::roads::Search;
 use crate::search::settle::fitted;
 use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Role};
@@ -47,7 +47,6 @@ pub(crate) fn extended(
     if let Some((whole, node)) = whole.zip(search.get(effects)) {
         fit = fitted(&whole, node, fit.seed)?;
     }
-    let fit = with_error_of_formula(search, effects, fit)?;
     let model = search.case.model(effects);
     let point = fit.point(0);
     let (validated, error) = validated_by(&model, &point, unseen)?;
@@ -73,19 +72,35 @@ const AT_ONCE: f64 = 0.632;
 
 /// Decision without names whose sizes may be zero, without drifts that are not slow, and without other names that end at a bound which is no end
 /// of what can be; such names become suspects.
-pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
+///
+/// A size may be the error of the formula of the loop beside it, unless that is an alternative to the name: then it is what it is if the name is
+/// right.
+pub(crate) fn told(
+    mut decided: Decided,
+    extended: &ExtendedStage,
+    of_formula: &OfFormula,
+) -> Decided {
     let fit = &extended.stage.fit;
-    let is_told = |effect: Candidate, traces: &mut Traces| {
+    let is_told = |named: &Named, traces: &mut Traces| {
+        let effect = named.effect;
+        let other_loop = Candidate::other_loop();
+        let may_be_formula = named.others.iter().all(|(other, _)| *other != other_loop);
         let sizes = effect.info().parameters.iter();
         let free = sizes
             .filter(|parameter| parameter.role == Role::Size)
             .filter_map(|size| Some((size, fit.parameter(size.name)?)))
             .filter(|(_, size)| size.info.state == ParameterState::Free);
-        let over = free.clone().flat_map(|(_, size)| {
+        let over = free.clone().flat_map(|(parameter, size)| {
             let each = size.values.iter().zip(&size.intervals);
-            each.map(move |(&value, interval)| match interval {
+            each.map(move |(&value, interval)| match *interval {
                 // An end that stands at a bound is no end of the interval.
-                Some(own) => value.abs() / (own.upper - value).max(value - own.lower),
+                Some(own) => {
+                    let own = match may_be_formula {
+                        true => of_formula.widened((effect, parameter), size, (value, own)),
+                        false => own,
+                    };
+                    value.abs() / (own.upper - value).max(value - own.lower)
+                }
                 // At an end of what can be it is as large as that; at 0 it is absent.
                 None if size.at_bound && !is_zero(value, size.info.bounds) => f64::INFINITY,
                 None => 0.0,
@@ -109,7 +124,7 @@ pub(crate) fn told(mut decided: Decided, extended: &ExtendedStage) -> Decided {
     let fallen = decided
         .named
         .iter()
-        .filter(|one| !is_told(one.effect, &mut decided.traces));
+        .filter(|one| !is_told(one, &mut decided.traces));
     let fallen: CandidateSet = fallen.map(|one| one.effect).collect();
     decided.fall(fallen);
     decided

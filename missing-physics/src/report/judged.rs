@@ -7,6 +7,7 @@ use crate::evidence::Population;
 use crate::model::unseen::Unseen;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
+use crate::report::formula::OfFormula;
 use crate::report::held::{held_plainly, held_to, told};
 use crate::search::roads::Search;
 use crate::{Candidate, ExtendedModel};
@@ -20,6 +21,8 @@ pub(crate) struct Judging<'a> {
     pub(crate) population: &'a Population,
     pub(crate) known: &'a Known,
     pub(crate) extended: Option<&'a ExtendedStage>,
+    /// Errors of its sizes by the formula of its loop.
+    pub(crate) of_formula: &'a OfFormula,
     /// The baseline model and its fit.
     pub(crate) plain: (&'a ExtendedModel, &'a Stage),
     /// Errors of the baseline model and of the extended one on the recordings that were not used, if there is an extended one.
@@ -48,7 +51,7 @@ impl Judging<'_> {
         let mut by_names = None;
         if let (Some(extended), Some([before, after])) = (self.extended, self.errors) {
             let of_both = ([before, after], self.ceiling);
-            decided = told(decided, extended);
+            decided = told(decided, extended, self.of_formula);
             (decided, by_names) = held_to(decided, search, extended, of_both, errors)?;
         }
         let decided = held_plainly(decided, self.plain, errors.recordings)?;

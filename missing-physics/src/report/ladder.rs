@@ -1,6 +1,6 @@
 //! From the plain to the extended model, an effect at a time.
 
-use identify::{IdentifyError, Validated};
+use identify::{IdentifyError, Validated, try_in_parallel};
 use recording::Recording;
 
 use crate::model::case::{Case, Node};
@@ -60,7 +60,7 @@ pub(crate) fn ladder(
     extended: Option<&ExtendedStage>,
     samples: Samples<'_>,
 ) -> Result<Vec<Rung>, IdentifyError> {
-    let mut rungs = Vec::new();
+    let mut steps: Vec<(CandidateSet, CandidateSet)> = Vec::new();
     if let Some(extended) = extended {
         let effects: CandidateSet = extended.effects.iter().copied().collect();
         let mut set = effects;
@@ -75,18 +75,26 @@ pub(crate) fn ladder(
             let least = lesser.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
             let less = least.map_or(CandidateSet::EMPTY, |(less, _)| less);
             let added = set.iter().filter(|&one| !less.contains(one)).collect();
-            rungs.push(match search.get(set) {
-                Some(node) if set != effects => Rung::of_node(added, (search.case, node), samples)?,
-                _ => Rung::of_stage(added, &extended.stage),
-            });
+            steps.push((added, set));
             set = less;
         }
     }
-    let of_family = search.baseline();
-    if of_family.model.loop_family() != LoopFamily::Proximity {
+    if search.case.setting.loop_family != LoopFamily::Proximity {
         let shape = CandidateSet::of(Candidate::other_loop());
-        rungs.push(Rung::of_node(shape, (search.case, of_family), samples)?);
+        steps.push((shape, CandidateSet::EMPTY));
     }
+    let of_extended = extended.map(|extended| {
+        let effects: CandidateSet = extended.effects.iter().copied().collect();
+        (effects, &extended.stage)
+    });
+    let search = &*search;
+    let mut rungs = try_in_parallel(&steps, |&(added, set)| match of_extended {
+        Some((effects, stage)) if set == effects => Ok(Rung::of_stage(added, stage)),
+        _ => {
+            let node = search.get(set).unwrap_or(search.baseline());
+            Rung::of_node(added, (search.case, node), samples)
+        }
+    })?;
     rungs.push(Rung::plain(plain));
     rungs.reverse();
     Ok(rungs)

@@ -21,6 +21,7 @@ use crate::report::diagnosis::{
 };
 use crate::report::errors::Errors;
 use crate::report::explained::explained;
+use crate::report::formula::OfFormula;
 use crate::report::held::extended;
 use crate::report::judged::{Judged, Judging};
 use crate::report::ladder::{Samples, ladder};
@@ -111,14 +112,16 @@ impl Reporting<'_, '_> {
         let known = known(leader, population, of_samples, self.blocks, self.config)?;
         let search = &mut searches[place];
         let ceiling = population.ceiling()[0] / search.case.layout.n_outputs() as f64;
-        let (extended, error_after) =
+        let (mut extended, error_after) =
             extended(search, effects, self.training, self.unseen)?.unzip();
+        let of_formula = OfFormula::beside(search, effects, self.noise[0].lower.powi(2))?;
         let of_both = error_after.as_ref().map(|after| [before, after]);
         let mut errors = Errors::on(self.unseen[1]);
         let judging = Judging {
             population,
             known: &known,
             extended: extended.as_ref(),
+            of_formula: &of_formula,
             plain: (model, baseline),
             errors: of_both,
             ceiling,
@@ -130,8 +133,6 @@ impl Reporting<'_, '_> {
             ..explained(of_both, decided.explained, ceiling, seed)
         });
         self.caller.tell(DiagnoseProgress::Locate)?;
-        let findings = written(&decided.named, search, extended.as_ref());
-        let suspects = written(&decided.suspects, search, extended.as_ref());
         // What a curve finds beyond the leading model, if only the error of a formula, may be any effect.
         let hidden_rms = leading(population).found_by_curve().sqrt();
         let n_outputs = search.case.layout.n_outputs();
@@ -162,8 +163,13 @@ impl Reporting<'_, '_> {
         };
         let ladder = ladder(search, baseline, extended.as_ref(), samples)?;
         // As it may, too, where an answer would be another one.
-        let otherwise = judging
-            .otherwise(search, &mut errors, &decided)?
+        let otherwise = judging.otherwise(search, &mut errors, &decided)?;
+        if let Some(extended) = &mut extended {
+            of_formula.widen(&mut extended.stage.fit);
+        }
+        let findings = written(&decided.named, search, extended.as_ref());
+        let suspects = written(&decided.suspects, search, extended.as_ref());
+        let otherwise = otherwise
             .into_iter()
             .map(|(rule, factor, decided)| Otherwise {
                 rule,

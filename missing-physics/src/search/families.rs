@@ -142,6 +142,10 @@ pub(crate) fn plain_fits(
     Ok(fits)
 }
 
+/// Share of the mean square by which the formula of a loop misses one of another family that an effect takes up that does not act like a loop, on
+/// average.
+pub(crate) const TAKEN_UP: f64 = 1.0 / 30.0;
+
 /// How near a loop of another family must come to be searched, by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Near {
@@ -356,6 +360,49 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The value of [`TAKEN_UP`] rests on this test.
+    #[test]
+    fn what_does_not_act_like_a_loop_takes_up_a_thirtieth_of_what_is_wrong_with_its_formula() {
+        let truths = [
+            (LoopFamily::Relays, 0.0),
+            (LoopFamily::Kinetics, 0.0),
+            (LoopFamily::Kinetics, 0.7),
+        ];
+        let mut shares = Vec::new();
+        for (truth, onset) in truths {
+            let mut values = EffectValues::default();
+            values.family.onset = onset;
+            let synthetic = Synthetic::with_loop(truth, EffectSet::EMPTY, values, 1);
+            let case = synthetic.case();
+            let plain = plain_fits(&case, STARTS, 1).unwrap();
+            let shaped = plain.iter().map(|other| {
+                let base = case.base.clone();
+                other.shaped(&case, base, 1).unwrap()
+            });
+            let mut shaped: Vec<OtherBaseline> =
+                shaped.filter(|other| other.family != truth).collect();
+            rising(&mut shaped, |other| other.fit.train_rmse);
+            retain_one_of_each(&mut shaped);
+            for other in cases(&case, &shaped) {
+                let all = CandidateSet::all(EffectSet::all(), &[]);
+                let catalogue = beside(other.setting.loop_family, all);
+                let baseline = other.baseline().unwrap();
+                let noise = NOISE_MM.powi(2);
+                let wrong = baseline.mean_square() - noise;
+                let mut search = Search::new(&other, baseline, catalogue, noise, 1).unwrap();
+                search.grow_by_one().unwrap();
+                for node in search.nodes().filter(|node| node.effects.len() == 1) {
+                    let is_other = |one: Candidate| !one.info().like_loop && !one.info().flexible;
+                    if node.effects.iter().all(is_other) {
+                        shares.push((wrong + noise - node.mean_square()) / wrong);
+                    }
+                }
+            }
+        }
+        let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+        assert!((0.5 * TAKEN_UP..1.5 * TAKEN_UP).contains(&mean), "{mean}");
     }
 
     #[test]

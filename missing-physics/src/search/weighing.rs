@@ -53,11 +53,17 @@ impl<'a> Weighing<'a> {
             names == best || names.is_empty()
         })?;
         population = self.population(searches);
-        let first = leading(&population).names;
-        self.audit(searches, &population, |names| {
-            names.iter().all(|name| first.contains(name))
-        })?;
-        Ok(self.population(searches))
+        // And on whether one finds more than a part of it.
+        loop {
+            let first = leading(&population).names;
+            self.audit(searches, &population, |names| {
+                names.iter().all(|name| first.contains(name))
+            })?;
+            population = self.population(searches);
+            if leading(&population).names == first {
+                return Ok(population);
+            }
+        }
     }
 
     /// Weighs the models that were not, where they stand now.

@@ -46,7 +46,7 @@ fn a_loop_of_kinetics_alone_is_another_shape_of_the_loop() {
 fn asymmetry_beside_kinetics_that_set_in_sharply_is_named_with_its_size() {
     let effect = EffectId::LoopAsymmetry;
     let wire = wire(LoopFamily::Kinetics, EffectSet::of(effect));
-    // Twice the typical: what the formula of another loop may be off by makes once of it a suspect.
+    // Twice the typical: more than the formula of another loop may be off by.
     let mut truth = EffectValues::typical(effect, 2.0);
     truth.family.onset = 1.0;
     let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);
@@ -62,6 +62,24 @@ fn asymmetry_beside_kinetics_that_set_in_sharply_is_named_with_its_size() {
     // Noise of 5 µm.
     let rmse = extended.stage.fit.train_rmse;
     assert!((rmse - 5e-3).abs() < 5e-4, "{rmse}");
+}
+
+#[test]
+fn what_may_be_a_finer_form_of_another_loop_is_said_to_be_either() {
+    let effect = EffectId::LoopAsymmetry;
+    let wire = wire(LoopFamily::Kinetics, EffectSet::of(effect));
+    let mut truth = EffectValues::typical(effect, 1.0);
+    truth.family.onset = 1.0;
+    let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);
+    assert_eq!(diagnosis.verdict, Verdict::Ambiguous);
+    assert_eq!(found(&diagnosis), ["loop-asymmetry", "loop-shape"]);
+    let mut findings = diagnosis.findings.iter();
+    let asymmetry = findings.find(|one| one.effect == effect).unwrap();
+    assert_eq!(asymmetry.could_also_be, [EffectId::LoopShape]);
+    // The loop's formula may make all of it.
+    let [lower, upper] = asymmetry.parameters[0].ci95.unwrap();
+    let size = truth.loop_asymmetry.loop_asymmetry;
+    assert!(lower < 0.0 && size < upper, "{lower} {upper}");
 }
 
 #[test]
