@@ -75,7 +75,7 @@ fn does_without_a_drift(population: &Population, model: &Model, name: Candidate)
 /// True if an effect with a form of its own takes nearly all of what a loop of another family leaves to explain, and more than a curve of any
 /// shape does in its place.
 ///
-/// What is wrong with the formula of such a loop may have any shape: that of an effect with one or two sizes it has by a rare chance alone.
+/// The error of such a loop's formula may have any shape: that of an effect with one or two sizes it has by a rare chance alone.
 fn takes_what_the_loop_leaves(population: &Population, model: &Model, name: Candidate) -> bool {
     let other_loop = Candidate::other_loop();
     let less = population.without(model, name);
