@@ -118,7 +118,7 @@ pub(crate) fn beyond_mean_k_per_s<const L: usize>(
 }
 
 /// Lengths of time whose transfers are at hand.
-const AT_HAND: usize = 16;
+const AT_HAND: usize = 64;
 
 /// Bits of a length that do not count: lengths within 1e-7 of one another, as differences of rounded times are, share
 /// a transfer.
@@ -234,7 +234,7 @@ impl<const L: usize> Transfer<L> {
         let mut own = [1.0; L];
         for n in 1..=TERMS {
             let (per_n, per_next) = (1.0 / n as f64, 1.0 / (n as f64 + 1.0));
-            let mut next = product(beyond_per_s, &term);
+            let mut next = of_neighbors(beyond_per_s, &term);
             for i in 0..NODES {
                 for j in 0..NODES {
                     for l in 0..L {
@@ -313,6 +313,21 @@ impl<const L: usize> Transfer<L> {
         }
         clamp_k
     }
+}
+
+/// Product in which the left factor has rates between neighbors alone.
+fn of_neighbors<const L: usize>(rates: &Square<L>, right: &Square<L>) -> Square<L> {
+    let mut product = [[[0.0; L]; NODES]; NODES];
+    for i in 0..NODES {
+        for k in i.saturating_sub(1)..NODES.min(i + 2) {
+            for j in 0..NODES {
+                for l in 0..L {
+                    product[i][j][l] += rates[i][k][l] * right[k][j][l];
+                }
+            }
+        }
+    }
+    product
 }
 
 fn product<const L: usize>(left: &Square<L>, right: &Square<L>) -> Square<L> {
