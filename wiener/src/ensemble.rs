@@ -1,7 +1,7 @@
 use sma_hysteresis::Rule;
 
 use crate::{
-    Block, Drive, Fleet, Lanes, NARROW, Profile, Start, Started, WIDE, Wiener, WienerError,
+    Block, Drive, Fleet, Lanes, MEDIUM, NARROW, Profile, Start, Started, WIDE, Wiener, WienerError,
     WienerParams, lockstep,
 };
 
@@ -69,6 +69,13 @@ impl Fleet for Ensemble {
 
     fn alone(&self, member: &Member) -> Result<Option<Box<dyn Lanes + Send>>, WienerError> {
         Ok(Some(self.started(&[*member])?.boxed()))
+    }
+
+    fn medium(
+        &self,
+        members: &[Member; MEDIUM],
+    ) -> Result<Option<Box<dyn Lanes<MEDIUM> + Send>>, WienerError> {
+        Ok(Some(self.started(members)?.boxed()))
     }
 
     fn wide(&self, members: &[Member; WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, WienerError> {

@@ -4,6 +4,8 @@ use crate::{Drives, Lanes, Profile, Shown, Stretch};
 
 /// Lanes of a full chunk: four vectors of eight, enough to hide the latency of one another.
 pub const WIDE: usize = 32;
+/// Lanes of a chunk between: three vectors of eight, for what is left of a swarm of fifty beside a full one.
+pub const MEDIUM: usize = 24;
 /// Lanes of a small chunk: two vectors of eight. With eight lanes alone compilers unroll loops before they see that they
 /// are vectors, and a chunk takes nearly as long.
 pub const NARROW: usize = 16;
@@ -39,6 +41,18 @@ pub trait Fleet {
     ///
     /// The error in the member.
     fn alone(&self, _member: &Self::Member) -> Result<Option<Box<dyn Lanes + Send>>, Self::Error> {
+        Ok(None)
+    }
+
+    /// Makes a chunk between, in the state that its plants start from; `None`, as by default, if a full one stands for it.
+    ///
+    /// # Errors
+    ///
+    /// The error in a member.
+    fn medium(
+        &self,
+        _members: &[Self::Member; MEDIUM],
+    ) -> Result<Option<Box<dyn Lanes<MEDIUM> + Send>>, Self::Error> {
         Ok(None)
     }
 
@@ -79,7 +93,7 @@ pub struct Block<'a> {
 ///
 /// # Errors
 ///
-/// That of [`Fleet::alone`], [`Fleet::narrow`] or [`Fleet::wide`] for the first chunk that it refuses; `visit` may have seen blocks of the
+/// That of [`Fleet::alone`], [`Fleet::narrow`], [`Fleet::medium`] or [`Fleet::wide`] for the first chunk that it refuses; `visit` may have seen blocks of the
 /// members before it.
 pub fn lockstep<F: Fleet>(
     fleet: &F,
@@ -100,6 +114,11 @@ pub fn lockstep<F: Fleet>(
             let mut lanes = fleet.narrow(&padded(rest))?;
             show(&mut *lanes, rest.len().min(NARROW), first, profile, visit);
             first += NARROW;
+        } else if rest.len() <= MEDIUM
+            && let Some(mut lanes) = fleet.medium(&padded(rest))?
+        {
+            show(&mut *lanes, rest.len(), first, profile, visit);
+            first += MEDIUM;
         } else {
             let mut lanes = fleet.wide(&padded(rest))?;
             show(&mut *lanes, rest.len().min(WIDE), first, profile, visit);

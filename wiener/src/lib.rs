@@ -21,7 +21,7 @@ pub use drive::Drive;
 pub use ensemble::{Ensemble, Member};
 pub use error::WienerError;
 #[cfg(feature = "std")]
-pub use fleet::{Block, Fleet, NARROW, WIDE, lockstep, padded};
+pub use fleet::{Block, Fleet, MEDIUM, NARROW, WIDE, lockstep, padded};
 pub use lanes::{Drives, Lanes, Shown, Started, Stretch};
 pub use plant::{Input, Output, Plant};
 pub use run::{Profile, run};

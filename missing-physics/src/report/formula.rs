@@ -76,8 +76,7 @@ impl OfFormula {
         fitted: &FittedParameter,
         (value, own): (f64, Bounds),
     ) -> Bounds {
-        let mut known = self.relative.iter().filter(|(one, _)| *one == effect);
-        let Some((_, relative)) = known.next() else {
+        let Some((_, relative)) = self.relative.iter().find(|(one, _)| *one == effect) else {
             return own;
         };
         let range = fitted.info.bounds.width();

@@ -1,8 +1,8 @@
 //! Any plant in lockstep: here a lag without hysteresis.
 
 use wiener::{
-    Drives, Fleet, Input, Lanes, NARROW, Output, Plant, Profile, Shown, Started, Stretch, WIDE,
-    lockstep, run,
+    Drives, Fleet, Input, Lanes, MEDIUM, NARROW, Output, Plant, Profile, Shown, Started, Stretch,
+    WIDE, lockstep, run,
 };
 
 /// A displacement that follows the drive, each lane with its own time constant.
@@ -35,10 +35,14 @@ impl<const L: usize> Plant<L> for Lag<L> {
 
 /// Members: time constant and first displacement.
 struct Lags {
+    has_medium: bool,
     has_wide: bool,
 }
 
-const LAGS: Lags = Lags { has_wide: true };
+const LAGS: Lags = Lags {
+    has_medium: true,
+    has_wide: true,
+};
 
 impl Fleet for Lags {
     type Member = (f64, f64);
@@ -49,6 +53,14 @@ impl Fleet for Lags {
         members: &[(f64, f64); NARROW],
     ) -> Result<Box<dyn Lanes<NARROW> + Send>, String> {
         Ok(started(members)?.boxed())
+    }
+
+    fn medium(
+        &self,
+        members: &[(f64, f64); MEDIUM],
+    ) -> Result<Option<Box<dyn Lanes<MEDIUM> + Send>>, String> {
+        let lags = self.has_medium.then(|| started(members)).transpose()?;
+        Ok(lags.map(|lags| lags.boxed() as Box<dyn Lanes<MEDIUM> + Send>))
     }
 
     fn wide(&self, members: &[(f64, f64); WIDE]) -> Result<Box<dyn Lanes<WIDE> + Send>, String> {
@@ -79,7 +91,7 @@ fn profile(drive: &[f64]) -> Profile<'_> {
 fn members_of_any_fleet_have_the_bits_of_a_run_alone() {
     let drive: Vec<f64> = (0..100).map(|k| f64::from(k % 7)).collect();
     let profile = profile(&drive);
-    for size in [0, 1, 8, 9, 16, 17, 57, 70] {
+    for size in [0, 1, 8, 9, 16, 17, 50, 57, 70] {
         let members: Vec<(f64, f64)> = (0..size)
             .map(|k| (0.1 + 0.3 * f64::from(k), f64::from(k)))
             .collect();
@@ -115,12 +127,20 @@ fn an_error_of_a_fleet_is_passed_on() {
 }
 
 #[test]
-fn few_members_take_narrow_lanes_and_more_take_wide_ones() {
-    let members = [(1.0, 0.0); NARROW + 1];
-    let narrow = Lags { has_wide: false };
-    let of = |n: usize| lockstep(&narrow, &members[..n], &profile(&[1.0]), &mut |_| {});
-    assert_eq!(of(NARROW), Ok(()));
-    assert_eq!(of(NARROW + 1), Err("wide".to_owned()));
+fn few_members_take_narrow_lanes_and_more_take_wider_ones() {
+    let members = [(1.0, 0.0); MEDIUM + 1];
+    let of = |n: usize, has_medium: bool| {
+        let lags = Lags {
+            has_medium,
+            has_wide: false,
+        };
+        lockstep(&lags, &members[..n], &profile(&[1.0]), &mut |_| {})
+    };
+    let wide = Err("wide".to_owned());
+    assert_eq!(of(NARROW, false), Ok(()));
+    assert_eq!(of(NARROW + 1, false), wide);
+    assert_eq!(of(MEDIUM, true), Ok(()));
+    assert_eq!(of(MEDIUM + 1, true), wide);
 }
 
 /// Lanes that have no step of their own.
