@@ -73,9 +73,10 @@ fn does_without_a_drift(population: &Population, model: &Model, name: Candidate)
 }
 
 /// True if an effect with a form of its own takes nearly all of what a loop of another family leaves to explain, and more than a curve of any
-/// shape does in its place.
+/// shape does in its place, and no other effect that acts like a loop stands beside it.
 ///
-/// The error of such a loop's formula may have any shape: that of an effect with one or two sizes it has by a rare chance alone.
+/// The error of such a loop's formula may have any shape: that of an effect with one or two sizes it has by a rare chance alone, and that of
+/// several together by a lesser one.
 fn takes_what_the_loop_leaves(population: &Population, model: &Model, name: Candidate) -> bool {
     let other_loop = Candidate::other_loop();
     let less = population.without(model, name);
@@ -88,9 +89,11 @@ fn takes_what_the_loop_leaves(population: &Population, model: &Model, name: Cand
     // In the channel in which it shows.
     let explained = [0, 1].map(|channel| all[channel] - left[channel]);
     let shows = usize::from(explained[1] > explained[0]);
+    let mut beside = model.names.iter().filter(|&one| one != name);
     name != other_loop
         && !name.info().flexible
         && less.names.contains(other_loop)
+        && beside.all(|one| one == other_loop || !one.info().like_loop)
         && left[shows] <= by_curve[shows]
         && left[shows] - least[shows] <= NEARLY_ALL * (all[shows] - least[shows])
 }

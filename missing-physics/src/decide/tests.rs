@@ -533,6 +533,49 @@ fn what_takes_nearly_all_that_another_loop_leaves_is_told_beside_it() {
 }
 
 #[test]
+fn two_that_act_like_a_loop_may_be_one_error_of_its_formula() {
+    let quiet = noise(1.0, 1);
+    let (of_loop, play, bow) = (trace(30.0, 1), trace(1.0, 2), trace(1.0, 3));
+    let all = [
+        EffectId::LoopShape,
+        EffectId::Backlash,
+        EffectId::SensorNonlinearity,
+    ];
+    let names = |second: EffectId| {
+        let all = [all[0], all[1], second];
+        let beside = [
+            sum(&sum(&quiet, &play), &bow),
+            sum(&quiet, &bow),
+            quiet.clone(),
+        ];
+        let plain = model(&[], sum(&beside[0], &of_loop), quiet.clone());
+        let models = beside.iter().enumerate().map(|(n, left)| {
+            // A curve finds half of what is left.
+            let by_curve: Vec<f64> = left
+                .iter()
+                .zip(&quiet)
+                .map(|(left, quiet)| 0.5 * (left + quiet))
+                .collect();
+            model(&all[..=n], left.clone(), by_curve)
+        });
+        let mut models: Vec<Model> = std::iter::once(plain).chain(models).collect();
+        models.push(model(
+            &[all[0], all[2]],
+            sum(&quiet, &play),
+            sum(&quiet, &play.iter().map(|s| 0.5 * s).collect::<Vec<_>>()),
+        ));
+        let names = leading(&Population { models }).names;
+        names.iter().map(|name| name.id()).collect::<Vec<_>>()
+    };
+    assert_eq!(names(all[2]), ["loop-shape"]);
+    // A lag does not act like a loop.
+    assert_eq!(
+        names(EffectId::OutputLag),
+        ["loop-shape", "backlash", "output-lag"]
+    );
+}
+
+#[test]
 fn what_was_ambiguous_by_a_name_that_falls_is_explained() {
     let mut found = decide(&with_lag(3.0, 0.0), &known());
     assert_eq!(found.verdict, Verdict::Explained);

@@ -73,18 +73,22 @@ const AT_ONCE: f64 = 0.632;
 /// Decision without names whose sizes may be zero, without drifts that are not slow, and without other names that end at a bound which is no end
 /// of what can be; such names become suspects.
 ///
-/// A size may be the error of the formula of the loop beside it, unless that is an alternative to the name: then it is what it is if the name is
-/// right.
+/// A size may be the error of the formula of the loop beside it, unless that is an alternative to the name, and to no other: then it is what it is
+/// if the name is right. Several such names together may well be one error of the formula.
 pub(crate) fn told(
     mut decided: Decided,
     extended: &ExtendedStage,
     of_formula: &OfFormula,
 ) -> Decided {
     let fit = &extended.stage.fit;
+    let is_shared = |named: &Named| {
+        let mut others = named.others.iter();
+        others.any(|(other, _)| *other == Candidate::other_loop())
+    };
+    let is_one_shared = decided.named.iter().filter(|one| is_shared(one)).count() == 1;
     let is_told = |named: &Named, traces: &mut Traces| {
         let effect = named.effect;
-        let other_loop = Candidate::other_loop();
-        let may_be_formula = named.others.iter().all(|(other, _)| *other != other_loop);
+        let may_be_formula = !(is_one_shared && is_shared(named));
         let sizes = effect.info().parameters.iter();
         let free = sizes
             .filter(|parameter| parameter.role == Role::Size)
