@@ -50,9 +50,12 @@ impl OfFormula {
         effects: CandidateSet,
         noise: f64,
     ) -> Result<Self, IdentifyError> {
+        if search.case.setting.loop_family == LoopFamily::Proximity {
+            return Ok(Self::default());
+        }
         let mut relative = Vec::new();
         let one_shape = along_one_shape(search.case);
-        for effect in effects.iter().filter(|_| one_shape > 0.0) {
+        for effect in effects.iter() {
             let less = search.without(effects, effect)?;
             let nodes = (less.and_then(|less| search.get(less)), search.get(effects));
             // Without it another vanishes: what it explains by itself is not known.

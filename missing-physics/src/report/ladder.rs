@@ -60,10 +60,13 @@ pub(crate) fn ladder(
     extended: Option<&ExtendedStage>,
     samples: Samples<'_>,
 ) -> Result<Vec<Rung>, IdentifyError> {
-    let mut steps: Vec<(CandidateSet, CandidateSet)> = Vec::new();
-    if let Some(extended) = extended {
+    let of_extended = extended.map(|extended| {
         let effects: CandidateSet = extended.effects.iter().copied().collect();
-        let mut set = effects;
+        (effects, &extended.stage)
+    });
+    // What each model adds, and its effects.
+    let mut steps: Vec<(CandidateSet, CandidateSet)> = Vec::new();
+    if let Some((mut set, _)) = of_extended {
         while !set.is_empty() {
             // What is left out first is missed least; where nothing can be, the rest came together.
             let mut lesser = Vec::new();
@@ -83,10 +86,6 @@ pub(crate) fn ladder(
         let shape = CandidateSet::of(Candidate::other_loop());
         steps.push((shape, CandidateSet::EMPTY));
     }
-    let of_extended = extended.map(|extended| {
-        let effects: CandidateSet = extended.effects.iter().copied().collect();
-        (effects, &extended.stage)
-    });
     let search = &*search;
     let mut rungs = try_in_parallel(&steps, |&(added, set)| match of_extended {
         Some((effects, stage)) if set == effects => Ok(Rung::of_stage(added, stage)),

@@ -319,6 +319,18 @@ mod tests {
     use crate::model::synthetic::{NOISE_MM, Synthetic};
     use crate::{EffectSet, EffectValues};
 
+    /// The nearest loop of each other family with its shape free, however near.
+    fn one_of_each(case: &Case<'_>) -> Vec<OtherBaseline> {
+        let plain = plain_fits(case, STARTS, 1).unwrap();
+        let shaped = plain
+            .iter()
+            .map(|other| other.shaped(case, case.base.clone(), 1).unwrap());
+        let mut shaped: Vec<OtherBaseline> = shaped.collect();
+        rising(&mut shaped, |other| other.fit.train_rmse);
+        retain_one_of_each(&mut shaped);
+        shaped
+    }
+
     /// The value of [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on this test.
     #[test]
     fn loops_of_two_families_miss_one_another_by_more_than_a_fiftieth_unless_relays_are_two_populations()
@@ -340,15 +352,7 @@ mod tests {
                     let error = (other.fit.train_rmse.powi(2) - NOISE_MM.powi(2)).max(0.0);
                     error.sqrt() / deviation / OF_FORMULAS
                 };
-                let plain = plain_fits(&case, STARTS, 1).unwrap();
-                let shaped = plain.iter().map(|other| {
-                    let base = case.base.clone();
-                    other.shaped(&case, base, 1).unwrap()
-                });
-                let mut shaped: Vec<OtherBaseline> = shaped.collect();
-                rising(&mut shaped, |other| other.fit.train_rmse);
-                retain_one_of_each(&mut shaped);
-                for other in shaped {
+                for other in one_of_each(&case) {
                     let is_same = other.family == truth;
                     let is_of_relays = other.family == LoopFamily::Relays;
                     let missed = share(&other);
@@ -376,15 +380,8 @@ mod tests {
             values.family.onset = onset;
             let synthetic = Synthetic::with_loop(truth, EffectSet::EMPTY, values, 1);
             let case = synthetic.case();
-            let plain = plain_fits(&case, STARTS, 1).unwrap();
-            let shaped = plain.iter().map(|other| {
-                let base = case.base.clone();
-                other.shaped(&case, base, 1).unwrap()
-            });
-            let mut shaped: Vec<OtherBaseline> =
-                shaped.filter(|other| other.family != truth).collect();
-            rising(&mut shaped, |other| other.fit.train_rmse);
-            retain_one_of_each(&mut shaped);
+            let mut shaped = one_of_each(&case);
+            shaped.retain(|other| other.family != truth);
             for other in cases(&case, &shaped) {
                 let all = CandidateSet::all(EffectSet::all(), &[]);
                 let catalogue = beside(other.setting.loop_family, all);
