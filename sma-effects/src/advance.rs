@@ -245,6 +245,9 @@ impl<const L: usize> Plants<L> {
         }
         if self.path.implicit {
             self.solve(&problem, &zones, &mut ending);
+            if leg.stage.part != Part::Whole {
+                stay_where_no_time_passes(leg.stage, &zones, &mut ending);
+            }
         }
         for z in 0..Z {
             if self.path.wants_middle {
@@ -398,6 +401,25 @@ impl<const L: usize> Plants<L> {
             let before_degc = zone.middle_degc[l];
             let here = leg.stage.has_middle[l];
             zone.middle_degc[l] = if here { passed_degc } else { before_degc };
+        }
+    }
+}
+
+/// Keeps lanes whose part has no length as they were, to the last bit: other lanes have a part there, and the search would
+/// go on for all.
+#[inline(always)]
+fn stay_where_no_time_passes<const L: usize, const Z: usize>(
+    stage: &Stage<L>,
+    zones: &[&mut Zone<L>; Z],
+    ending: &mut Ending<L, Z>,
+) {
+    for z in 0..Z {
+        for l in 0..L {
+            let stays = stage.share[l] <= 0.0;
+            let (driving_degc, slope_per_k) = (zones[z].driving_degc[l], zones[z].slope_per_k[l]);
+            let [to_degc, to_per_k] = [ending.driving_degc[z][l], ending.slope_per_k[z][l]];
+            ending.driving_degc[z][l] = if stays { driving_degc } else { to_degc };
+            ending.slope_per_k[z][l] = if stays { slope_per_k } else { to_per_k };
         }
     }
 }

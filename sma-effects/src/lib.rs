@@ -17,6 +17,7 @@ mod lag;
 mod loop_scale;
 mod parameter;
 mod part;
+mod past;
 mod plant;
 mod play;
 mod prior;

@@ -44,8 +44,6 @@ pub(crate) struct Path {
     pub(crate) wants_middle: bool,
     pub(crate) changes_ambient: bool,
     pub(crate) stands_in_zone: bool,
-    /// The power reaches the rod late: every sample has two parts.
-    is_late: bool,
     /// A sample must be solved for its end.
     pub(crate) implicit: bool,
     /// A sample is one step after another: heat, then fraction.
@@ -64,7 +62,6 @@ impl Path {
         let shifts = active.meets(Effects::<L>::SHIFT);
         // The solution is written with a shift of the loop, the plain step is not.
         let implicit = flows | shifts | own.has(Place::Shift);
-        let is_late = active.contains(EffectId::DeadTime);
         let wants_middle = active.meets(Effects::<L>::WANT_MIDDLE) | delays_output;
         let stands_in_zone = active.meets(Effects::<L>::STAND_IN_ZONE);
         let has_ends = active.contains(EffectId::EndConduction);
@@ -76,9 +73,8 @@ impl Path {
             wants_middle,
             changes_ambient: active.meets(Effects::<L>::CHANGE_AMBIENT),
             stands_in_zone,
-            is_late,
             implicit,
-            is_plain: !(implicit | is_late | wants_middle | stands_in_zone | has_ends),
+            is_plain: !(implicit | wants_middle | stands_in_zone | has_ends),
             shows: active.meets(Effects::<L>::SHOW)
                 | has_ends
                 | own.has(Place::Displacement)
@@ -285,8 +281,8 @@ impl<const L: usize> Plants<L> {
         ambient_degc: f64,
         dt_s: f64,
     ) -> Option<Turn<L>> {
-        if self.path.is_late {
-            return Some(state.rod.dead_time.turn(*power_w_per_m));
+        if let Some(late) = &state.rod.dead_time {
+            return late.turn(*power_w_per_m);
         }
         let lost_w_per_m = self.heat.lost(&state.middle.temperature_degc, ambient_degc);
         let lag = &self.effects.supply_lag;

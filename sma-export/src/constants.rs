@@ -10,8 +10,8 @@ use wiener::hysteresis::{NESTING_CAPACITY, REVERSAL_DEAD_BAND_K, Rule, TAN_FRAC_
 
 use crate::{Controller, Exported};
 
-/// Samples that the dead time of a model may last at most.
-pub(crate) const LONGEST_SAMPLES: usize = 64;
+/// Samples that the dead time of a model may last at most: the memory of a small controller holds them.
+pub(crate) const LONGEST_SAMPLES: usize = 2048;
 /// Half of the width of the R-phase's own loop, K.
 const R_PHASE_HALF_WIDTH_K: f64 = 1.5;
 /// Expansion of martensite over that of austenite.
@@ -314,10 +314,9 @@ impl Constants {
         self.number("drive_delay_s", drive_delay_s);
         let is_late = active(EffectId::DeadTime);
         let delays_output = is_late && output_delay_s > 0.0;
-        // Beyond these nothing arrives; never more than the plant of the program remembers.
-        let samples = (drive_delay_s.max(output_delay_s) / part_s).min(1e6) as usize + 4;
-        let capacity = samples.min(LONGEST_SAMPLES * setting.sub_steps + 1);
-        self.counts.insert("late_capacity", capacity);
+        // Beyond these nothing arrives.
+        let samples = (drive_delay_s.max(output_delay_s) / part_s) as usize + 4;
+        self.counts.insert("late_capacity", samples);
         self.flags.insert("delays_output", delays_output);
         let parts = is_late || active(EffectId::SupplyLag);
         self.flags.insert("parts", parts);

@@ -290,6 +290,29 @@ class _Lag:
 
 
 #@end
+#@if dead_time
+class _Late:
+    """What a pure delay lets through: the sample that many before the newest, and the age of its end, s."""
+
+    def __init__(self):
+        self.behind = 0
+        self.age_s = 0.0
+
+    def add(self):
+        self.behind += 1
+        self.age_s += {{part_s}}
+
+    def go_on(self, age_s):
+        """To the sample that began more than `age_s` before the end of the newest, and ended no later."""
+        while self.behind > 0 and self.age_s - age_s > 1e-9 * {{part_s}}:
+            self.behind -= 1
+            self.age_s -= {{part_s}}
+        if self.behind == 0:
+            self.age_s = 0.0
+        return self.behind
+
+
+#@end
 class Plant:
     """A rod of a temperature, deg C, at a share of the way from the heating (0) to the cooling curve (1); the drive was off
     before, and all lags have settled."""
@@ -311,9 +334,9 @@ class Plant:
         self._supply_level = self._supply_started = self._supply_wanted = 0.0
 #@end
 #@if dead_time
-        # The newest first, and before them all.
-        self._sent_w_per_m = []
-        self._held_w_per_m = 0.0
+        self._sent_w_per_m = [0.0] * {{late_capacity}}
+        self._newest = 0
+        self._arriving = _Late()
 #@end
 #@if middle
         self._middle_fraction = self._fraction
@@ -383,20 +406,14 @@ class Plant:
         return fraction
 
 #@if delays_output
-    def _moved_at(self, age_s, back):
-        """Displacement some time before the end of the sample `back` samples ago."""
-        count = {{late_capacity}}
-        for back in range(back, count - 1):
-            end = self._shown_end[back]
-            if back >= len(self._sent_w_per_m):
-                return end
-            if age_s < {{part_s}}:
-                start = self._shown_end[back + 1]
-                bend = self._shown_middle[back] - 0.5 * (start + end)
-                share = age_s / {{part_s}}
-                return end + share * (start - end) + 4.0 * bend * share * (1.0 - share)
-            age_s -= {{part_s}}
-        return self._shown_end[count - 1]
+    def _moved_at(self, age_s):
+        """Displacement some time before the end of the newest sample."""
+        here = self._newest - self._showing.go_on(age_s)
+        end = self._shown_end[here]
+        start = self._shown_end[here - 1]
+        bend = self._shown_middle[here] - 0.5 * (start + end)
+        share = (age_s - self._showing.age_s) / {{part_s}}
+        return end + share * (start - end) + 4.0 * bend * share * (1.0 - share)
 
 #@end
     def _show(self, instant, share=0.0):
@@ -423,19 +440,22 @@ class Plant:
         if instant == "start":
             self._shown_middle = [y] * {{late_capacity}}
             self._shown_end = [y] * {{late_capacity}}
+            self._showing = _Late()
             self._shown = y
         elif instant == "turn":
             y = self._shown
         elif instant == "middle":
             middle_s = 0.5 * {{part_s}}
-            self._shown_middle[0] = y
+            self._shown_middle[self._newest] = self._shown_end[self._newest] = y
+            self._showing.add()
             if {{output_delay_s}} < middle_s:
-                y = y + ({{output_delay_s}} / middle_s) * (self._moved_at(0.0, 1) - y)
+                before = self._shown_end[self._newest - 1]
+                y = y + ({{output_delay_s}} / middle_s) * (before - y)
             else:
-                y = self._moved_at({{output_delay_s}} - middle_s, 1)
+                y = self._moved_at({{output_delay_s}} + middle_s)
         else:
-            self._shown_end[0] = y
-            y = self._moved_at({{output_delay_s}}, 0)
+            self._shown_end[self._newest] = y
+            y = self._moved_at({{output_delay_s}})
             self._shown = y
 #@end
 #@if thermal_expansion
@@ -484,43 +504,20 @@ class Plant:
         return y
 
 #@if dead_time
-    def _arriving(self, power_w_per_m):
-        """Power that arrives late: share of the sample before it changes, power before, power after."""
-        count = {{late_capacity}}
-        delay_s = {{drive_delay_s}}
-        part_s = {{part_s}}
-        rate = _unit(part_s / {{tau_s}})
-        self._sent_w_per_m = [power_w_per_m] + self._sent_w_per_m[: count - 1]
-#@if delays_output
-        self._shown_middle = self._shown_middle[-1:] + self._shown_middle[:-1]
-        self._shown_end = self._shown_end[-1:] + self._shown_end[:-1]
-#@end
-        share = earlier_w_per_m = age_s = 0.0
-        later_w_per_m = power_w_per_m
-        for back in range(count):
-            # Older than all that was sent: as the oldest, since ever.
-            is_sent = back < len(self._sent_w_per_m)
-            is_oldest = back + 1 == count or not is_sent
-            sent = self._sent_w_per_m[back] if is_sent else self._held_w_per_m
-            start_s = age_s + part_s
-            if not is_oldest and start_s <= delay_s:
-                age_s = start_s
-                continue
-            last = _unit((age_s - delay_s) / part_s)
-            first = 1.0 if is_oldest else _unit((start_s - delay_s) / part_s)
-            if last <= 0.0 and first > 0.0:
-                later_w_per_m = sent
-                share = 1.0 - first
-            else:
-                per_share = 1.0 / share if share > 0.0 else 0.0
-                a = rate * share
-                begins = _unit((1.0 - first) * per_share)
-                ends = _unit((1.0 - last) * per_share)
-                earlier_w_per_m += sent * (_progress(1.0 - begins, a) - _progress(1.0 - ends, a))
-            age_s = start_s
-            if is_oldest or age_s >= delay_s + part_s:
-                break
-        return share, earlier_w_per_m, later_w_per_m
+    def _arrives(self, power_w_per_m):
+        """Power that arrives late, and, if it changes in the sample, its share before, and the powers before and after."""
+        self._newest = (self._newest + 1) % {{late_capacity}}
+        self._sent_w_per_m[self._newest] = power_w_per_m
+        self._arriving.add()
+        first = self._arriving.behind
+        last = self._arriving.go_on({{drive_delay_s}})
+        later_w_per_m = self._sent_w_per_m[self._newest - last]
+        earlier_w_per_m = self._sent_w_per_m[self._newest - last - 1]
+        share = 0.0
+        if last < first and earlier_w_per_m != later_w_per_m:
+            start_s = {{part_s}} + self._arriving.age_s
+            share = 1.0 - _unit((start_s - {{drive_delay_s}}) / {{part_s}})
+        return later_w_per_m, (share, earlier_w_per_m, later_w_per_m) if share > 0.0 else None
 
 #@end
 #@if supply_lag
@@ -630,7 +627,7 @@ class Plant:
         self._supply_level = self._level(self._lost(ambient_degc))
 #@end
 #@if dead_time
-        self._held_w_per_m = self._lost(ambient_degc)
+        self._sent_w_per_m = [self._lost(ambient_degc)] * {{late_capacity}}
 #@end
 
 #@end
@@ -662,7 +659,7 @@ class Plant:
 #@end
 #@end
 #@if dead_time
-        turn = self._arriving(power_w_per_m)
+        power_w_per_m, turn = self._arrives(power_w_per_m)
 #@end
         if turn is None:
             self._advance(power_w_per_m, ambient_degc)

@@ -464,6 +464,27 @@ static inline {{p}}_real {{p}}_follow({{p}}_lag *lag, {{p}}_real middle, {{p}}_r
 }
 
 //@end
+//@if dead_time
+/* What a pure delay lets through: the sample that many before the newest, and the age of its end, s. */
+typedef struct {
+    int behind;
+    {{p}}_real age_s;
+} {{p}}_late;
+
+/* Goes on to the sample that began more than `age_s` before the end of the newest, and ended no later; returns its place. */
+static inline int {{p}}_go_on({{p}}_late *late, {{p}}_real age_s, int newest) {
+    const {{p}}_real part_s = {{P}}_R({{part_s}});
+    while (late->behind > 0 && late->age_s - age_s > {{P}}_R(1e-9) * part_s) {
+        late->behind -= 1;
+        late->age_s -= part_s;
+    }
+    if (late->behind == 0) {
+        late->age_s = 0;
+    }
+    return (newest + {{late_capacity}} - late->behind) % {{late_capacity}};
+}
+
+//@end
 /* State of the plant between samples. */
 typedef struct {
     {{p}}_real temperature_degc;
@@ -485,12 +506,13 @@ typedef struct {
 //@end
 //@if dead_time
     {{p}}_real sent_w_per_m[{{late_capacity}}];
+    {{p}}_late arriving;
     int newest;
-    int n_sent;
 //@end
 //@if delays_output
     {{p}}_real shown_middle[{{late_capacity}}];
     {{p}}_real shown_end[{{late_capacity}}];
+    {{p}}_late showing;
     {{p}}_real shown;
 //@end
 //@if middle
@@ -543,25 +565,15 @@ static inline {{p}}_real {{p}}_mapped(const {{p}}_plant *plant, {{p}}_real drivi
 }
 
 //@if delays_output
-/* What the displacement was some time before the end of the sample `back` samples ago. */
-static inline {{p}}_real {{p}}_moved_at(const {{p}}_plant *plant, {{p}}_real age_s, int back) {
-    const int count = {{late_capacity}};
-    for (; back < count - 1; ++back) {
-        const int here = (plant->newest + 2 * count - back) % count;
-        const int older = (plant->newest + 2 * count - back - 1) % count;
-        const {{p}}_real end = plant->shown_end[here];
-        if (back >= plant->n_sent) {
-            return end;
-        }
-        if (age_s < {{P}}_R({{part_s}})) {
-            const {{p}}_real start = plant->shown_end[older];
-            const {{p}}_real bend = plant->shown_middle[here] - {{P}}_R(0.5) * (start + end);
-            const {{p}}_real share = age_s / {{P}}_R({{part_s}});
-            return end + share * (start - end) + {{P}}_R(4.0) * bend * share * ({{P}}_R(1.0) - share);
-        }
-        age_s -= {{P}}_R({{part_s}});
-    }
-    return plant->shown_end[(plant->newest + 2 * count - (count - 1)) % count];
+/* What the displacement was some time before the end of the newest sample. */
+static inline {{p}}_real {{p}}_moved_at({{p}}_plant *plant, {{p}}_real age_s) {
+    const int here = {{p}}_go_on(&plant->showing, age_s, plant->newest);
+    const int older = (here + {{late_capacity}} - 1) % {{late_capacity}};
+    const {{p}}_real end = plant->shown_end[here];
+    const {{p}}_real start = plant->shown_end[older];
+    const {{p}}_real bend = plant->shown_middle[here] - {{P}}_R(0.5) * (start + end);
+    const {{p}}_real share = (age_s - plant->showing.age_s) / {{P}}_R({{part_s}});
+    return end + share * (start - end) + {{P}}_R(4.0) * bend * share * ({{P}}_R(1.0) - share);
 }
 
 //@end
@@ -604,21 +616,27 @@ static inline {{p}}_real {{p}}_show({{p}}_plant *plant, int instant, {{p}}_real 
             plant->shown_middle[k] = y;
             plant->shown_end[k] = y;
         }
+        plant->showing.behind = 0;
+        plant->showing.age_s = 0;
         plant->shown = y;
     } else if (instant == {{P}}_AT_TURN) {
         y = plant->shown;
     } else if (instant == {{P}}_AT_MIDDLE) {
         const {{p}}_real middle_s = {{P}}_R(0.5) * {{P}}_R({{part_s}});
         plant->shown_middle[plant->newest] = y;
+        plant->shown_end[plant->newest] = y;
+        plant->showing.behind += 1;
+        plant->showing.age_s += {{P}}_R({{part_s}});
         if ({{P}}_R({{output_delay_s}}) < middle_s) {
-            const {{p}}_real before = {{p}}_moved_at(plant, 0, 1);
+            const int last = (plant->newest + {{late_capacity}} - 1) % {{late_capacity}};
+            const {{p}}_real before = plant->shown_end[last];
             y = y + ({{P}}_R({{output_delay_s}}) / middle_s) * (before - y);
         } else {
-            y = {{p}}_moved_at(plant, {{P}}_R({{output_delay_s}}) - middle_s, 1);
+            y = {{p}}_moved_at(plant, {{P}}_R({{output_delay_s}}) + middle_s);
         }
     } else {
         plant->shown_end[plant->newest] = y;
-        y = {{p}}_moved_at(plant, {{P}}_R({{output_delay_s}}), 0);
+        y = {{p}}_moved_at(plant, {{P}}_R({{output_delay_s}}));
         plant->shown = y;
     }
 //@end
@@ -716,7 +734,8 @@ static inline void {{p}}_plant_start({{p}}_plant *plant, {{p}}_real temperature_
             plant->sent_w_per_m[k] = 0;
         }
         plant->newest = 0;
-        plant->n_sent = 0;
+        plant->arriving.behind = 0;
+        plant->arriving.age_s = 0;
     }
 //@end
 //@if middle
@@ -834,45 +853,24 @@ typedef struct {
 /* Power that arrives late. */
 static inline {{p}}_parted {{p}}_arriving({{p}}_plant *plant, {{p}}_real power_w_per_m) {
     const int count = {{late_capacity}};
-    const {{p}}_real delay_s = {{P}}_R({{drive_delay_s}});
     const {{p}}_real part_s = {{P}}_R({{part_s}});
-    const {{p}}_real rate = {{p}}_unit(part_s / {{P}}_R({{tau_s}}));
     {{p}}_parted parted = {0, 0, 0};
-    {{p}}_real age_s = 0;
-    int back;
+    {{p}}_real earlier_w_per_m;
+    int first;
+    int last;
     plant->newest = (plant->newest + 1) % count;
     plant->sent_w_per_m[plant->newest] = power_w_per_m;
-    plant->n_sent += plant->n_sent < count ? 1 : 0;
-    parted.later_w_per_m = power_w_per_m;
-    for (back = 0; back < count; ++back) {
-        const int k = (plant->newest + count - back) % count;
-        const {{p}}_real sent = plant->sent_w_per_m[k];
-        /* Older than all that was sent: as the oldest, since ever. */
-        const int is_oldest = back + 1 == count || back >= plant->n_sent;
-        const {{p}}_real start_s = age_s + part_s;
-        {{p}}_real first;
-        {{p}}_real last;
-        if (!is_oldest && start_s <= delay_s) {
-            age_s = start_s;
-            continue;
-        }
-        last = {{p}}_unit((age_s - delay_s) / part_s);
-        first = is_oldest ? 1 : {{p}}_unit((start_s - delay_s) / part_s);
-        if (last <= 0 && first > 0) {
-            parted.later_w_per_m = sent;
-            parted.share = {{P}}_R(1.0) - first;
-        } else {
-            const {{p}}_real per_share = parted.share > 0 ? {{P}}_R(1.0) / parted.share : 0;
-            const {{p}}_real a = rate * parted.share;
-            const {{p}}_real from = {{p}}_unit(({{P}}_R(1.0) - first) * per_share);
-            const {{p}}_real to = {{p}}_unit(({{P}}_R(1.0) - last) * per_share);
-            parted.earlier_w_per_m += sent
-                * ({{p}}_progress({{P}}_R(1.0) - from, a) - {{p}}_progress({{P}}_R(1.0) - to, a));
-        }
-        age_s = start_s;
-        if (is_oldest || age_s >= delay_s + part_s) {
-            break;
-        }
+    plant->arriving.behind += 1;
+    plant->arriving.age_s += part_s;
+    first = plant->arriving.behind;
+    last = {{p}}_go_on(&plant->arriving, {{P}}_R({{drive_delay_s}}), plant->newest);
+    parted.later_w_per_m = plant->sent_w_per_m[last];
+    earlier_w_per_m = plant->sent_w_per_m[(last + count - 1) % count];
+    if (plant->arriving.behind < first
+        && (earlier_w_per_m < parted.later_w_per_m || earlier_w_per_m > parted.later_w_per_m)) {
+        const {{p}}_real start_s = part_s + plant->arriving.age_s;
+        parted.share = {{P}}_R(1.0) - {{p}}_unit((start_s - {{P}}_R({{drive_delay_s}})) / part_s);
+        parted.earlier_w_per_m = earlier_w_per_m;
     }
     return parted;
 }
@@ -956,9 +954,13 @@ static inline void {{p}}_sub_step({{p}}_plant *plant, {{p}}_real power_w_per_m, 
 //@if dead_time
     {
         const {{p}}_parted parted = {{p}}_arriving(plant, power_w_per_m);
-        {{p}}_advance(plant, parted.earlier_w_per_m, ambient_degc, 1, parted.share);
-        (void){{p}}_show(plant, {{P}}_AT_TURN, 0);
-        {{p}}_advance(plant, parted.later_w_per_m, ambient_degc, 2, parted.share);
+        if (parted.share > 0) {
+            {{p}}_advance(plant, parted.earlier_w_per_m, ambient_degc, 1, parted.share);
+            (void){{p}}_show(plant, {{P}}_AT_TURN, 0);
+            {{p}}_advance(plant, parted.later_w_per_m, ambient_degc, 2, parted.share);
+        } else {
+            {{p}}_advance(plant, parted.later_w_per_m, ambient_degc, 0, 0);
+        }
     }
 //@else
 //@if supply_lag

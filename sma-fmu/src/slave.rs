@@ -8,7 +8,7 @@ use missing_physics::{RestoredModel, known_effects};
 use recording::read_text;
 use rig_files::{RigFileError, model_file};
 use sha2::{Digest, Sha256};
-use sma_effects::{EffectId, EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
+use sma_effects::{EffectValues, ExtendedPlant, ExtendedState, PhysicsError, Setting};
 use sma_export::{FMU_TIME, Fmi, FmuVariable, fmu_guid};
 use wiener::{Drive, Input, Plant, WienerParams};
 
@@ -65,10 +65,6 @@ pub(crate) enum SlaveError {
     },
     #[error("communication step of {value} s: must be finite and >= 0")]
     Step { value: f64 },
-    #[error(
-        "communication step of {length_s} s: the dead time of {delay_s} s is more than 64 steps, which the plant remembers; expected longer steps"
-    )]
-    Delay { delay_s: f64, length_s: f64 },
     #[error("{call}: not while the instance is {phase}")]
     Order { call: &'static str, phase: Phase },
 }
@@ -122,9 +118,6 @@ pub(crate) struct Slave {
     first: Snapshot,
     now: Snapshot,
 }
-
-/// Samples that the plant remembers of its drive.
-const LONGEST_SAMPLES: f64 = 64.0;
 
 /// Most parts of a communication step.
 const MOST_PARTS: f64 = 1e6;
@@ -340,11 +333,6 @@ impl Slave {
             .ceil()
             .clamp(1.0, MOST_PARTS);
         let part_s = length_s / parts;
-        let delay_s = self.effects.dead_time.dead_time_s;
-        let is_late = self.setting.active.contains(EffectId::DeadTime);
-        if is_late && length_s > 0.0 && delay_s > LONGEST_SAMPLES * part_s {
-            return Err(SlaveError::Delay { delay_s, length_s });
-        }
         let drive = self.supply.limited(self.value(FmuVariable::Drive));
         let input = Input {
             drive: [match self.setting.drive {

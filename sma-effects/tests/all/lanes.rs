@@ -52,6 +52,28 @@ fn each_effect_gives_lanes_the_bits_of_one_plant_alone() {
     }
 }
 
+/// The power of one changes within a sample where that of another does not.
+#[test]
+fn lanes_that_turn_within_a_sample_leave_the_bits_of_those_that_do_not() {
+    let current_a = current_a(0.2);
+    let profile = Profile::uniform(&current_a[..300], 0.2, AMBIENT_DEGC).unwrap();
+    for late in [EffectId::DeadTime, EffectId::SupplyLag] {
+        for effect in EffectId::ALL {
+            let setting = setting(EffectSet::of(effect).with(late));
+            let mut members = various(6, EffectValues::typical(effect, 1.0));
+            for (k, member) in members.iter_mut().enumerate() {
+                let size = 0.13 * (k % 3) as f64;
+                *member.effects.slot(late, 0).unwrap() = size;
+            }
+            let together = fleet(&setting, &members, &profile);
+            for (member, expected) in members.iter().zip(&together) {
+                let alone = fleet(&setting, &[*member], &profile);
+                assert!(&alone[0] == expected, "{late} {effect}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_state_can_be_kept_and_resumed() {
     let setting = setting(EffectSet::all());

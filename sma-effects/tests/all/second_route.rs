@@ -509,7 +509,7 @@ fn before_a_run_that_begins_warm_the_rod_was_held() {
 }
 
 #[test]
-fn dead_time_of_whole_samples_is_exact_and_bounded() {
+fn dead_time_of_whole_samples_is_exact() {
     for (delay_s, samples) in [(0.4, 2), (0.6, 3), (1.0, 5)] {
         let mut values = EffectValues::default();
         values.dead_time.dead_time_s = delay_s;
@@ -519,15 +519,33 @@ fn dead_time_of_whole_samples_is_exact_and_bounded() {
             assert_abs_diff_eq!(shown[k], expected[k - samples], epsilon = 1e-9);
         }
     }
-    // Longer than the memory of 64 samples: as 64.
-    let mut values = EffectValues::default();
-    values.dead_time.dead_time_s = 1.0;
-    let current = current_a(0.01);
+}
+
+#[test]
+fn a_delay_of_any_number_of_samples_is_exact() {
+    const FINE_S: f64 = 0.002;
+    let current = current_a(FINE_S);
+    let without = setting(EffectSet::EMPTY);
+    let plain = trace(
+        &without,
+        &params(),
+        &EffectValues::default(),
+        &current,
+        FINE_S,
+    );
     let active = setting(EffectSet::of(EffectId::DeadTime));
-    let shown = trace(&active, &params(), &values, &current, 0.01).displacement;
-    values.dead_time.dead_time_s = 0.64;
-    let expected = trace(&active, &params(), &values, &current, 0.01).displacement;
-    assert!(largest(&shown, &expected) < 1e-9);
+    for share in [0.0, 1.0] {
+        let mut values = EffectValues::default();
+        values.dead_time.dead_time_s = 1.0;
+        values.dead_time.dead_time_output_share = share;
+        let shown = trace(&active, &params(), &values, &current, FINE_S);
+        let gap = largest(
+            &shown.displacement[500..],
+            &plain.displacement[..current.len() - 500],
+        );
+        assert!(gap < 1e-9 * params().gain, "{share}: {gap:e}");
+        assert!(largest(&shown.displacement[..500], &[shown.displacement[0]; 500]) < 1e-12);
+    }
 }
 
 #[test]

@@ -337,7 +337,7 @@ pub(crate) fn with_effects() -> Vec<Exported> {
         models.push(warm);
     }
     // Longer than samples: the power of two samples ago, in part, and an output that is late as well.
-    for (dead_time_s, share) in [(0.13, 0.0), (0.31, 0.6), (0.2, 1.0)] {
+    for (dead_time_s, share) in [(0.13, 0.0), (0.31, 0.6), (0.2, 1.0), (0.02, 1.0)] {
         let mut late = exported(Drive::Current, Rule::LastReversal, &[EffectId::DeadTime]);
         late.member.effects.dead_time.dead_time_s = dead_time_s;
         late.member.effects.dead_time.dead_time_output_share = share;
