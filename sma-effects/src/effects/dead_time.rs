@@ -56,7 +56,7 @@ pub(crate) struct Lanes<const L: usize> {
     tau_s: [f64; L],
 }
 
-/// What is under way to the rod, and from it to the record.
+/// Powers that are under way to the rod, and displacements from it to the record.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Late<const L: usize> {
     sent_w_per_m: Past<L, [f64; L]>,
