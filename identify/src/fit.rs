@@ -16,7 +16,10 @@ use crate::reach::{NEAR, WithinReach, beyond_reach, held_within};
 use crate::start::{Begun, Places, Start, ladder};
 use crate::tasks::try_in_parallel;
 use crate::uncertainty::covariance;
-use crate::{EndedStart, Fit, FittedParameter, ForwardModel, IdentifyError, TrainedRecording};
+use crate::{
+    EndedStart, FINEST_THERMOMETER_K, Fit, FittedParameter, ForwardModel, IdentifyError,
+    TrainedRecording,
+};
 
 /// How far a fit is.
 #[derive(Debug, Clone, PartialEq)]
@@ -307,9 +310,10 @@ fn reweighed(
     for _ in 0..ROUNDS {
         let before = minimum.point;
         let solved = problem.solve_one(&before)?;
-        if temperatures > 0 && solved.temperature > 0.0 {
+        if temperatures > 0 {
             let output = solved.output / problem.n_samples() as f64;
-            problem.weigh_temperature(output / (solved.temperature / temperatures as f64));
+            let square_k2 = solved.temperature / temperatures as f64;
+            problem.weigh_temperature(output / square_k2.max(FINEST_THERMOMETER_K.powi(2)));
         }
         if config.loss == Loss::Huber {
             problem.weigh_samples(huber_weights(&problem.residuals(&before, &solved)?));

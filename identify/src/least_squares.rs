@@ -65,6 +65,9 @@ pub enum Termination {
     },
 }
 
+/// Sum of squares over rounding's up to which data are met exactly where no step gets nearer: as six digits are met.
+const SIX_DIGITS: f64 = 1e3;
+
 /// Relative offset of a minimum: the distance that is left, over the radius of the confidence region.
 const MINIMUM: f64 = 1e-2;
 
@@ -336,6 +339,12 @@ pub(crate) fn minimize(
         local = next;
     };
     let sum = local.sum_of_squares;
+    let is_met = sum <= SIX_DIGITS * problem.rounding() && !termination.is_minimum();
+    let termination = if is_met {
+        Termination::Exact
+    } else {
+        termination
+    };
     Ok(Minimum {
         point,
         // What is no number is never the lowest.
@@ -473,6 +482,52 @@ mod tests {
             ..LeastSquaresConfig::default()
         };
         minimize(&Valley, &bounds, &start, &config).unwrap()
+    }
+
+    /// A corner that no step leads over: r = 1 + |x|; sums of squares are told to a rounding.
+    struct Corner {
+        rounding: f64,
+    }
+
+    impl SumOfSquares for Corner {
+        fn linearized(
+            &self,
+            points: &[Vec<f64>],
+            around: usize,
+        ) -> Result<(Vec<f64>, Linearized), IdentifyError> {
+            let sums = self.sums(points)?;
+            let slope = if points[around][0] < 0.0 { -1.0 } else { 1.0 };
+            let linearized = Linearized {
+                jacobian: crate::dense::Matrix::from_element(1, 1, slope),
+                residual: vec![sums[around].sqrt()],
+                sum_of_squares: sums[around],
+            };
+            Ok((sums, linearized))
+        }
+
+        fn rounding(&self) -> f64 {
+            self.rounding
+        }
+
+        fn n_derivatives(&self) -> usize {
+            1
+        }
+
+        fn sums(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, IdentifyError> {
+            let sum = |point: &Vec<f64>| (1.0 + point[0].abs()).powi(2);
+            Ok(points.iter().map(sum).collect())
+        }
+    }
+
+    #[test]
+    fn data_that_are_met_to_six_digits_are_met_where_no_step_leads_nearer() {
+        let of = |rounding: f64| {
+            let config = LeastSquaresConfig::default();
+            let end = minimize(&Corner { rounding }, &[WIDE], &[0.0], &config).unwrap();
+            end.termination.is_minimum()
+        };
+        assert!(!of(1e-4));
+        assert!(of(1e-2));
     }
 
     const WIDE: Bound = Bound {

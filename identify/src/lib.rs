@@ -92,7 +92,7 @@ pub use saved_model::{
     Identification, InputFile, KnownEffects, LOOP_SHAPE, NamedEffect, Provenance, Role,
     SavedEffects, SavedModel, SavedRecording, Scores,
 };
-pub use sensor::Sensor;
+pub use sensor::{FINEST_THERMOMETER_K, Sensor};
 pub use state_of_run::{StateOfRun, in_states};
 pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,

@@ -726,12 +726,12 @@ impl SumOfSquares for Problem<'_> {
         self.linearized_by(points, around)
     }
 
-    /// The moments' products cancel to some 1e-16 of the spread; a hundred times that is safe.
     fn n_derivatives(&self) -> usize {
         let acting = (0..self.recordings.len()).map(|r| self.vector.acting_on(r).count());
         acting.max().unwrap_or(0)
     }
 
+    /// The moments' products cancel to some 1e-16 of the spread; a hundred times that is safe.
     fn rounding(&self) -> f64 {
         1e-14 * self.spread()
     }

@@ -29,6 +29,12 @@ impl ResidualNoise {
     /// Fits the model to segments of residuals, none of them continued by the next.
     #[must_use]
     pub fn of(segments: &[&[f64]]) -> Self {
+        Self::of_at_least(segments, 0.0)
+    }
+
+    /// That of residuals in which there is noise of at least a standard deviation, whether they show it or not.
+    #[must_use]
+    pub fn of_at_least(segments: &[&[f64]], deviation: f64) -> Self {
         let n_samples: usize = segments.iter().map(|segment| segment.len()).sum();
         let n = n_samples.max(1) as f64;
         let covariance = |lag: usize| {
@@ -39,7 +45,8 @@ impl ResidualNoise {
                 .sum();
             sum / n
         };
-        let covariances: Vec<f64> = (0..=HIGHEST_ORDER).map(covariance).collect();
+        let mut covariances: Vec<f64> = (0..=HIGHEST_ORDER).map(covariance).collect();
+        covariances[0] = covariances[0].max(deviation * deviation);
         let variance = covariances[0];
         let (coefficients, innovation_variance) = best_order(&covariances, n);
         Self {

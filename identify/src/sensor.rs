@@ -19,6 +19,11 @@ pub struct Sensor {
     pub correlation_s: f64,
 }
 
+/// Least noise of a thermometer that counts, K: none on a rod is read finer.
+///
+/// Temperatures that are met more closely come from a simulation. Weighed by that, they alone would decide every fit.
+pub const FINEST_THERMOMETER_K: f64 = 0.01;
+
 /// Correlations of neighboring samples that are those of colored noise: below, noise counts as white; above, as a drift.
 const COLORED: std::ops::Range<f64> = 0.2..0.9;
 

@@ -1,12 +1,12 @@
 //! How far a fit can be trusted: covariance of its parameters, corrected for residuals that are not
 //! independent.
 
-use crate::IdentifyError;
 use crate::dense::{Matrix, singular};
 use crate::factor::Triangle;
 use crate::moments::Solved;
 use crate::problem::{Channel, Problem, Residuals};
 use crate::residual_noise::ResidualNoise;
+use crate::{FINEST_THERMOMETER_K, IdentifyError};
 
 /// Singular value of the scaled Jacobian, relative to the largest, below which a direction is not
 /// fixed at all.
@@ -55,7 +55,7 @@ pub(crate) fn covariance(
     let segments = |of: fn(&Residuals) -> &[f64]| residuals.iter().map(of).collect::<Vec<_>>();
     let noises = [
         ResidualNoise::of(&segments(|one| &one.values)),
-        ResidualNoise::of(&segments(|one| &one.temperatures_k)),
+        ResidualNoise::of_at_least(&segments(|one| &one.temperatures_k), FINEST_THERMOMETER_K),
     ];
     let mut sensitivities = Triangle::new(problem.n_linear() + point.len());
     let mut meat = [Triangle::new(columns.len()), Triangle::new(columns.len())];

@@ -32,6 +32,8 @@ pub(crate) struct Known {
     pub(crate) left_by_plain: Oddness,
     /// A drift of the zero, where the leading model has one, and its error over that of a mount that slips.
     pub(crate) slip: Option<(Candidate, f64)>,
+    /// Mean squares that effects of the leading model explain of recordings that were not used, where that was asked.
+    pub(crate) elsewhere: Vec<(Candidate, f64)>,
     pub(crate) seed: u64,
 }
 
@@ -55,6 +57,12 @@ impl Known {
     /// Standard deviation of the output.
     pub(crate) fn output_deviation(&self, n_outputs: usize) -> f64 {
         (self.output_squares / n_outputs as f64).sqrt()
+    }
+
+    /// Mean square that an effect explains: of the training, or of recordings that were not used if it is exercised there alone.
+    pub(crate) fn explained(&self, effect: Candidate, of_training: f64) -> f64 {
+        let elsewhere = self.elsewhere.iter().filter(|(one, _)| *one == effect);
+        elsewhere.fold(of_training, |largest, (_, gained)| largest.max(*gained))
     }
 
     /// Asks whether a mean square that is predicted is more than rounding, than noise of the drive leaves, and than any formula is exact to.

@@ -9,8 +9,8 @@ use crate::model::elsewhere::is_drift;
 /// formulas are.
 ///
 /// Beside an effect with a form of its own even a small one is told if with it nothing predictable is left: what a formula
-/// leaves wrong a curve would find. Beside a loop of another family it is told if no such loop could act like it, or if it takes nearly
-/// all of what is left there. An effect that does nearly all of a drift's work without the drift is told as well: a drift is a curve of
+/// leaves wrong a curve would find. Beside a loop of another family it is told if no such loop could act like it; and beside any others if it
+/// takes nearly all of what they leave. An effect that does nearly all of a drift's work without the drift is told as well: a drift is a curve of
 /// time, which takes what it can of any law.
 pub(crate) fn leading(population: &Population) -> &Model {
     let mut model = population.best();
@@ -26,7 +26,7 @@ pub(crate) fn leading(population: &Population) -> &Model {
             let is_small = !RuleId::Form.rule().passes(share);
             let is_told = is_whole && has_form_of_its_own(model, name)
                 || does_without_a_drift(population, model, name)
-                || takes_what_the_loop_leaves(population, model, name);
+                || takes_what_is_left(population, model, name);
             (is_small && !is_told).then_some((share, less))
         });
         match idle.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -39,11 +39,13 @@ pub(crate) fn leading(population: &Population) -> &Model {
 /// True if a name could be what a drift's values miss: it is a drift, or acts like one of the model's.
 fn is_of_time(model: &Model, name: Candidate) -> bool {
     let mut drifts = model.names.iter().filter(|&one| is_drift(one));
-    let acts_like = |drift: Candidate| {
-        let mut alike = drift.info().acts_like.iter();
-        alike.any(|&one| Candidate::from(one) == name)
-    };
-    is_drift(name) || drifts.any(acts_like)
+    is_drift(name) || drifts.any(|drift| acts_like(drift, name))
+}
+
+/// True if an effect acts like another one.
+fn acts_like(one: Candidate, other: Candidate) -> bool {
+    let mut alike = one.info().acts_like.iter();
+    alike.any(|&alike| Candidate::from(alike) == other)
 }
 
 /// True if a name could not be an error of the formulas beside it: all have a form of their own; or a loop of another family alone has
@@ -72,13 +74,12 @@ fn does_without_a_drift(population: &Population, model: &Model, name: Candidate)
         })
 }
 
-/// True if an effect with a form of its own takes nearly all of what a loop of another family leaves to explain, and more than a curve of any
-/// shape does in its place, and no other effect that acts like a loop stands beside it.
+/// True if an effect with a form of its own takes nearly all of what the rest of the model leaves to explain, and more than a curve of any
+/// shape does in its place, and nothing in that rest acts like it: beside a loop of another family no effect that acts like a loop.
 ///
-/// The error of such a loop's formula may have any shape: that of an effect with one or two sizes it has by a rare chance alone, and that of
+/// The error of a formula may have any shape: that of an effect with one or two sizes it has by a rare chance alone, and that of
 /// several together by a lesser one.
-fn takes_what_the_loop_leaves(population: &Population, model: &Model, name: Candidate) -> bool {
-    let other_loop = Candidate::other_loop();
+fn takes_what_is_left(population: &Population, model: &Model, name: Candidate) -> bool {
     let less = population.without(model, name);
     let Some(curve) = &less.anonymous else {
         return false;
@@ -89,11 +90,22 @@ fn takes_what_the_loop_leaves(population: &Population, model: &Model, name: Cand
     // In the channel in which it shows.
     let explained = [0, 1].map(|channel| all[channel] - left[channel]);
     let shows = usize::from(explained[1] > explained[0]);
-    let mut beside = model.names.iter().filter(|&one| one != name);
-    name != other_loop
-        && !name.info().flexible
-        && less.names.contains(other_loop)
-        && beside.all(|one| one == other_loop || !one.info().like_loop)
+    !name.info().flexible
+        && stands_alone(less, name)
         && left[shows] <= by_curve[shows]
         && left[shows] - least[shows] <= NEARLY_ALL * (all[shows] - least[shows])
+}
+
+/// True if nothing in a model acts like an effect that is added to it, or could take any shape but a loop.
+fn stands_alone(less: &Model, name: Candidate) -> bool {
+    let other_loop = Candidate::other_loop();
+    let has_other_loop = less.names.contains(other_loop);
+    let mut others = less.names.iter().filter(|&one| one != other_loop);
+    !less.names.is_empty()
+        && name != other_loop
+        && others.all(|one| {
+            let info = one.info();
+            let is_of_loop = has_other_loop && info.like_loop;
+            !(info.flexible || is_of_loop || acts_like(one, name) || acts_like(name, one))
+        })
 }

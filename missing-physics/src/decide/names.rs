@@ -120,7 +120,8 @@ pub(crate) fn names(
             p_value = p_value.max(by_wander(pairs, effect.info().parameters.len(), known.seed));
         }
         let is_own = traces.ask(RuleId::Own, id, p_value);
-        let is_material = known.is_material(traces, id, lost, leading.evidence.n_outputs);
+        let shown = known.explained(effect, lost);
+        let is_material = known.is_material(traces, id, shown, leading.evidence.n_outputs);
         sorted[usize::from(!(is_covered && is_own && is_material))].push(named);
     }
     sorted

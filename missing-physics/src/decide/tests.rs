@@ -99,6 +99,7 @@ pub(super) fn known() -> Known {
         left: NOISE,
         left_by_plain: NOISE,
         slip: None,
+        elsewhere: Vec::new(),
         seed: 1,
     }
 }
@@ -416,6 +417,28 @@ fn what_is_less_than_any_formula_is_exact_to_has_no_name() {
 }
 
 #[test]
+fn what_matters_on_recordings_that_were_not_used_has_a_name() {
+    let population = with_lag(1.0, 0.0);
+    let squares = |names: usize| population.models[names].evidence.squares()[0];
+    let small = Known {
+        output_squares: 2e6 * (squares(0) - squares(1)),
+        ..known()
+    };
+    let lag = population.models[1].names.iter().next().unwrap();
+    let least = small.least_that_matters(N);
+    let found = [0.9, 1.1].map(|over: f64| {
+        let elsewhere = vec![(lag, (over * least).powi(2))];
+        let known = Known {
+            elsewhere,
+            ..small.clone()
+        };
+        decide(&population, &known).verdict
+    });
+    assert_ne!(found[0], Verdict::Explained);
+    assert_eq!(found[1], Verdict::Explained);
+}
+
+#[test]
 fn the_baseline_model_has_a_verdict_of_its_own() {
     let nameless = |population: &Population, known: &Known| decide(population, known).nameless;
     assert_eq!(nameless(&nothing(), &known()), Verdict::Adequate);
@@ -507,29 +530,36 @@ fn a_small_effect_is_told_beside_what_it_cannot_be_an_error_of() {
 }
 
 #[test]
-fn what_takes_nearly_all_that_another_loop_leaves_is_told_beside_it() {
-    // A play that leaves so much of a small error beside the loop, and a curve in its place.
-    let names = |by_play: f64, by_curve: f64| {
+fn what_takes_nearly_all_that_is_left_is_told_beside_what_it_does_not_act_like() {
+    // A small effect that leaves so much of a small error beside a large one, and a curve in its place.
+    let names = |both: [EffectId; 2], by_small: f64, by_curve: f64| {
         let quiet = noise(1.0, 1);
-        let (of_loop, error) = (trace(30.0, 1), trace(1.0, 2));
+        let (of_large, error) = (trace(30.0, 1), trace(1.0, 2));
         let leaving = |share: f64| {
             let left: Vec<f64> = error.iter().map(|e| share * e).collect();
             sum(&quiet, &left)
         };
-        let both = [EffectId::LoopShape, EffectId::Backlash];
         let population = Population {
             models: vec![
-                model(&[], sum(&leaving(1.0), &of_loop), quiet.clone()),
+                model(&[], sum(&leaving(1.0), &of_large), quiet.clone()),
                 model(&both[..1], leaving(1.0), leaving(by_curve)),
-                model(&both, leaving(by_play), quiet.clone()),
+                model(&both, leaving(by_small), quiet.clone()),
             ],
         };
         let names = leading(&population).names;
         names.iter().map(|name| name.id()).collect::<Vec<_>>()
     };
-    assert_eq!(names(0.3, 0.5), ["loop-shape", "backlash"]);
-    assert_eq!(names(0.33, 0.5), ["loop-shape"]);
-    assert_eq!(names(0.2, 0.1), ["loop-shape"]);
+    let loop_and_play = [EffectId::LoopShape, EffectId::Backlash];
+    let heat_and_lag = [EffectId::LatentHeat, EffectId::OutputLag];
+    for both in [loop_and_play, heat_and_lag] {
+        let told = both.map(EffectId::id);
+        assert_eq!(names(both, 0.3, 0.5), told);
+        assert_eq!(names(both, 0.33, 0.5), told[..1]);
+        assert_eq!(names(both, 0.2, 0.1), told[..1]);
+    }
+    // The error of a formula of radiation is like convection.
+    let alike = [EffectId::NaturalConvection, EffectId::Radiation];
+    assert_eq!(names(alike, 0.3, 0.5), [EffectId::NaturalConvection.id()]);
 }
 
 #[test]

@@ -66,6 +66,12 @@ impl Traces {
         self.aside.extend(others.steps);
     }
 
+    /// True if a rule was asked of a name and said this.
+    pub(crate) fn has(&self, id: RuleId, of: &str, passed: bool) -> bool {
+        let mut own = self.steps.iter();
+        own.any(|trace| trace.rule.id == id && trace.of == of && trace.passed == passed)
+    }
+
     /// True if some answer of a rule would be another one with its threshold times a factor.
     pub(crate) fn hang_on(&self, rule: &Rule, factor: f64) -> bool {
         let threshold = rule.threshold_times(factor);

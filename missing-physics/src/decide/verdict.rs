@@ -145,13 +145,8 @@ fn slip<'a>(
 
 /// True if the contribution of a suspect goes with the recordings, and matters.
 fn is_found(traces: &Traces, suspect: &Named) -> bool {
-    let is_about = |id: RuleId, passed: bool| {
-        let mut own = traces.steps.iter();
-        own.any(|trace| {
-            trace.rule.id == id && trace.of == suspect.effect.id() && trace.passed == passed
-        })
-    };
-    is_about(RuleId::Own, true) && !is_about(RuleId::Matters, false)
+    let id = suspect.effect.id();
+    traces.has(RuleId::Own, id, true) && !traces.has(RuleId::Matters, id, false)
 }
 
 /// Share of the output's variance that is predicted on blocks which were left out, by any model or with the curve on top. Drifts

@@ -32,8 +32,8 @@ impl Memory {
         let [output, temperature] = residuals;
         Self {
             channels: [
-                recalled(layout, Channel::Output, output),
-                recalled(layout, Channel::Temperature, temperature),
+                layout.noise_of(Channel::Output, output),
+                layout.noise_of(Channel::Temperature, temperature),
             ],
         }
     }
@@ -47,7 +47,7 @@ impl Memory {
             if noise.n_samples == 0 || noise.innovation_variance <= 0.0 {
                 continue;
             }
-            let own = recalled(layout, channel, residual);
+            let own = layout.noise_of(channel, residual);
             let is_noise = own.innovation_variance > 0.0 && own.variance < MISFIT * noise.variance;
             let noise = if is_noise { &own } else { noise };
             let segments: Vec<&Segment> = layout.of_channel(channel).collect();
@@ -55,7 +55,7 @@ impl Memory {
                 .iter()
                 .map(|one| innovations(&residual[one.range.clone()], noise))
                 .collect();
-            let tails = Tails::of(&innovations.concat());
+            let tails = Tails::of(&innovations.concat(), layout.least_noise(channel));
             for (segment, own) in segments.iter().zip(&innovations) {
                 let shown = nats[segment.range.clone()].iter_mut().zip(own);
                 shown.for_each(|(nats, innovation)| *nats = tails.nats(*innovation));
@@ -69,13 +69,6 @@ impl Memory {
         };
         blocks.iter().map(of).collect()
     }
-}
-
-/// Memory of a channel of a residual.
-fn recalled(layout: &Layout, channel: Channel, residual: &[f64]) -> ResidualNoise {
-    let segments = layout.of_channel(channel);
-    let parts: Vec<&[f64]> = segments.map(|one| &residual[one.range.clone()]).collect();
-    ResidualNoise::of(&parts)
 }
 
 /// Innovations: the part of each sample that its past does not predict. The first samples, which have no past, are scaled to
@@ -103,13 +96,14 @@ struct Tails {
 }
 
 impl Tails {
-    /// The likeliest.
-    fn of(innovations: &[f64]) -> Self {
+    /// The likeliest of at least a scale.
+    fn of(innovations: &[f64], least: f64) -> Self {
         let square = innovations.iter().map(|one| one * one).sum::<f64>();
         let deviation = (square / innovations.len().max(1) as f64).sqrt();
-        let deviation = deviation.max(f64::MIN_POSITIVE.sqrt());
+        let least = least.max(f64::MIN_POSITIVE.sqrt());
+        let deviation = deviation.max(least);
         let fitted = DEGREES.map(|degrees| {
-            let tails = Self::with(degrees, innovations, deviation);
+            let tails = Self::with(degrees, innovations, deviation, least);
             let sum: f64 = innovations.iter().map(|one| tails.nats(*one)).sum();
             (sum, tails)
         });
@@ -118,7 +112,7 @@ impl Tails {
     }
 
     /// The scale by expectation and maximization.
-    fn with(degrees: f64, innovations: &[f64], deviation: f64) -> Self {
+    fn with(degrees: f64, innovations: &[f64], deviation: f64, least: f64) -> Self {
         let mut square = deviation * deviation;
         for _ in 0..STEPS {
             let weighted: f64 = innovations
@@ -127,7 +121,7 @@ impl Tails {
                 .sum();
             let next = weighted / innovations.len() as f64;
             let is_settled = (next / square - 1.0).abs() < 1e-6;
-            square = next.max(f64::MIN_POSITIVE);
+            square = next.max(least * least);
             if is_settled {
                 break;
             }

@@ -1,8 +1,9 @@
 //! One rig with its recordings, and models of it with ever other effects.
 
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
-    ParameterVector, Prior, RefineConfig, Refined, ResidualNoise, WienerModel, refine,
+    FINEST_THERMOMETER_K, Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig,
+    ParameterInfo, ParameterState, ParameterVector, Prior, RefineConfig, Refined, ResidualNoise,
+    WienerModel, refine,
 };
 use recording::Recording;
 
@@ -81,10 +82,9 @@ impl<'a> Case<'a> {
         setting: Setting,
     ) -> Self {
         // Both channels count alike where the baseline stands.
-        let per_k = match fit.temperature_rmse_k {
-            Some(rmse_k) if rmse_k > 0.0 => fit.train_rmse / rmse_k,
-            _ => 0.0,
-        };
+        let per_k = fit.temperature_rmse_k.map_or(0.0, |rmse_k| {
+            fit.train_rmse / rmse_k.max(FINEST_THERMOMETER_K)
+        });
         let layout = Layout::of(training, per_k);
         let drives = training.iter().map(Recording::largest_drive);
         let largest = drives.fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use identify::{ForwardModel, IdentifyError, ResidualNoise, try_in_parallel};
+use identify::{FINEST_THERMOMETER_K, ForwardModel, IdentifyError, ResidualNoise, try_in_parallel};
 use recording::Recording;
 
 /// Channel that fills a segment.
@@ -149,16 +149,26 @@ impl Layout {
 
     /// The noise of each channel, as autoregressive models of a residual.
     pub(crate) fn noise(&self, residual: &[f64]) -> Noise {
-        let of = |channel| {
-            let segments: Vec<&[f64]> = self
-                .of_channel(channel)
-                .map(|one| &residual[one.range.clone()])
-                .collect();
-            ResidualNoise::of(&segments)
-        };
         Noise {
-            output: of(Channel::Output),
-            temperature: of(Channel::Temperature),
+            output: self.noise_of(Channel::Output, residual),
+            temperature: self.noise_of(Channel::Temperature, residual),
+        }
+    }
+
+    /// That of one channel.
+    pub(crate) fn noise_of(&self, channel: Channel, residual: &[f64]) -> ResidualNoise {
+        let segments: Vec<&[f64]> = self
+            .of_channel(channel)
+            .map(|one| &residual[one.range.clone()])
+            .collect();
+        ResidualNoise::of_at_least(&segments, self.least_noise(channel))
+    }
+
+    /// Standard deviation of the noise that there is at least in a channel, in the output's unit.
+    pub(crate) fn least_noise(&self, channel: Channel) -> f64 {
+        match channel {
+            Channel::Output => 0.0,
+            Channel::Temperature => self.per_k * FINEST_THERMOMETER_K,
         }
     }
 }

@@ -22,6 +22,8 @@ pub(crate) struct Completing<'a> {
     weighing: Weighing<'a>,
     /// Models that the population is complete around.
     around: Vec<(usize, CandidateSet)>,
+    /// Models of which every one that lacks one name was searched.
+    apart: Vec<(usize, CandidateSet)>,
     /// Models that were fitted from many places.
     settled: Vec<(usize, CandidateSet)>,
 }
@@ -31,6 +33,7 @@ impl<'a> Completing<'a> {
         Self {
             weighing: Weighing::new(blocks, seed),
             around: Vec::new(),
+            apart: Vec::new(),
             settled: Vec::new(),
         }
     }
@@ -85,6 +88,29 @@ impl<'a> Completing<'a> {
         }
         self.around.push(model);
         complete(searches, model.0, model.1)?;
+        Ok(true)
+    }
+
+    /// Searches what a model is without each of its names, the loop among them: only that tells what it owes to them. Returns whether
+    /// that was left to do.
+    pub(crate) fn taken_apart(
+        &mut self,
+        searches: &mut [Search<'_>],
+        model: (usize, CandidateSet),
+    ) -> Result<bool, IdentifyError> {
+        if self.around.contains(&model) || self.apart.contains(&model) {
+            return Ok(false);
+        }
+        self.apart.push(model);
+        let (place, effects) = model;
+        for effect in effects.iter() {
+            searches[place].without(effects, effect)?;
+        }
+        if place > 0
+            && let Some(node) = searches[place].get(effects).cloned()
+        {
+            searches[0].moved_here(&node)?;
+        }
         Ok(true)
     }
 

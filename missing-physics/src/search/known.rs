@@ -85,6 +85,7 @@ pub(crate) fn known(
         left: oddness(node)?,
         left_by_plain: oddness(plain)?,
         slip: slip(case, node)?,
+        elsewhere: Vec::new(),
         seed: config.seed,
     })
 }

@@ -52,9 +52,14 @@ pub(crate) fn promoted<'c>(
         let wanted = contenders(coarse, &population, leading(&population));
         promote(&mut fine, coarse, &wanted)?;
         let judged = weighing.audited(&fine)?;
+        let best = at(&fine, judged.best());
         let (place, effects) = at(&fine, leading(&judged));
         let is_open = !cases[0].leaves_out(Part::MoreEffects);
-        if is_open && completing.completed_around(coarse, (place, effects))? {
+        if is_open && best != (place, effects) && completing.taken_apart(coarse, best)? {
+            let of_both = parts(best.1).into_iter();
+            let of_both = of_both.flat_map(|part| [(best.0, part), (0, part)]);
+            promote(&mut fine, coarse, &of_both.collect::<Vec<_>>())?;
+        } else if is_open && completing.completed_around(coarse, (place, effects))? {
             let parts = parts(effects).into_iter().map(|part| (place, part));
             promote(&mut fine, coarse, &parts.collect::<Vec<_>>())?;
         } else if !effects.is_empty() && !settled.contains(&(place, effects)) {
