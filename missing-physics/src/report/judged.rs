@@ -91,7 +91,7 @@ impl Judging<'_> {
     }
 }
 
-/// What suspects that are too small to matter in the training explain of the recordings that were not used, mean squares: there the same
+/// Mean squares of the recordings that were not used which suspects explain that are too small to matter in the training: there the same
 /// physics may have more to do. Drifts are not asked: each is fitted to every recording.
 fn gained(
     decided: &Decided,
