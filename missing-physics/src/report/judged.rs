@@ -91,7 +91,7 @@ impl Judging<'_> {
     }
 }
 
-/// Mean squares of the recordings that were not used which suspects explain that are too small to matter in the training: there the same
+/// Mean squares of the recordings that were not used which suspects explain that only are too small to matter in the training: there the same
 /// physics may have more to do. Drifts are not asked: each is fitted to every recording.
 fn gained(
     decided: &Decided,
@@ -104,7 +104,10 @@ fn gained(
     let mut gained = Vec::new();
     for suspect in &decided.suspects {
         let effect = suspect.effect;
-        if is_drift(effect) || !decided.traces.has(RuleId::Matters, effect.id(), false) {
+        let refuses = |rule: RuleId| decided.traces.has(rule, effect.id(), false);
+        let is_only_small =
+            refuses(RuleId::Matters) && !refuses(RuleId::Set) && !refuses(RuleId::Own);
+        if is_drift(effect) || !is_only_small {
             continue;
         }
         let less = search.without(effects, effect)?;
