@@ -263,7 +263,7 @@ impl Search {
 
 /// Minima that are not one another's, of ends in the order of their height: the lowest, and what is near it in height
 /// but not in place.
-fn distinct(ends: &[Minimum], bounds: &[Bound]) -> Vec<Minimum> {
+pub(crate) fn distinct(ends: &[Minimum], bounds: &[Bound]) -> Vec<Minimum> {
     let mut minima: Vec<Minimum> = Vec::new();
     for end in ends {
         let is_near = minima

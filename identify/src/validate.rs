@@ -1,13 +1,15 @@
+use recording::order::rising;
 use recording::{HOLD_TOLERANCE, Recording};
 
 use crate::beginnings::beginnings;
-use crate::fit::{range, root_mean_square, squares_about_own_mean};
-use crate::least_squares::LeastSquaresConfig;
+use crate::fit::{distinct, range, root_mean_square, squares_about_own_mean};
+use crate::least_squares::{LeastSquaresConfig, Minimum};
 use crate::of_rig::OfRig;
 use crate::problem::Problem;
 use crate::quantities::{Quantities, same_quantities};
 use crate::refine::ends;
 use crate::thermal_model::rest_tells_all;
+use crate::thinned::thinned;
 use crate::{Enters, Fit, ForwardModel, IdentifyError, ParameterInfo};
 
 /// Fewest samples at rest from which an offset is taken: fewer would carry their noise into it.
@@ -143,7 +145,14 @@ pub fn validate_at(
         let weight = |k| f64::from(u8::from(k < n_samples));
         problem.weigh_samples(vec![(0..recording.len()).map(weight).collect()]);
     }
-    let starts = beginnings(&problem)?;
+    let few = match offset_source {
+        OffsetSource::BeforeDrive { .. } => None,
+        _ => thinned(std::slice::from_ref(recording), ENOUGH)?,
+    };
+    let starts = match &few {
+        Some(few) => begun(&Problem::new(&frozen, few)?)?,
+        None => beginnings(&problem)?,
+    };
     let ends = ends(&problem, &starts, &LeastSquaresConfig::default())?;
     let lowest = ends
         .into_iter()
@@ -164,6 +173,18 @@ pub fn validate_at(
         (solved.offsets[0], offset_source),
         problem.values(&point, &solved, 0),
     ))
+}
+
+/// Samples on which the beginning of a long recording is sought before it is sought on all.
+const ENOUGH: usize = 10_000;
+
+/// Places where a search of how a recording began ends on few of its samples: the lowest, and others that are nearly as low.
+fn begun(few: &Problem<'_>) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    let ends = ends(few, &beginnings(few)?, &LeastSquaresConfig::default())?;
+    let mut minima: Vec<Minimum> = ends.into_iter().map(|(end, _)| end).collect();
+    rising(&mut minima, |end| end.sum_of_squares);
+    let minima = distinct(&minima, few.bounds()).into_iter();
+    Ok(minima.map(|end| end.point).collect())
 }
 
 /// Validation on a recording where its own parameters have these values, and the model meets it with this root mean square error.
