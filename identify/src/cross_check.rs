@@ -13,7 +13,7 @@ use crate::fit::huber_weights;
 use crate::least_squares::SumOfSquares;
 use crate::moments::BATCH;
 use crate::problem::Problem;
-use crate::{FINEST_THERMOMETER_K, Fit, ForwardModel, IdentifyError, Loss, Scope};
+use crate::{Fit, ForwardModel, IdentifyError, Loss, Scope};
 
 /// Moves of argmin's swarm.
 const SWARM_MOVES: u64 = 60;
@@ -135,8 +135,8 @@ fn at_the_end<'a>(
 ) -> Result<(Problem<'a>, Vec<f64>), IdentifyError> {
     let mut problem = Problem::new(model, training)?;
     let fitted = fit.coordinates(problem.vector());
-    if let Some(rmse_k) = fit.temperature_rmse_k {
-        problem.weigh_temperature((fit.train_rmse / rmse_k.max(FINEST_THERMOMETER_K)).powi(2));
+    if let Some(per_k) = fit.output_per_k() {
+        problem.weigh_temperature(per_k.powi(2));
     }
     if fit.loss == Loss::Huber {
         let residuals = problem.residuals(&fitted, &problem.solve_one(&fitted)?)?;

@@ -7,8 +7,8 @@ use crate::moments::Solved;
 use crate::problem::Problem;
 use crate::uncertainty::Covariance;
 use crate::{
-    BeyondReach, Bounds, Enters, Loss, ParameterInfo, ParameterVector, ResidualNoise, Scale, Scope,
-    Termination, UnfixedDirection,
+    BeyondReach, Bounds, Enters, FINEST_THERMOMETER_K, Loss, ParameterInfo, ParameterVector,
+    ResidualNoise, Scale, Scope, Termination, UnfixedDirection,
 };
 
 /// A parameter and what became of it.
@@ -139,6 +139,14 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Factor that brings a temperature to the scale of the output by how well the fit meets both, (output unit)/K; `None` where none was
+    /// recorded.
+    #[must_use]
+    pub fn output_per_k(&self) -> Option<f64> {
+        let met = |rmse_k: f64| self.train_rmse / rmse_k.max(FINEST_THERMOMETER_K);
+        self.temperature_rmse_k.map(met)
+    }
+
     /// True if the result is a minimum, found by at least two starts (by all, if fewer were made).
     #[must_use]
     pub fn converged(&self) -> bool {

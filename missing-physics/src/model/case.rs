@@ -1,9 +1,8 @@
 //! One rig with its recordings, and models of it with ever other effects.
 
 use identify::{
-    FINEST_THERMOMETER_K, Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig,
-    ParameterInfo, ParameterState, ParameterVector, Prior, RefineConfig, Refined, ResidualNoise,
-    WienerModel, refine,
+    Fit, FitConfig, ForwardModel, IdentifyError, LeastSquaresConfig, ParameterInfo, ParameterState,
+    ParameterVector, Prior, RefineConfig, Refined, ResidualNoise, WienerModel, refine,
 };
 use recording::Recording;
 
@@ -82,10 +81,7 @@ impl<'a> Case<'a> {
         setting: Setting,
     ) -> Self {
         // Both channels count alike where the baseline stands.
-        let per_k = fit.temperature_rmse_k.map_or(0.0, |rmse_k| {
-            fit.train_rmse / rmse_k.max(FINEST_THERMOMETER_K)
-        });
-        let layout = Layout::of(training, per_k);
+        let layout = Layout::of(training, fit.output_per_k().unwrap_or(0.0));
         let drives = training.iter().map(Recording::largest_drive);
         let largest = drives.fold(0.0, f64::max);
         Self {

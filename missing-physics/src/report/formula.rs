@@ -3,7 +3,7 @@
 use identify::{Bounds, Fit, FittedParameter, IdentifyError};
 
 use crate::decide::OF_FORMULAS;
-use crate::model::case::Case;
+use crate::model::case::{Case, Node};
 use crate::search::families::TAKEN_UP;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, EffectParameter, LoopFamily, Role};
@@ -56,17 +56,17 @@ impl OfFormula {
         let mut relative = Vec::new();
         let one_shape = along_one_shape(search.case);
         for effect in effects.iter() {
-            let less = search.without(effects, effect)?;
-            let nodes = (less.and_then(|less| search.get(less)), search.get(effects));
+            let less = search.node_without(effects, effect)?.map(Node::mean_square);
+            let with = search.get(effects).map(Node::mean_square);
             // Without it another vanishes: what it explains by itself is not known.
-            let (Some(less), Some(with)) = nodes else {
+            let (Some(less), Some(with)) = (less, with) else {
                 continue;
             };
             let of_formula = match effect.info().like_loop {
                 true => one_shape,
-                false => ((with.mean_square() - noise).max(0.0) * TAKEN_UP).sqrt(),
+                false => ((with - noise).max(0.0) * TAKEN_UP).sqrt(),
             };
-            let explained = (less.mean_square() - with.mean_square()).max(0.0).sqrt();
+            let explained = (less - with).max(0.0).sqrt();
             relative.push((effect, of_formula / explained));
         }
         Ok(Self { relative })

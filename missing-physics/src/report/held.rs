@@ -235,12 +235,10 @@ pub(crate) fn held_to(
         .and_then(|node| search.case.temperature_weight(node));
     let mut fallen = CandidateSet::EMPTY;
     for named in &decided.named {
-        let less = if effects.contains(named.effect) {
-            search.without(effects, named.effect)?
-        } else {
-            None
-        };
-        let Some(node) = less.and_then(|less| search.get(less)) else {
+        if !effects.contains(named.effect) {
+            continue;
+        }
+        let Some(node) = search.node_without(effects, named.effect)? else {
             continue;
         };
         // What is not exercised there, or lost in the noise, says nothing.

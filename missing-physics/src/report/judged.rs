@@ -110,8 +110,7 @@ fn gained(
         if is_drift(effect) || !is_only_small {
             continue;
         }
-        let less = search.without(effects, effect)?;
-        let Some(node) = less.and_then(|less| search.get(less)) else {
+        let Some(node) = search.node_without(effects, effect)? else {
             continue;
         };
         let [without, with] = [errors.of(node)?, with].map(Unseen::mean_square);

@@ -449,6 +449,16 @@ impl<'a> Search<'a> {
         Ok(self.index(less).map(|_| less))
     }
 
+    /// The model without one of its effects, as [`Search::without`] finds it.
+    pub(crate) fn node_without(
+        &mut self,
+        effects: CandidateSet,
+        without: Candidate,
+    ) -> Result<Option<&Node>, IdentifyError> {
+        let less = self.without(effects, without)?;
+        Ok(less.and_then(|less| self.get(less)))
+    }
+
     /// Refits models in which one effect is replaced by that of a score, in parallel; those of which an effect vanishes are left out.
     pub(crate) fn exchanged(
         &mut self,
