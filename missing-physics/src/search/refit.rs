@@ -1,12 +1,15 @@
 //! From where a model with one effect more is fitted.
 
-use identify::IdentifyError;
+use identify::{ForwardModel, IdentifyError, ParameterVector};
+use pso::Bound;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 use crate::model::case::{Case, Node};
 use crate::model::elsewhere::is_drift;
 use crate::model::tangent::of_partner;
 use crate::screen::scores::{Score, sizes_of};
-use crate::{Role, Sign};
+use crate::{ExtendedModel, Role, Sign};
 
 /// Sizes, as shares of the typical one, between which a refit starts.
 const START: [f64; 2] = [0.05, 2.0];
@@ -14,11 +17,19 @@ const START: [f64; 2] = [0.05, 2.0];
 /// How far toward a bound a refit of one effect may start.
 const FAR: f64 = 0.9;
 
+/// Share of its range by which a parameter of the baseline is moved from a place to one nearby, either way.
+const NEARBY: f64 = 0.05;
+
+/// Places nearby from which a loop that jumps is fitted, too: no derivative tells of a jump, and one place alone often has one between
+/// it and the minimum.
+const BEYOND_JUMPS: usize = 4;
+
 /// The model of a node with one effect more; `None` where no start leads anywhere.
 pub(crate) fn refit(
     case: &Case<'_>,
     node: &Node,
     score: &Score,
+    seed: u64,
 ) -> Result<Option<Node>, IdentifyError> {
     let effect = score.effect;
     let parameters = effect.info().parameters;
@@ -69,8 +80,41 @@ pub(crate) fn refit(
         let sizes = [typical, START[1] * typical].into_iter();
         starts.extend(sizes.flat_map(|size| [size, -size].map(|size| start(&[size], 1.0))));
     }
+    if case.setting.loop_family.jumps() {
+        starts.extend(places_nearby(case, &model, &starts[0], seed));
+    }
     let effects = node.effects.with(effect);
     led(case.refined(node, effects, &starts))
+}
+
+/// Places of a model with the baseline nearby and effects as they are.
+fn places_nearby(
+    case: &Case<'_>,
+    model: &ExtendedModel,
+    from: &[f64],
+    seed: u64,
+) -> [Vec<f64>; BEYOND_JUMPS] {
+    let vector = ParameterVector::new(model.parameters(), case.training.len());
+    let bounds = vector.bounds();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    core::array::from_fn(|_| {
+        let coordinates = from.iter().zip(&bounds).enumerate();
+        let moved = coordinates.map(|(j, (&at, bound))| match model.slot(vector.parameter(j)) {
+            None => nearby(at, bound, &mut rng).clamp(bound.lower, bound.upper),
+            Some(_) => at,
+        });
+        moved.collect()
+    })
+}
+
+/// A coordinate of the baseline near another.
+pub(crate) fn nearby(at: f64, bound: &Bound, rng: &mut ChaCha8Rng) -> f64 {
+    at + (bound.upper - bound.lower) * drawn(-NEARBY, NEARBY, rng)
+}
+
+/// A number between two others.
+pub(crate) fn drawn(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
+    low + (high - low) * rng.random::<f64>()
 }
 
 /// Where a search led, if anywhere: from some starts a simulation has no numbers, or the plant refuses its parameters. Any other

@@ -404,7 +404,7 @@ impl<'a> Search<'a> {
         let refitted = in_order_of(
             list,
             |score| cost(with(score)),
-            |score| Ok((with(score), refit(self.case, parent, score)?)),
+            |score| Ok((with(score), refit(self.case, parent, score, self.seed)?)),
         );
         refitted.into_iter().collect()
     }
@@ -478,7 +478,7 @@ impl<'a> Search<'a> {
         let refitted = in_order_of(
             &new,
             |&(set, ..)| cost(set),
-            |&(set, parent, score)| Ok((set, refit(self.case, parent, score)?)),
+            |&(set, parent, score)| Ok((set, refit(self.case, parent, score, self.seed)?)),
         );
         self.keep_all(refitted.into_iter().collect::<Result<_, IdentifyError>>()?);
         let known = sets.iter().map(|(_, set, _)| *set);

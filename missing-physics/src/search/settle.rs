@@ -3,13 +3,13 @@
 use std::ops::ControlFlow;
 
 use identify::{Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, fit, in_parallel};
-use rand::{Rng, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use recording::order::rising;
 
 use crate::model::case::{Case, Node};
 use crate::model::elsewhere::is_drift;
-use crate::search::refit::led;
+use crate::search::refit::{drawn, led, nearby};
 use crate::{Role, Sign};
 
 /// Places from which a search could start.
@@ -29,9 +29,6 @@ const BEHIND: f64 = 0.01;
 
 /// How low a place lies, and its coordinates.
 type End = (f64, Vec<f64>);
-
-/// Share of its range by which a parameter of the baseline is moved, either way.
-const NEARBY: f64 = 0.05;
 
 /// Sizes, as multiples of the typical one: up to, and from where there is no other sign.
 const SIZES: [f64; 2] = [0.05, 2.0];
@@ -124,21 +121,20 @@ fn raced(
 fn places(node: &Node, vector: &ParameterVector, seed: u64) -> Vec<Vec<f64>> {
     let bounds = vector.bounds();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut drawn = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
     let mut place = || {
         let coordinates = node.coordinates.iter().zip(&bounds).enumerate();
         let moved = coordinates.map(|(j, (at, bound))| {
             let moved = match node.model.slot(vector.parameter(j)) {
-                None => at + (bound.upper - bound.lower) * drawn(-NEARBY, NEARBY),
+                None => nearby(*at, bound, &mut rng),
                 Some((effect, k)) => {
                     let parameter = &effect.info().parameters[k];
                     let [low, high] = parameter.bounds;
                     match parameter.role {
-                        Role::Partner { .. } => drawn(low, high),
+                        Role::Partner { .. } => drawn(low, high, &mut rng),
                         Role::Size => {
                             let [least, most] = SIZES;
                             let least = if low < 0.0 { -most } else { least };
-                            parameter.typical * drawn(least, most)
+                            parameter.typical * drawn(least, most, &mut rng)
                         }
                     }
                 }

@@ -69,6 +69,13 @@ impl LoopFamily {
         }
     }
 
+    /// True if an excursion after which hardly anything has transformed changes all that follows. Fractions then jump where a
+    /// parameter passes the value from which one leaves a trace.
+    #[must_use]
+    pub const fn jumps(self) -> bool {
+        matches!(self, Self::Kinetics)
+    }
+
     /// The family of that name.
     #[must_use]
     pub fn parse(id: &str) -> Option<Self> {
