@@ -56,10 +56,8 @@ impl OfFormula {
         let mut relative = Vec::new();
         let one_shape = along_one_shape(search.case);
         for effect in effects.iter() {
-            let less = search.node_without(effects, effect)?.map(Node::mean_square);
-            let with = search.get(effects).map(Node::mean_square);
-            // Without it another vanishes: what it explains by itself is not known.
-            let (Some(less), Some(with)) = (less, with) else {
+            let less = search.node_without(effects, effect)?.mean_square();
+            let Some(with) = search.get(effects).map(Node::mean_square) else {
                 continue;
             };
             let of_formula = match effect.info().like_loop {

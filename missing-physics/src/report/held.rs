@@ -238,9 +238,7 @@ pub(crate) fn held_to(
         if !effects.contains(named.effect) {
             continue;
         }
-        let Some(node) = search.node_without(effects, named.effect)? else {
-            continue;
-        };
+        let node = search.node_without(effects, named.effect)?;
         // What is not exercised there, or lost in the noise, says nothing.
         let told = with
             .comes_true(errors.of(node)?, weight.unwrap_or(0.0))

@@ -110,9 +110,7 @@ fn gained(
         if is_drift(effect) || !is_only_small {
             continue;
         }
-        let Some(node) = search.node_without(effects, effect)? else {
-            continue;
-        };
+        let node = search.node_without(effects, effect)?;
         let [without, with] = [errors.of(node)?, with].map(Unseen::mean_square);
         gained.extend(without.zip(with).map(|(a, b)| (effect, a - b)));
     }

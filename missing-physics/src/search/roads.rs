@@ -449,14 +449,21 @@ impl<'a> Search<'a> {
         Ok(self.index(less).map(|_| less))
     }
 
-    /// The model without one of its effects, as [`Search::without`] finds it.
+    /// The nearest model without one of the effects of another: with all others, or with those of them that do not vanish then.
     pub(crate) fn node_without(
         &mut self,
         effects: CandidateSet,
         without: Candidate,
-    ) -> Result<Option<&Node>, IdentifyError> {
+    ) -> Result<&Node, IdentifyError> {
         let less = self.without(effects, without)?;
-        Ok(less.and_then(|less| self.get(less)))
+        let left = effects.without(without);
+        let is_part = |node: &&Node| match less {
+            Some(less) => node.effects == less,
+            None => node.effects.iter().all(|one| left.contains(one)),
+        };
+        let parts = self.nodes().filter(is_part);
+        let nearest = parts.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square()));
+        Ok(nearest.unwrap_or_else(|| self.baseline()))
     }
 
     /// Refits models in which one effect is replaced by that of a score, in parallel; those of which an effect vanishes are left out.
@@ -557,4 +564,32 @@ fn shortlist(scores: &[Score], least: f64, most: [usize; 2]) -> Vec<&Score> {
         }
     }
     list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::synthetic::{NOISE_MM, Synthetic};
+    use crate::{EffectId, EffectSet, EffectValues};
+
+    #[test]
+    fn where_another_effect_vanishes_without_one_both_are_left_out() {
+        let both = [EffectId::LatentHeat, EffectId::DeadTime];
+        let [heat, late] = both.map(Candidate::from);
+        let both: CandidateSet = both.into_iter().map(Candidate::from).collect();
+        let values = EffectValues::typical(EffectId::LatentHeat, 1.0);
+        let synthetic = Synthetic::of(EffectSet::of(EffectId::LatentHeat), values, 1);
+        let case = synthetic.case();
+        let noise = NOISE_MM.powi(2);
+        let mut search = Search::new(&case, case.baseline().unwrap(), both, noise, 1).unwrap();
+        search.grow_by_one().unwrap();
+        let less = search.node_without(both, late).unwrap().effects;
+        assert_eq!(less, both.without(late));
+        // As if a dead time vanished where no heat is latent.
+        let alone = both.without(heat);
+        search.visited.retain(|one| one.node.effects != alone);
+        search.dead.push(alone);
+        let less = search.node_without(both, heat).unwrap().effects;
+        assert!(less.is_empty());
+    }
 }
