@@ -60,38 +60,39 @@ impl Met {
     }
 }
 
-/// The error of a model at a point, of which the shared values count, on recordings that were not used.
+/// The error of a model at a point, of which the shared values count, on recordings that were not used; their temperatures count with a
+/// weight, (output unit/K)².
 pub(crate) fn unseen(
     model: &dyn ForwardModel,
-    point: &[f64],
+    (point, temperature_weight): (&[f64], f64),
     recordings: &[Recording],
 ) -> Result<Unseen, IdentifyError> {
     let of_each = try_in_parallel(recordings, |recording| {
-        Ok(of_recording(model, point, recording)?.0)
+        Ok(of_recording(model, (point, temperature_weight), recording)?.0)
     })?;
     Ok(Unseen::of_all(of_each))
 }
 
-/// Validation of a model at a point on each of some recordings that were not used, with the values of all parameters that belong to it,
-/// and its error on them.
+/// Validation of a model at a point on each of some recordings that were not used, with the values of all parameters that belong to it by
+/// their outputs, and its error on them.
 pub(crate) fn validated(
     model: &dyn ForwardModel,
     point: &[f64],
     recordings: &[Recording],
 ) -> Result<(Vec<Validated>, Unseen), IdentifyError> {
-    validated_by(model, point, [recordings, recordings])
+    validated_by(model, (point, 0.0), [recordings, recordings])
 }
 
-/// [`validated`] by the samples of each recording on which models are judged: they give the values of all parameters that belong to it, and
-/// count as the error.
+/// [`validated`] by the samples of each recording on which models are judged: they give the values of all parameters that belong to it, by
+/// their temperatures as well, with a weight, (output unit/K)², and count as the error.
 pub(crate) fn validated_by(
     model: &dyn ForwardModel,
-    point: &[f64],
+    (point, temperature_weight): (&[f64], f64),
     [recordings, judged]: [&[Recording]; 2],
 ) -> Result<(Vec<Validated>, Unseen), IdentifyError> {
     let pairs: Vec<(&Recording, &Recording)> = recordings.iter().zip(judged).collect();
     let of_each = try_in_parallel(&pairs, |(recording, judged)| {
-        let (own, whole) = of_recording(model, point, judged)?;
+        let (own, whole) = of_recording(model, (point, temperature_weight), judged)?;
         let mut square = own.squares() / judged.len() as f64;
         if recording.len() > judged.len() {
             // Between the samples on which it is judged there is noise, too.
@@ -120,7 +121,7 @@ fn mean_square(
 
 fn of_recording(
     model: &dyn ForwardModel,
-    point: &[f64],
+    (point, temperature_weight): (&[f64], f64),
     recording: &Recording,
 ) -> Result<(Unseen, Vec<f64>), IdentifyError> {
     let mut of_rig = OfRig::at(model, point);
@@ -165,9 +166,9 @@ fn of_recording(
                 ..LeastSquaresConfig::default()
             },
             weights: Some(vec![weights.collect()]),
+            temperature_weight,
             prior,
             race_iterations: RACE,
-            ..RefineConfig::default()
         };
         refine(&of_rig, own, starts, &config)
     };
@@ -297,6 +298,9 @@ impl Unseen {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::synthetic::{NOISE_MM, Synthetic};
+    use crate::{EffectSet, EffectValues};
+    use recording::{Quantity, RecordingParts};
 
     /// Two stretches of two samples each that leave the same everywhere.
     fn leaving(output: f64, temperature_k: f64) -> Unseen {
@@ -325,5 +329,47 @@ mod tests {
         let both = share(&worse, &without, 0.5).unwrap();
         assert!(both < 0.5, "{both}");
         assert!(share(&worse, &without, 1e6).unwrap() > 0.999);
+    }
+
+    /// A cold wire that hardly warms, in a room that is warmer than the training's: its output stays where it is.
+    #[test]
+    fn a_thermometer_tells_how_warm_a_room_is_where_the_output_does_not() {
+        let synthetic = Synthetic::of(EffectSet::EMPTY, EffectValues::default(), 1);
+        let node = synthetic.case().baseline().unwrap();
+        let mut infos = node.model.parameters().iter();
+        let place = infos.position(|info| info.name == AMBIENT_LEVEL).unwrap();
+        let cold = |output: Vec<f64>, temperature_degc: Option<Vec<f64>>| {
+            let parts = RecordingParts {
+                name: "cold".to_owned(),
+                time_s: Some((0..200).map(f64::from).collect()),
+                drive: (0..200).map(|k| 0.05 * f64::from(k / 100)).collect(),
+                drive_quantity: Quantity::Current,
+                output,
+                output_unit: "mm".to_owned(),
+                temperature_degc,
+                ..RecordingParts::default()
+            };
+            Recording::new(parts).unwrap()
+        };
+        const WARMER_K: f64 = 3.0;
+        let mut warmer = node.points[0].clone();
+        warmer[place] += WARMER_K;
+        let shown = predict(&node.model, &warmer, &cold(vec![0.0; 200], None)).unwrap();
+        let noisy = |(k, mm): (usize, f64)| mm + 3.0 * NOISE_MM * ((k * k) as f64).sin();
+        let output = shown.output.into_iter().enumerate().map(noisy).collect();
+        let recorded = [cold(output, Some(shown.temperature_degc))];
+        let found_k = |weight: f64| {
+            let at = (&node.points[0][..], weight);
+            let both = [&recorded[..], &recorded[..]];
+            validated_by(&node.model, at, both).unwrap().0[0].point[place]
+        };
+        // Of a thermometer with noise of 0.2 K.
+        let weight = (NOISE_MM / 0.2).powi(2);
+        assert!(
+            (found_k(weight) - WARMER_K).abs() < 0.2,
+            "{}",
+            found_k(weight)
+        );
+        assert!(found_k(0.0) < 0.5 * WARMER_K, "{}", found_k(0.0));
     }
 }

@@ -4,13 +4,14 @@ use identify::IdentifyError;
 use recording::Recording;
 
 use crate::CandidateSet;
-use crate::model::case::Node;
+use crate::model::case::{Case, Node};
 use crate::model::unseen::{Unseen, unseen};
 
-/// The recordings that were not used, and what models of a search leave of them.
+/// The recordings that were not used, and what models of a case leave of them.
 #[derive(Debug)]
 pub(crate) struct Errors<'a> {
     pub(crate) recordings: &'a [Recording],
+    case: &'a Case<'a>,
     known: Vec<Known>,
 }
 
@@ -23,9 +24,10 @@ struct Known {
 }
 
 impl<'a> Errors<'a> {
-    pub(crate) fn on(recordings: &'a [Recording]) -> Self {
+    pub(crate) fn on(recordings: &'a [Recording], case: &'a Case<'a>) -> Self {
         Self {
             recordings,
+            case,
             known: Vec::new(),
         }
     }
@@ -34,13 +36,14 @@ impl<'a> Errors<'a> {
     pub(crate) fn of(&mut self, node: &Node) -> Result<&Unseen, IdentifyError> {
         let point = &node.points[0];
         let is_it = |one: &Known| one.effects == node.effects && one.point == *point;
+        let weight = self.case.temperature_weight(node).unwrap_or(0.0);
         let place = match self.known.iter().position(is_it) {
             Some(place) => place,
             None => {
                 self.known.push(Known {
                     effects: node.effects,
                     point: point.clone(),
-                    error: unseen(&node.model, point, self.recordings)?,
+                    error: unseen(&node.model, (point, weight), self.recordings)?,
                 });
                 self.known.len() - 1
             }

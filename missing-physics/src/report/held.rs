@@ -49,7 +49,8 @@ pub(crate) fn extended(
     }
     let model = search.case.model(effects);
     let point = fit.point(0);
-    let (validated, error) = validated_by(&model, &point, unseen)?;
+    let at = (&point[..], temperature_weight(search, effects));
+    let (validated, error) = validated_by(&model, at, unseen)?;
     let stage = Stage {
         validated,
         predicted_rmse: predicted(&model, &point, unseen[0])?,
@@ -61,6 +62,14 @@ pub(crate) fn extended(
         stage,
     };
     Ok(Some((extended, error)))
+}
+
+/// Weight of temperatures as a model of a search meets them, (output unit/K)²; 0 where none are recorded.
+fn temperature_weight(search: &Search<'_>, effects: CandidateSet) -> f64 {
+    let weight = search
+        .get(effects)
+        .and_then(|node| search.case.temperature_weight(node));
+    weight.unwrap_or(0.0)
 }
 
 /// Turns within a recording from which a curve of time is no slow one.
@@ -230,9 +239,7 @@ pub(crate) fn held_to(
         return Ok((decided, None));
     }
     let effects: CandidateSet = extended.effects.iter().copied().collect();
-    let weight = search
-        .get(effects)
-        .and_then(|node| search.case.temperature_weight(node));
+    let weight = temperature_weight(search, effects);
     let mut fallen = CandidateSet::EMPTY;
     for named in &decided.named {
         if !effects.contains(named.effect) {
@@ -241,7 +248,7 @@ pub(crate) fn held_to(
         let node = search.node_without(effects, named.effect)?;
         // What is not exercised there, or lost in the noise, says nothing.
         let told = with
-            .comes_true(errors.of(node)?, weight.unwrap_or(0.0))
+            .comes_true(errors.of(node)?, weight)
             .filter(|[_, error]| *error < TOLD);
         let Some([share, _]) = told else {
             continue;

@@ -29,7 +29,8 @@ impl Rung {
             None => node.mean_square(),
         };
         let point = &node.points[0];
-        let (validated, _) = validated_by(&node.model, point, samples.unseen)?;
+        let weight = case.temperature_weight(node).unwrap_or(0.0);
+        let (validated, _) = validated_by(&node.model, (point, weight), samples.unseen)?;
         Ok(Self {
             added: added.iter().collect(),
             train_rmse: train_square.sqrt(),

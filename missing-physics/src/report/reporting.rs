@@ -48,7 +48,8 @@ impl Baseline {
         [unseen, judged]: [&[Recording]; 2],
     ) -> Result<Self, IdentifyError> {
         let point = case.fit.point(0);
-        let (validated, error) = validated_by(case.base, &point, [unseen, judged])?;
+        let weight = case.temperature_weight(&case.baseline()?).unwrap_or(0.0);
+        let (validated, error) = validated_by(case.base, (&point, weight), [unseen, judged])?;
         let predicted_rmse = predicted(case.base, &point, unseen)?;
         Ok(Self {
             model: case.model(CandidateSet::EMPTY),
@@ -116,7 +117,7 @@ impl Reporting<'_, '_> {
             extended(search, effects, self.training, self.unseen)?.unzip();
         let of_formula = OfFormula::beside(search, effects, self.noise[0].lower.powi(2))?;
         let of_both = error_after.as_ref().map(|after| [before, after]);
-        let mut errors = Errors::on(self.unseen[1]);
+        let mut errors = Errors::on(self.unseen[1], search.case);
         let judging = Judging {
             population,
             known: &known,

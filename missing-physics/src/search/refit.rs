@@ -80,11 +80,27 @@ pub(crate) fn refit(
         let sizes = [typical, START[1] * typical].into_iter();
         starts.extend(sizes.flat_map(|size| [size, -size].map(|size| start(&[size], 1.0))));
     }
-    if case.setting.loop_family.jumps() {
-        starts.extend(places_nearby(case, &model, &starts[0], seed));
-    }
     let effects = node.effects.with(effect);
-    led(case.refined(node, effects, &starts))
+    let found = led(case.refined(node, effects, &starts))?;
+    if !case.setting.loop_family.jumps() {
+        return Ok(found);
+    }
+    // By themselves: in one race they would leave behind who is slower and ends lower.
+    let nearby = places_nearby(case, &model, &starts[0], seed);
+    let other = led(case.refined(node, effects, &nearby))?;
+    Ok(lower(found, other))
+}
+
+/// The lower of two ends, with the simulations of both; of equal ones the first.
+fn lower(first: Option<Node>, second: Option<Node>) -> Option<Node> {
+    let (Some(first), Some(second)) = (&first, &second) else {
+        return first.or(second);
+    };
+    let is_second = second.noise.deviance() < first.noise.deviance();
+    Some(Node {
+        simulations: first.simulations + second.simulations,
+        ..(if is_second { second } else { first }).clone()
+    })
 }
 
 /// Places of a model with the baseline nearby and effects as they are.
