@@ -54,6 +54,20 @@ pub enum Comparison {
     AtLeast,
     /// Passed if it is at most the threshold.
     AtMost,
+    /// Passed if it is off 1 by the threshold at most.
+    NearOne,
+}
+
+impl Comparison {
+    /// What stands before the threshold where a rule is written down.
+    #[must_use]
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::AtLeast => "≥",
+            Self::AtMost => "≤",
+            Self::NearOne => "1 ±",
+        }
+    }
 }
 
 /// Where a threshold comes from.
@@ -101,6 +115,7 @@ impl Rule {
         match self.comparison {
             Comparison::AtLeast => value >= threshold,
             Comparison::AtMost => value <= threshold,
+            Comparison::NearOne => (value - 1.0).abs() <= threshold,
         }
     }
 
@@ -238,10 +253,10 @@ pub const RULES: [Rule; 15] = [
         id: RuleId::UnseenGain,
         name: "unseen-gain",
         statistic: "share of what a name changes in the unseen recordings that comes true",
-        comparison: Comparison::AtLeast,
+        comparison: Comparison::NearOne,
         threshold: 0.5,
         basis: Basis::Derivation,
-        reason: "below a half it makes them worse",
+        reason: "what is right comes true as it is: below a half it makes them worse, and beyond one and a half they ask for another size than the training by more than half of it",
     },
     Rule {
         id: RuleId::UnseenShare,
@@ -257,6 +272,17 @@ pub const RULES: [Rule; 15] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_comes_true_is_neither_half_nor_half_as_much_again() {
+        let rule = RuleId::UnseenGain.rule();
+        for value in [0.5, 0.97, 1.0, 1.5] {
+            assert!(rule.passes(value), "{value}");
+        }
+        for value in [0.49, 1.51, -1.0, f64::NAN] {
+            assert!(!rule.passes(value), "{value}");
+        }
+    }
 
     #[test]
     fn a_threshold_may_be_a_quarter_more_or_less() {

@@ -174,11 +174,7 @@ fn every_rule_stands_in_the_method() {
     for rule in missing_physics::RULES {
         let row = format!("| `{}` |", rule.name);
         let line = method.lines().find(|line| line.starts_with(&row));
-        let sign = match rule.comparison {
-            missing_physics::Comparison::AtLeast => "≥",
-            missing_physics::Comparison::AtMost => "≤",
-        };
-        let threshold = format!("| {sign} {} |", rule.threshold);
+        let threshold = format!("| {} {} |", rule.comparison.sign(), rule.threshold);
         assert!(
             line.is_some_and(|line| line.contains(&threshold)),
             "{row} {threshold}"

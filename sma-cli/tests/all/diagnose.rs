@@ -298,7 +298,7 @@ fn the_verdict_comes_first_and_can_be_read_aloud() {
         "Why: without it ",
         " of the explainable error comes back; chance does as much in ",
         " of draws (needs ≤ 1 %); in unseen data ",
-        " of the change that it predicts is there (needs ≥ 50 %).",
+        " of the change that it predicts is there (needs 50-150 %).",
     ] {
         assert!(why.contains(reason), "{reason}: {text}");
     }

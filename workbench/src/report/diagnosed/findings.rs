@@ -1,7 +1,7 @@
 //! Findings and suspects: what they are, how sure they are, and why.
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Candidate, Comparison, Diagnosis, Finding, RuleId, Trace};
+use missing_physics::{Candidate, Comparison, Diagnosis, Finding, Rule, RuleId, Trace};
 use sma_effects::{Belongs, Role};
 
 use super::headline::{names, names_of_others};
@@ -169,11 +169,20 @@ fn is_drift_through_values(finding: &Finding) -> bool {
 
 /// Threshold of a rule behind its statistic.
 fn required(trace: &Trace, shown: fn(f64) -> String) -> String {
-    let least = match trace.rule.comparison {
-        Comparison::AtLeast => "≥",
-        Comparison::AtMost => "≤",
-    };
-    format!(" (needs {least} {})", shown(trace.rule.threshold))
+    let Rule {
+        comparison,
+        threshold,
+        ..
+    } = *trace.rule;
+    match comparison {
+        Comparison::AtLeast | Comparison::AtMost => {
+            format!(" (needs {} {})", comparison.sign(), shown(threshold))
+        }
+        Comparison::NearOne => {
+            let [from, to] = [1.0 - threshold, 1.0 + threshold].map(shown);
+            format!(" (needs {}-{to})", from.trim_end_matches(" %"))
+        }
+    }
 }
 
 /// Sizes that would be larger still if they could: a sign that another effect is meant.

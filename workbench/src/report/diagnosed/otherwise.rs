@@ -1,7 +1,7 @@
 //! How near the verdict is to another.
 
 use comfy_table::{Cell, Table};
-use missing_physics::{Comparison, Diagnosis, Otherwise};
+use missing_physics::{Diagnosis, Otherwise};
 use serde_json::{Value, json};
 
 use super::headline::names;
@@ -18,11 +18,8 @@ pub(super) fn table(diagnosis: &Diagnosis) -> Option<Table> {
     let mut table = folding(["rule", "needs", "with", "verdict", "findings"]);
     for other in &diagnosis.otherwise {
         let rule = other.rule;
-        let least = match rule.comparison {
-            Comparison::AtLeast => "≥",
-            Comparison::AtMost => "≤",
-        };
-        let needs = |threshold: f64| right(format!("{least} {}", spoken(threshold)));
+        let sign = rule.comparison.sign();
+        let needs = |threshold: f64| right(format!("{sign} {}", spoken(threshold)));
         let findings: Vec<String> = other
             .findings
             .iter()
