@@ -59,7 +59,7 @@ pub enum Comparison {
 }
 
 impl Comparison {
-    /// What stands before the threshold where a rule is written down.
+    /// Sign before the threshold where a rule is written down.
     #[must_use]
     pub fn sign(self) -> &'static str {
         match self {
