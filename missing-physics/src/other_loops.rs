@@ -5,8 +5,12 @@ use recording::Recording;
 
 use crate::model::case::Case;
 use crate::model::coarse::coarse;
-use crate::search::families::{OF_ONE_SIZE, OtherBaseline, plain_fits, retain_one_of_each};
+use crate::search::families::{OtherBaseline, plain_fits, retain_one_of_each};
 use crate::{LoopFamily, Setting};
+
+/// Error over that of the paper's loop up to which a loop counts: of two that leave errors of one size neither is the rod's, and
+/// either may be nearer to it.
+const OF_ONE_SIZE: f64 = 2.0;
 
 /// Starts of a fit, beside the place where the paper's loop ended.
 const STARTS: u64 = 1;

@@ -3,21 +3,22 @@
 use crate::CandidateSet;
 use crate::model::case::Node;
 use crate::search::odds::MISFIT;
-use crate::search::roads::{MOST_EFFECTS, Search};
+use crate::search::roads::Search;
 
 /// Odds against each other effect, in units of log-likelihood: 20 to 1.
 const ODDS: f64 = 3.0;
 
 impl Search<'_> {
-    /// Least mean square that a model with so many effects at most leaves.
-    pub(crate) fn least(&self, n_effects: usize) -> f64 {
-        let simple = self.nodes().filter(|node| node.effects.len() <= n_effects);
-        simple.map(Node::mean_square).fold(f64::INFINITY, f64::min)
+    /// The model that leaves least.
+    pub(crate) fn nearest(&self) -> &Node {
+        let nodes = self.nodes();
+        let nearest = nodes.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square()));
+        nearest.unwrap_or_else(|| self.baseline())
     }
 
-    /// Mean square of what the nearest model leaves, over that of the noise; at least 1.
+    /// Mean square of what that leaves, over that of the noise; at least 1.
     fn dispersion(&self) -> f64 {
-        let least = self.least(MOST_EFFECTS);
+        let least = self.nearest().mean_square();
         if self.noise() > 0.0 {
             (least / self.noise()).max(1.0)
         } else {

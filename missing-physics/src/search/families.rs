@@ -37,9 +37,6 @@ const NEARLY: f64 = 4.0;
 /// Mean square of what is left over that of another loop from which a search with the first is in vain.
 pub(super) const IN_VAIN: f64 = 2.0;
 
-/// Error over that of another loop up to which both are of one size: of two such neither is the rod's, and either may be nearer to it.
-pub(crate) const OF_ONE_SIZE: f64 = 2.0;
-
 /// Error over that of the nearest fit of a family from which another one ended in another minimum.
 const APART: f64 = 1.001;
 
@@ -273,11 +270,12 @@ pub(crate) fn rivals(fits: &[OtherBaseline], named: Option<&Node>) -> usize {
     fits.iter().take_while(is_rival).count()
 }
 
-/// True if a loop of another family leaves less than half of the mean square that the paper's, the first, leaves, each with one effect at
-/// most. Then it is the rig's, though no curve finds what the paper's loop leaves: with more effects either would leave less.
+/// True if a loop of another family leaves less than half of the mean square that the paper's, the first, leaves with whatever was tried
+/// beside it. Then it is the rig's, though no curve finds what the paper's loop leaves.
 pub(crate) fn is_far_nearer(searches: &[Search<'_>]) -> bool {
-    let others = searches[1..].iter().map(|search| search.least(1));
-    IN_VAIN * others.fold(f64::INFINITY, f64::min) < searches[0].least(1)
+    let least = |search: &Search<'_>| search.nearest().mean_square();
+    let others = searches[1..].iter().map(least);
+    IN_VAIN * others.fold(f64::INFINITY, f64::min) < least(&searches[0])
 }
 
 /// The rig with each of these loops.

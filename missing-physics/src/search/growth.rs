@@ -4,18 +4,26 @@ use identify::IdentifyError;
 
 use crate::config::Part;
 use crate::evidence::{Model, Population};
+use crate::model::case::Node;
 use crate::search::complete::Completing;
-use crate::search::families::{IN_VAIN, OF_ONE_SIZE};
+use crate::search::families::IN_VAIN;
 use crate::search::roads::{MOST_EFFECTS, Search};
 
-/// Goes on, effect by effect, with the paper's loop, the first, to pairs at least, and with each other: until another loop outdoes it, or its
-/// models are worth no more than those with fewer effects.
+/// Goes on, effect by effect, with the paper's loop, the first, and with each other that does not stay further from the recordings than
+/// another's does.
+///
+/// Each of these goes on to pairs, and from there until a loop with an effect fewer outdoes it, or its models are worth no more than those with
+/// fewer effects.
 pub(crate) fn grow(
     searches: &mut [Search<'_>],
     completing: &mut Completing<'_>,
 ) -> Result<(), IdentifyError> {
-    let is_begun = |place| place == 0 || !is_outdone(searches, place, 1);
-    let mut goes_on: Vec<bool> = (0..searches.len()).map(is_begun).collect();
+    let left = |search: &Search<'_>| search.nearest().mean_square();
+    let nearest = searches.iter().map(left).fold(f64::INFINITY, f64::min);
+    let may_be_nearest = |(place, search): (usize, &Search<'_>)| {
+        place == 0 || !search.is_misfit() || left(search) <= IN_VAIN * nearest
+    };
+    let mut goes_on: Vec<bool> = searches.iter().enumerate().map(may_be_nearest).collect();
     for n_effects in 2..=MOST_EFFECTS {
         if !goes_on.contains(&true) || searches[0].case.leaves_out(Part::MoreEffects) {
             break;
@@ -34,17 +42,23 @@ pub(crate) fn grow(
     Ok(())
 }
 
-/// True if another loop leaves less than half of the mean square that a search leaves with so many effects, and with an effect fewer; or an
-/// error of another size with as many.
+/// Least mean square that a search leaves with so many effects at most.
+fn least(search: &Search<'_>, n_effects: usize) -> f64 {
+    let simple = search
+        .nodes()
+        .filter(|node| node.effects.len() <= n_effects);
+    simple.map(Node::mean_square).fold(f64::INFINITY, f64::min)
+}
+
+/// True if another loop leaves less than half of the mean square that a search leaves with so many effects, and with an effect fewer.
 fn is_outdone(searches: &[Search<'_>], place: usize, n_effects: usize) -> bool {
-    let of_others = |n_effects: usize| {
-        let others = searches.iter().enumerate();
-        let others = others.filter(|(other, _)| *other != place);
-        let least = others.map(|(_, other)| other.least(n_effects));
-        least.fold(f64::INFINITY, f64::min)
-    };
-    let own = searches[place].least(n_effects);
-    IN_VAIN * of_others(n_effects - 1) < own || OF_ONE_SIZE.powi(2) * of_others(n_effects) < own
+    let others = searches
+        .iter()
+        .enumerate()
+        .filter(|(other, _)| *other != place);
+    let simpler = others.map(|(_, other)| least(other, n_effects - 1));
+    let simpler = simpler.fold(f64::INFINITY, f64::min);
+    IN_VAIN * simpler < least(&searches[place], n_effects)
 }
 
 /// True if a model of a search with so many effects is worth more, by its prior and the blocks that are left out, than all with fewer that may be chosen.

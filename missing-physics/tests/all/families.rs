@@ -137,27 +137,3 @@ fn an_effect_that_shows_more_than_any_loop_is_named_beside_relays() {
     assert!((rmse - 5e-3).abs() < 5e-4, "{rmse}");
     assert!(diagnosis.baseline.fit.train_rmse > 20.0 * rmse);
 }
-
-/// With each of the two alone no loop comes near, and with four effects the paper's comes nearer than kinetics with one.
-#[test]
-fn two_effects_beside_kinetics_are_named_and_so_are_these() {
-    let [first, second] = [
-        EffectId::NaturalConvection,
-        EffectId::PhaseDependentResistance,
-    ];
-    let wire = wire(LoopFamily::Kinetics, EffectSet::of(first).with(second));
-    let mut truth = EffectValues::typical(first, 2.0);
-    let resistance = EffectValues::typical(second, 2.0);
-    truth.phase_dependent_resistance = resistance.phase_dependent_resistance;
-    truth.family.onset = 0.3;
-    truth.family.bends = [0.1, -0.08, 0.05];
-    let diagnosis = diagnosed(noisy(output_mm(wire, truth)), &[]);
-    let mut names = found(&diagnosis);
-    names.sort_unstable();
-    assert_eq!(names, ["loop-shape", first.id(), second.id()]);
-    let extended = diagnosis.extended.unwrap();
-    assert_eq!(extended.model.loop_family(), LoopFamily::Kinetics);
-    // Noise of 5 µm.
-    let rmse = extended.stage.fit.train_rmse;
-    assert!((rmse - 5e-3).abs() < 5e-4, "{rmse}");
-}
