@@ -93,13 +93,14 @@ pub(crate) fn refit(
 
 /// The lower of two ends, with the simulations of both; of equal ones the first.
 fn lower(first: Option<Node>, second: Option<Node>) -> Option<Node> {
-    let (Some(first), Some(second)) = (&first, &second) else {
-        return first.or(second);
+    let (first, second) = match (first, second) {
+        (Some(first), Some(second)) => (first, second),
+        (first, second) => return first.or(second),
     };
     let is_second = second.noise.deviance() < first.noise.deviance();
     Some(Node {
         simulations: first.simulations + second.simulations,
-        ..(if is_second { second } else { first }).clone()
+        ..if is_second { second } else { first }
     })
 }
 
