@@ -98,7 +98,7 @@ pub use static_effects::{
     Estimate, NotTestable, StaticEffect, StaticEffects, StaticScore, static_effects,
 };
 pub use supply::Supply;
-pub use tasks::{in_order_of, in_parallel, try_in_parallel};
+pub use tasks::{both, in_order_of, in_parallel, try_in_parallel};
 pub use thermal_model::ThermalModel;
 pub use thinned::{tell_time_constant, thinned};
 pub use validate::{OffsetSource, Validated, validate, validate_at, validated_with};

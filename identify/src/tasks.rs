@@ -50,6 +50,14 @@ pub fn try_in_parallel<T: Sync, R: Send>(
     in_parallel(items, task).into_iter().collect()
 }
 
+/// What two tasks come to, side by side where a thread is free.
+pub fn both<A: Send, B: Send>(
+    one: impl FnOnce() -> A + Send,
+    other: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    rayon::join(one, other)
+}
+
 /// A task for the number of each rank, the highest first. Compiled once, not once for each task: what shares out the work is much
 /// code.
 fn for_each_number(ranks: Vec<usize>, task: &(dyn Fn(usize) + Sync)) {

@@ -6,7 +6,7 @@ use identify::{Fit, IdentifyError, WienerModel};
 use recording::Recording;
 
 use crate::CandidateSet;
-use crate::baseline::opened::{Opened, plain_fit};
+use crate::baseline::opened::Opened;
 use crate::config::DiagnoseConfig;
 use crate::decide::leading;
 use crate::evidence::blocks;
@@ -33,8 +33,7 @@ pub fn diagnose<'p>(
     progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
 ) -> Result<Diagnosis, IdentifyError> {
     let caller = Caller::new(progress, config);
-    let plain = plain_fit(base, training, config, &caller)?;
-    let opened = Opened::of(base, plain, [training, unseen], config, &caller)?;
+    let opened = Opened::of(base, [training, unseen], config, &caller)?;
     diagnosed(opened, [training, unseen], config, &caller)
 }
 
@@ -51,7 +50,7 @@ pub fn diagnose_from<'p>(
     progress: &'p mut (dyn FnMut(DiagnoseProgress) -> ControlFlow<()> + Send + 'p),
 ) -> Result<Diagnosis, IdentifyError> {
     let caller = Caller::new(progress, config);
-    let opened = Opened::of(base, plain, recordings, config, &caller)?;
+    let opened = Opened::from(base, plain, recordings, config, &caller)?;
     diagnosed(opened, recordings, config, &caller)
 }
 

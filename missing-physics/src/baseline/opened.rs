@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use identify::{Fit, FitConfig, IdentifyError, WienerModel, tell_time_constant, thinned};
+use identify::{Fit, FitConfig, IdentifyError, WienerModel, both, tell_time_constant, thinned};
 use recording::{Recording, RepeatFloor, repeat_floor};
 
 use crate::agreed::agreed;
@@ -26,16 +26,41 @@ pub(crate) struct Opened {
 }
 
 impl Opened {
-    /// The baseline model with what its recordings ask for; `plain` is its fit as it is.
+    /// The baseline model with what its recordings ask for: the training, and those that are not used.
     pub(crate) fn of(
         base: &WienerModel,
+        recordings: [&[Recording]; 2],
+        config: &DiagnoseConfig,
+        caller: &Caller<'_>,
+    ) -> Result<Self, IdentifyError> {
+        let (plain, repeats) = both(
+            || plain_fit(base, recordings[0], config, caller),
+            || repeat_floor(&recordings.concat()),
+        );
+        Self::beyond(base, (plain?, repeats), recordings[0], config, caller)
+    }
+
+    /// [`Opened::of`] where the baseline model is fitted as it is already.
+    pub(crate) fn from(
+        base: &WienerModel,
         plain: Fit,
-        [training, unseen]: [&[Recording]; 2],
+        recordings: [&[Recording]; 2],
+        config: &DiagnoseConfig,
+        caller: &Caller<'_>,
+    ) -> Result<Self, IdentifyError> {
+        let repeats = repeat_floor(&recordings.concat());
+        Self::beyond(base, (plain, repeats), recordings[0], config, caller)
+    }
+
+    /// The baseline model with what its training asks for; `plain` is its fit as it is.
+    fn beyond(
+        base: &WienerModel,
+        (plain, repeats): (Fit, Option<RepeatFloor>),
+        training: &[Recording],
         config: &DiagnoseConfig,
         caller: &Caller<'_>,
     ) -> Result<Self, IdentifyError> {
         let has_converged = plain.converged();
-        let repeats = repeat_floor(&[training, unseen].concat());
         let (base, plain) = with_unknowns(base, plain, training, config, caller)?;
         let (base, plain) =
             with_state_of_runs(&base, plain, training, repeats.as_ref(), (config, caller))?;

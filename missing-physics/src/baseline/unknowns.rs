@@ -4,14 +4,14 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use identify::{
-    Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, Prior, WienerModel, fit,
+    Fit, FitConfig, ForwardModel, IdentifyError, ParameterVector, Prior, WienerModel, fit, thinned,
 };
 use recording::Recording;
 
 use crate::agreed::agreed;
 use crate::config::DiagnoseConfig;
 use crate::model::case::prior;
-use crate::model::coarse::judged;
+use crate::model::coarse::{NEARLY_ALL, judged};
 use crate::watch::{Caller, Watched};
 
 /// Error of the baseline model with more open, over that without, from which the recordings do not ask for it.
@@ -83,8 +83,8 @@ fn opened(
     taken((base, plain), scaled, true)
 }
 
-/// The fit of a model to all samples, from where its search on fewer of them ended. It has the starts and the other minima of the search; simulations of
-/// fewer samples count as their share.
+/// The fit of a model to all samples, from where its search on fewer of them ended; of very many it goes by way of some. It has the starts and the
+/// other minima of the search; simulations of fewer samples count as their share.
 pub(crate) fn fitted_to_all(
     of_few: Fit,
     model: &WienerModel,
@@ -93,11 +93,21 @@ pub(crate) fn fitted_to_all(
     (config, caller): (&DiagnoseConfig, &Caller<'_>),
 ) -> Result<Fit, IdentifyError> {
     let n = |recordings: &[Recording]| recordings.iter().map(Recording::len).sum::<usize>() as f64;
-    let share = n(few) / n(training);
-    let fitted = fitted_from(&of_few, model, training, prior, (config, caller))?;
-    let alone = fitted.simulations - of_few.simulations;
+    let share = |simulations: u64, of: &[Recording]| {
+        (simulations as f64 * n(of) / n(training)).ceil() as u64
+    };
+    let mut simulations = share(of_few.simulations, few);
+    let mut from = Cow::Borrowed(&of_few);
+    if let Some(some) =
+        thinned(training, NEARLY_ALL.samples)?.filter(|some| NEARLY_ALL.are_few(some, training))
+    {
+        let of_some = fitted_from(&of_few, model, &some, prior, (config, caller))?;
+        simulations += share(of_some.simulations - of_few.simulations, &some);
+        from = Cow::Owned(of_some);
+    }
+    let fitted = fitted_from(&from, model, training, prior, (config, caller))?;
     Ok(Fit {
-        simulations: alone + (share * of_few.simulations as f64).ceil() as u64,
+        simulations: simulations + fitted.simulations - from.simulations,
         rejected_costs: of_few.rejected_costs + fitted.rejected_costs,
         other_minima: of_few.other_minima,
         ..fitted

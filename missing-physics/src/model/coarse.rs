@@ -13,7 +13,7 @@ use crate::model::turning::{TurningPoint, turning_points};
 /// How many samples of all recordings together are enough, about, and their longest distance as a share of the time constant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Enough {
-    samples: usize,
+    pub(crate) samples: usize,
     longest: f64,
 }
 
@@ -34,6 +34,16 @@ pub(crate) const TOLD_APART: Enough = Enough {
     samples: 10_000,
     longest: 0.05,
 };
+
+/// To end a fit on from which that to very many samples is begun: a hundredth of a time constant hides hardly anything, so that the way from one
+/// end to the other is one step.
+pub(crate) const NEARLY_ALL: Enough = Enough {
+    samples: 20_000,
+    longest: 0.01,
+};
+
+/// Samples over those of thinned recordings from which a fit goes by way of these: it costs a few simulations of them.
+const MANY: usize = 4;
 
 /// To judge models by, if there are at least twice as many: the search then takes no longer for more of them. Of a run of a quarter of an hour that
 /// is one each 0.36 s, and each is the mean of those around it.
@@ -141,6 +151,11 @@ fn thinned(
 }
 
 impl Enough {
+    /// True if thinned recordings have few samples beside all.
+    pub(crate) fn are_few(self, thinned: &[Recording], all: &[Recording]) -> bool {
+        MANY * samples(thinned) <= samples(all)
+    }
+
     /// Samples from one that is kept to the next.
     fn stride(self, tau_s: f64, recordings: &[Recording]) -> usize {
         (samples(recordings) / self.samples).min(self.longest(tau_s, recordings))

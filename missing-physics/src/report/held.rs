@@ -7,7 +7,8 @@ use identify::{Bounds, Fit, FittedParameter, IdentifyError, ParameterState, Vali
 use recording::Recording;
 
 use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
-use crate::model::case::{Node, is_beyond};
+use crate::model::case::{Case, Node, is_beyond};
+use crate::model::coarse::{NEARLY_ALL, coarse_at};
 use crate::model::elsewhere::{is_drift, predicted, spread};
 use crate::model::unseen::{Unseen, validated_by};
 use crate::noise::of_drive::of_drive;
@@ -31,22 +32,29 @@ const HALF: f64 = 0.5;
 /// Standard error of the share of a change that comes true, from which it says nothing.
 const TOLD: f64 = 0.5;
 
-/// The chosen model, fitted from many places, to the end on all samples of the training, and validated; and its error on the recordings
-/// that were not used, of which the second are judged.
-pub(crate) fn extended(
+/// The chosen model of a search where it is fitted from many places; `None` of the baseline model.
+pub(crate) fn chosen(
     search: &mut Search<'_>,
     effects: CandidateSet,
-    training: &[Recording],
-    unseen: [&[Recording]; 2],
-) -> Result<Option<(ExtendedStage, Unseen)>, IdentifyError> {
+) -> Result<Option<Arc<Fit>>, IdentifyError> {
     if effects.is_empty() && search.case.setting.loop_family == LoopFamily::Proximity {
         return Ok(None);
     }
-    let mut fit = Arc::unwrap_or_clone(search.settle(effects)?);
-    let whole = search.case.whole(training);
-    if let Some((whole, node)) = whole.zip(search.get(effects)) {
-        fit = fitted(&whole, node, fit.seed)?;
-    }
+    search.settle(effects).map(Some)
+}
+
+/// The chosen model from where it is fitted to the end on all samples of the training, and validated; and its error on the recordings that were not
+/// used, of which the second are judged.
+pub(crate) fn extended(
+    (search, effects): (&Search<'_>, CandidateSet),
+    chosen: Arc<Fit>,
+    training: &[Recording],
+    unseen: [&[Recording]; 2],
+) -> Result<(ExtendedStage, Unseen), IdentifyError> {
+    let fit = match search.get(effects) {
+        Some(node) => fitted_to_all((search.case, node), chosen, training)?,
+        None => Arc::unwrap_or_clone(chosen),
+    };
     let model = search.case.model(effects);
     let point = fit.point(0);
     let at = (&point[..], temperature_weight(search, effects));
@@ -61,7 +69,26 @@ pub(crate) fn extended(
         model,
         stage,
     };
-    Ok(Some((extended, error)))
+    Ok((extended, error))
+}
+
+/// The fit of a node's model to all samples of the training, from where it stands on those of its case, `there`; of very many by way of some.
+fn fitted_to_all(
+    (case, node): (&Case<'_>, &Node),
+    there: Arc<Fit>,
+    training: &[Recording],
+) -> Result<Fit, IdentifyError> {
+    let Some(whole) = case.whole(training) else {
+        return Ok(Arc::unwrap_or_clone(there));
+    };
+    let at = (&node.points[..], case.fit.tau_s());
+    let some = coarse_at(NEARLY_ALL, &node.model, at, training)?;
+    if !NEARLY_ALL.are_few(&some, training) {
+        return fitted(&whole, node, there.seed);
+    }
+    let of_some = case.on(&some);
+    let nearer = fitted(&of_some, node, there.seed)?;
+    fitted(&whole, &of_some.fitted(node, &nearer)?, there.seed)
 }
 
 /// Weight of temperatures as a model of a search meets them, (output unit/K)²; 0 where none are recorded.

@@ -1,6 +1,6 @@
 //! From a finished search to the diagnosis that is told of it.
 
-use identify::IdentifyError;
+use identify::{IdentifyError, both};
 use recording::order::falling;
 use recording::{Recording, RepeatFloor};
 
@@ -22,7 +22,7 @@ use crate::report::diagnosis::{
 use crate::report::errors::Errors;
 use crate::report::explained::explained;
 use crate::report::formula::OfFormula;
-use crate::report::held::extended;
+use crate::report::held::{chosen, extended};
 use crate::report::judged::{Judged, Judging};
 use crate::report::ladder::{Samples, ladder};
 use crate::report::remains::{blocks_of, located, remainder};
@@ -108,13 +108,19 @@ impl Reporting<'_, '_> {
         let seed = self.config.seed;
         let looked = (self.noise[0].gate.sqrt(), seed);
         let mut mismatch = located(&mut searches[0], CandidateSet::EMPTY, looked, locate)?;
+        let chosen = chosen(&mut searches[place], effects)?;
         let leader = (&searches[place], effects);
-        let of_samples = (self.training, &self.noise[0]);
-        let known = known(leader, population, of_samples, self.blocks, self.config)?;
+        // The last fit to all samples takes long, and knows nothing of the rest.
+        let (known, extended) = both(
+            || {
+                let of_samples = (self.training, &self.noise[0]);
+                known(leader, population, of_samples, self.blocks, self.config)
+            },
+            || chosen.map(|fit| extended(leader, fit, self.training, self.unseen)),
+        );
+        let (known, (mut extended, error_after)) = (known?, extended.transpose()?.unzip());
         let search = &mut searches[place];
         let ceiling = population.ceiling()[0] / search.case.layout.n_outputs() as f64;
-        let (mut extended, error_after) =
-            extended(search, effects, self.training, self.unseen)?.unzip();
         let of_formula = OfFormula::beside(search, effects, self.noise[0].lower.powi(2))?;
         let of_both = error_after.as_ref().map(|after| [before, after]);
         let mut errors = Errors::on(self.unseen[1], search.case);
