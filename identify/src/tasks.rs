@@ -50,7 +50,7 @@ pub fn try_in_parallel<T: Sync, R: Send>(
     in_parallel(items, task).into_iter().collect()
 }
 
-/// What two tasks come to, side by side where a thread is free.
+/// Results of two tasks, which run side by side where a thread is free.
 pub fn both<A: Send, B: Send>(
     one: impl FnOnce() -> A + Send,
     other: impl FnOnce() -> B + Send,
