@@ -68,12 +68,12 @@ pub enum Termination {
 /// Sum of squares over rounding's up to which data are met exactly where no step gets nearer: as six digits are met.
 const SIX_DIGITS: f64 = 1e3;
 
-/// Relative offset of a minimum: the distance that is left, over the radius of the confidence region.
+/// Relative offset of a minimum: a ten-thousandth of the sum of squares is left to gain.
 const MINIMUM: f64 = 1e-2;
 
 impl Termination {
-    /// True if the result may be called a minimum: what is left to go is less than 1 % of a standard error, which no interval shows.
-    /// The search itself goes on to a tenth of that, as Bates and Watts propose, or until the cost hardly falls.
+    /// True if the result may be called a minimum: less than a ten-thousandth of the sum of squares is left to gain.
+    /// The search itself goes on to far less ([`LeastSquaresConfig::relative_offset`]), or until the cost hardly falls.
     #[must_use]
     pub fn is_minimum(&self) -> bool {
         match self {
