@@ -84,7 +84,7 @@ pub struct Changed {
     /// The likeliest.
     pub leading: Considered,
     /// Alternatives that explain the runs as well: with the leading change, they hold 95 % of the probability, or what they leave more is
-    /// less than formulas are off.
+    /// less than formulas are off, or they act like it and have four fifths of its evidence.
     pub could_also_be: Vec<Changing>,
 }
 
@@ -200,9 +200,10 @@ pub(super) fn decided(
     let mut held = leading.probability;
     let mut could_also_be: Vec<Changing> = Vec::new();
     for other in &considered[1..] {
-        let is_told = other.nats < (1.0 - IDEAL) * leading.nats;
-        if is_told && held >= SET * (1.0 - unchanged) {
-            break;
+        let is_as_likely = other.nats >= (1.0 - IDEAL) * leading.nats
+            || acts_like(leading.what, other.what) && other.nats >= LEAST_EXPLAINED * leading.nats;
+        if !is_as_likely && held >= SET * (1.0 - unchanged) {
+            continue;
         }
         held += other.probability;
         let is_new = other.what.id() != leading.what.id();
@@ -215,6 +216,15 @@ pub(super) fn decided(
         could_also_be,
     };
     (ChangeVerdict::Changed, Some(finding))
+}
+
+/// True if a change acts like another in every rig: formulas alone tell them apart, which are ideal, beside laws that are not known well.
+fn acts_like(one: Changing, other: Changing) -> bool {
+    let (Some(one), Some(other)) = (one.effect(), other.effect()) else {
+        return false;
+    };
+    let mut alike = one.info().acts_like.iter();
+    alike.any(|&alike| Candidate::from(alike) == other)
 }
 
 #[cfg(test)]
@@ -265,6 +275,15 @@ mod tests {
                 .is_empty()
         };
         assert!(told([1000.0, 980.0]) && !told([1000.0, 995.0]));
+        // What acts like another is told from it by its formula alone.
+        let alike = |nats: f64| {
+            let mut two = [all[0].clone(), all[1].clone()];
+            two[0].probability = 1.0;
+            (two[0].nats, two[1].nats) = (1000.0, nats);
+            let finding = decided(&two, 1e-9, [30.0, 1.1], (2, 2)).1.unwrap();
+            finding.could_also_be.len()
+        };
+        assert_eq!([790.0, 810.0].map(alike), [0, 1]);
         let of = |unchanged, excess, reference| decided(&all, unchanged, excess, reference).0;
         assert_eq!(of(1e-9, [4.0, 2.5], (2, 2)), ChangeVerdict::Unexplained);
         // What it does not account for is no reason against what it does.

@@ -1,5 +1,7 @@
 //! Everything that may have changed in some runs, compared with no change.
 
+use std::f64::consts::LN_2;
+
 use identify::{
     ForwardModel, IdentifyError, ParameterState, ParameterVector, Scope, in_parallel,
     try_in_parallel,
@@ -9,7 +11,7 @@ use recording::order::falling;
 use crate::changed::discrepancy::Discrepancy;
 use crate::changed::first_order::{Tried, alternatives};
 use crate::changed::joint::{Joint, Runs};
-use crate::changed::version::{Version, What};
+use crate::changed::version::{AsLarge, Version, What};
 use crate::model::case::Case;
 use crate::{Belongs, Candidate, CandidateSet};
 
@@ -132,8 +134,11 @@ impl Comparison<'_> {
         let effects = self.to_first_order(none)?;
         let mut starts: Vec<(What, Version, Vec<f64>)> = Vec::new();
         for (effect, tried) in &effects {
-            for tried in tried.iter().take(WAYS) {
-                let (version, start) = self.with_effect(none, *effect, tried);
+            let ways = tried.iter().take(WAYS);
+            for (tried, as_large) in
+                ways.flat_map(|tried| AsLarge::ALL.map(|as_large| (tried, as_large)))
+            {
+                let (version, start) = self.with_effect(none, (*effect, as_large), tried);
                 starts.push((What::Effect(*effect), version, start));
             }
         }
@@ -150,7 +155,13 @@ impl Comparison<'_> {
         }
         let mut ended = try_in_parallel(&starts, |(what, version, start)| {
             let joint = self.settled(Joint::at(self.case, version.clone(), start.clone())?)?;
-            let (what, nats) = (*what, self.nats(&joint));
+            // Of two priors of its sizes the better one counts, as the half of both.
+            let halved = if matches!(what, What::Effect(_)) {
+                LN_2
+            } else {
+                0.0
+            };
+            let (what, nats) = (*what, self.nats(&joint) - halved);
             Ok(Ended { what, nats, joint })
         })?;
         falling(&mut ended, |one| one.nats);
@@ -164,9 +175,14 @@ impl Comparison<'_> {
     }
 
     /// A version in which an effect has appeared, and where its search starts.
-    fn with_effect(&self, none: &Joint, effect: Candidate, tried: &Tried) -> (Version, Vec<f64>) {
+    fn with_effect(
+        &self,
+        none: &Joint,
+        (effect, as_large): (Candidate, AsLarge),
+        tried: &Tried,
+    ) -> (Version, Vec<f64>) {
         let model = self.case.model(none.version.model().active().with(effect));
-        let version = none.version.with_effect(model, effect);
+        let version = none.version.with_effect(model, effect, as_large);
         let mut start = none.in_version(&version, self.runs.len());
         let vector = ParameterVector::new(version.parameters(), self.runs.len());
         let info = effect.info();

@@ -12,7 +12,7 @@ use crate::screen::scores::sizes_of;
 use crate::{Belongs, Candidate, CandidateSet, Sign};
 
 /// Sizes at which an effect is tried, as shares of its typical size: each stands for the sizes around it.
-const SHARES: [f64; 6] = [0.02, 0.06, 0.18, 0.5, 1.5, 4.0];
+const SHARES: [f64; 8] = [0.02, 0.06, 0.18, 0.5, 1.5, 4.0, 12.0, 36.0];
 
 /// The factor from one to the next.
 const APART: f64 = 3.0;

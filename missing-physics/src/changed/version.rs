@@ -15,6 +15,9 @@ use crate::{Candidate, ExtendedModel, Role};
 const BY_SHARE: f64 = 0.1;
 const BY_K: f64 = 5.0;
 
+/// Standard deviation of the size of an effect that has appeared, as a share of the largest that it can have.
+const OF_LARGEST: f64 = 0.5;
+
 /// Standard deviations within which a change is sought.
 const WITHIN: f64 = 6.0;
 
@@ -25,6 +28,20 @@ pub(crate) enum What {
     Effect(Candidate),
     /// A parameter of the laws, by its place in the model.
     Law(usize),
+}
+
+/// How large an effect is that has appeared: a mount wears as mounts do, or a damper was put on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AsLarge {
+    /// As what is typical.
+    AsTypical,
+    /// As half of the largest.
+    AsCanBe,
+}
+
+impl AsLarge {
+    /// Both, equally likely.
+    pub(crate) const ALL: [Self; 2] = [Self::AsTypical, Self::AsCanBe];
 }
 
 /// A model with an effect that acts in the changed runs alone, or with a law that is another there.
@@ -52,9 +69,14 @@ impl Version {
     }
 
     /// This version with an effect that has appeared; `model` has that effect in addition.
-    pub(crate) fn with_effect(&self, model: ExtendedModel, effect: Candidate) -> Self {
+    pub(crate) fn with_effect(
+        &self,
+        model: ExtendedModel,
+        effect: Candidate,
+        as_large: AsLarge,
+    ) -> Self {
         let mut parameters = model.parameters().to_vec();
-        with_priors(&model, effect, &mut parameters);
+        with_priors(&model, (effect, as_large), &mut parameters);
         Self {
             parameters,
             model,
@@ -127,17 +149,35 @@ impl Version {
     }
 }
 
-/// Sizes of an effect that may be there are of the order of what is typical.
-fn with_priors(model: &ExtendedModel, effect: Candidate, parameters: &mut [ParameterInfo]) {
+/// Sizes of an effect that may be there are ordinary, or anything that they can be.
+fn with_priors(
+    model: &ExtendedModel,
+    (effect, as_large): (Candidate, AsLarge),
+    parameters: &mut [ParameterInfo],
+) {
     let Some(first) = model.first_parameter(effect) else {
         return;
     };
     for (k, parameter) in effect.info().parameters.iter().enumerate() {
         let info = &mut parameters[first + k];
-        if parameter.role == Role::Size && info.ordinary.is_none() {
+        if parameter.role == Role::Size {
+            // A drift is a walk from knot to knot, whose end is spread as one size is.
+            let steps = match info.ordinary {
+                Some(_) => effect.info().parameters.len(),
+                None => 1,
+            };
+            let from_previous = info.ordinary.is_some_and(|own| own.from_previous);
+            let largest = parameter
+                .bounds
+                .into_iter()
+                .fold(0.0, |largest: f64, end| largest.max(end.abs()));
+            let deviation = match as_large {
+                AsLarge::AsTypical => parameter.typical.abs(),
+                AsLarge::AsCanBe => OF_LARGEST * largest / (steps as f64).sqrt(),
+            };
             info.ordinary = Some(Ordinary {
-                deviation: parameter.typical.abs(),
-                from_previous: false,
+                deviation,
+                from_previous,
             });
         }
     }
