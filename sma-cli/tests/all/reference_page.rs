@@ -49,7 +49,7 @@ fn a_page_says_what_has_changed_since_a_reference() {
     let verdict = &all("h1")[0];
     assert!(
         verdict.starts_with(
-            "CHANGED: since the reference, dead time has appeared: dead_time_s by 0.49 ± "
+            "CHANGED: since the reference, dead time has appeared: dead_time_s by 0.50 ± "
         ),
         "{verdict}"
     );
