@@ -220,11 +220,8 @@ pub(super) fn decided(
 
 /// True if a change acts like another in every rig: formulas alone tell them apart, which are ideal, beside laws that are not known well.
 fn acts_like(one: Changing, other: Changing) -> bool {
-    let (Some(one), Some(other)) = (one.effect(), other.effect()) else {
-        return false;
-    };
-    let mut alike = one.info().acts_like.iter();
-    alike.any(|&alike| Candidate::from(alike) == other)
+    let both = one.effect().zip(other.effect());
+    both.is_some_and(|(one, other)| one.acts_like(other))
 }
 
 #[cfg(test)]

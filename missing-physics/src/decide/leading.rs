@@ -39,13 +39,7 @@ pub(crate) fn leading(population: &Population) -> &Model {
 /// True if a name could be what a drift's values miss: it is a drift, or acts like one of the model's.
 fn is_of_time(model: &Model, name: Candidate) -> bool {
     let mut drifts = model.names.iter().filter(|&one| is_drift(one));
-    is_drift(name) || drifts.any(|drift| acts_like(drift, name))
-}
-
-/// True if an effect acts like another one.
-fn acts_like(one: Candidate, other: Candidate) -> bool {
-    let mut alike = one.info().acts_like.iter();
-    alike.any(|&alike| Candidate::from(alike) == other)
+    is_drift(name) || drifts.any(|drift| drift.acts_like(name))
 }
 
 /// True if a name could not be an error of the formulas beside it: all have a form of their own; or a loop of another family alone has
@@ -106,6 +100,6 @@ fn stands_alone(less: &Model, name: Candidate) -> bool {
         && others.all(|one| {
             let info = one.info();
             let is_of_loop = has_other_loop && info.like_loop;
-            !(info.flexible || is_of_loop || acts_like(one, name) || acts_like(name, one))
+            !(info.flexible || is_of_loop || one.acts_like(name) || name.acts_like(one))
         })
 }

@@ -54,6 +54,12 @@ impl Candidate {
             Self::Own(..) => None,
         }
     }
+
+    /// True if it acts like another one in every rig.
+    pub(crate) fn acts_like(self, other: Self) -> bool {
+        let mut alike = self.info().acts_like.iter();
+        alike.any(|&alike| Self::from(alike) == other)
+    }
 }
 
 impl From<EffectId> for Candidate {
