@@ -333,17 +333,19 @@ impl WienerModel {
             .with_open_levels(recordings)
     }
 
-    /// Frees the level of the surroundings of each recording but the first where those of some were not recorded. `recordings` are
-    /// all that the model will be asked of, those of the training first. A level that `[model]` states stays.
+    /// Frees the level of the surroundings of each recording where those of some were not recorded; that of the first recording only if
+    /// the temperature of its rod was. `recordings` are all that the model will be asked of, those of the training first. A level that
+    /// `[model]` states stays.
     #[must_use]
     pub fn with_open_levels<'a>(
         &self,
         recordings: impl IntoIterator<Item = &'a Recording>,
     ) -> Self {
         let mut model = self.clone();
-        // Those of the first are as they are stated.
-        let mut others = recordings.into_iter().skip(1);
-        if others.any(|recording| recording.ambient_degc().is_none()) {
+        let mut recordings = recordings.into_iter().enumerate();
+        if recordings.any(|(k, recording)| {
+            recording.ambient_degc().is_none() && (k > 0 || tells_surroundings(recording))
+        }) {
             model.leave_open(LEVEL);
         }
         model
@@ -443,16 +445,25 @@ impl WienerModel {
     }
 
     /// Deviation of a recording from the stated properties of the rig. It is 0 in the first training recording:
-    /// properties common to all are the rig's. Surroundings that are recorded, or stated of this recording, do not
+    /// properties common to all are the rig's, and a loop that lies higher acts like colder surroundings; unless the temperature of the rod
+    /// was recorded, which tells them apart. Surroundings that are recorded, or stated of this recording, do not
     /// deviate; unless the scale of temperature is assumed: then their kelvins are not those of the model.
     #[must_use]
     pub fn state_of_run(&self, point: &[f64], recording: &Recording) -> StateOfRun {
-        if self.reference.as_deref() == Some(recording.name()) {
+        let is_reference = self.reference.as_deref() == Some(recording.name());
+        if is_reference && !tells_surroundings(recording) {
             return StateOfRun::default();
         }
         let is_known = recording.ambient_degc().is_some() && !self.rise_is_assumed;
+        let level_k = if is_known { 0.0 } else { point[LEVEL] };
+        if is_reference {
+            return StateOfRun {
+                level_k,
+                ..StateOfRun::default()
+            };
+        }
         StateOfRun {
-            level_k: if is_known { 0.0 } else { point[LEVEL] },
+            level_k,
             heat_loss: point[HEAT_LOSS_OF_RUN],
             gain: point[GAIN_OF_RUN],
         }
@@ -602,26 +613,49 @@ fn of_run(name: &'static str, ordinary: f64) -> ParameterInfo {
     }
 }
 
-/// True if a recording may not begin at rest: it is driven from its first sample, or its output moves before the drive.
+/// True if a recording tells how warm its surroundings were, where they were not recorded: a rod at rest is as warm.
+fn tells_surroundings(recording: &Recording) -> bool {
+    recording.temperature_degc().is_some() && recording.ambient_degc().is_none()
+}
+
+/// True if a recording may not begin at rest: it is driven from its first sample, its output moves before the drive, or the output
+/// begins far from where the rod comes to when it cools.
 #[must_use]
 pub fn may_begin_warm(recording: &Recording) -> bool {
     /// Samples from which a mean is taken.
     const FEW: usize = 5;
     /// Share of the output's range that is no noise.
     const MOVED: f64 = 0.02;
+    /// Share of it that is no drift of the zero, no expansion and no wear.
+    const FAR: f64 = 0.1;
     let output = recording.output();
     let at_rest = samples_at_rest(recording);
     if at_rest < 2 * FEW {
         return at_rest < 2;
     }
     let mean = |range: &[f64]| range.iter().sum::<f64>() / range.len() as f64;
-    let moved = mean(&output[..FEW]) - mean(&output[at_rest - FEW..at_rest]);
-    let (low, high) = output
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
-            (y.min(low), y.max(high))
-        });
-    moved.abs() > MOVED * (high - low)
+    let begins = mean(&output[..FEW]);
+    let moved = begins - mean(&output[at_rest - FEW..at_rest]);
+    let means = output.windows(FEW).map(mean);
+    let (low, high) = means.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+        (y.min(low), y.max(high))
+    });
+    let range = high - low;
+    let cold = if rises_with_drive(recording) {
+        low
+    } else {
+        high
+    };
+    moved.abs() > MOVED * range || (begins - cold).abs() > FAR * range
+}
+
+/// True if the output rises where the drive is large and falls where it is small; the power grows with the square of the drive.
+fn rises_with_drive(recording: &Recording) -> bool {
+    let squares: Vec<f64> = recording.drive().iter().map(|u| u * u).collect();
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    let steps = recording.output().windows(2).zip(&squares);
+    let along = steps.map(|(pair, square)| (pair[1] - pair[0]) * (square - mean));
+    along.sum::<f64>() >= 0.0
 }
 
 /// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use crate::common;
 
-use common::{ROD, TRUE_TAU_S, recording, rod, triangles};
+use common::{ROD, TRUE_TAU_S, recording, rod, triangles, with_output};
 use identify::{
     Fit, FitConfig, ForwardModel, ParameterState, ParameterVector, RigModel, fit, validate,
 };
@@ -29,6 +29,14 @@ fn fitted(text: &str, training: &[Recording]) -> (RigModel, Fit) {
 /// A recording without its first samples: of the way up, hot.
 fn cut(whole: &Recording, first: usize) -> Recording {
     whole.slice(first..whole.len()).unwrap()
+}
+
+/// A recording whose first samples are as where the rod is hottest.
+fn saturated(whole: &Recording, first: usize) -> Recording {
+    let hottest = whole.output().iter().copied().fold(f64::MAX, f64::min);
+    let mut output = whole.output().to_vec();
+    output[..first].fill(hottest);
+    with_output(whole, "mm", output)
 }
 
 fn value(fit: &Fit, name: &str) -> f64 {
@@ -96,6 +104,12 @@ fn what_is_at_rest_begins_at_rest_and_what_is_said_stays() {
     );
     let warm = [cut(&whole, 150)];
     assert_eq!(state(ROD, &warm), ParameterState::Free);
+    // Hot, and heated again before it has moved back.
+    let pause = [vec![0.0; 40], triangles(300, 5.8)].concat();
+    let driven = recording("b.csv", pause, 0.5);
+    let saturated = [saturated(&driven, 40)];
+    assert_eq!(state(ROD, &saturated), ParameterState::Free);
+    assert_eq!(state(ROD, &[driven]), ParameterState::Fixed(0.0));
     let said = format!("{ROD}[model]\nstart_rise_k = {{ fixed = 0.0 }}\n");
     assert_eq!(state(&said, &warm), ParameterState::Fixed(0.0));
 }

@@ -18,7 +18,17 @@ const NOISE_MM: f64 = 0.004;
 const DT_S: f64 = 0.25;
 
 /// A run of the true rod in a state: heat loss and stroke over the rig's, surroundings over those that are stated, K.
-fn ran(name: &str, drive: Vec<f64>, [heat_loss, gain, level_k]: [f64; 3]) -> Recording {
+fn ran(name: &str, drive: Vec<f64>, state: [f64; 3]) -> Recording {
+    recorded(name, drive, state, false)
+}
+
+/// The same, with the temperature of the rod if there is a thermometer on it.
+fn recorded(
+    name: &str,
+    drive: Vec<f64>,
+    [heat_loss, gain, level_k]: [f64; 3],
+    with_thermometer: bool,
+) -> Recording {
     let mut params = truth();
     params.heat.conductance_w_per_m_k *= 1.0 + heat_loss;
     params.gain *= 1.0 + gain;
@@ -26,7 +36,7 @@ fn ran(name: &str, drive: Vec<f64>, [heat_loss, gain, level_k]: [f64; 3]) -> Rec
     let model = Wiener::new(Drive::Current, Rule::LastReversal, &[params]).unwrap();
     let profile = Profile::uniform(&drive, DT_S, ambient_degc).unwrap();
     let mut noise = ChaCha8Rng::seed_from_u64(name.len() as u64);
-    let mut output = Vec::new();
+    let (mut output, mut temperature_degc) = (Vec::new(), Vec::new());
     run(
         &model,
         &mut model.rest(ambient_degc),
@@ -34,14 +44,17 @@ fn ran(name: &str, drive: Vec<f64>, [heat_loss, gain, level_k]: [f64; 3]) -> Rec
         |_, shown| {
             let noise: f64 = StandardNormal.sample(&mut noise);
             output.push(shown.displacement[0] + NOISE_MM * noise);
+            temperature_degc.push(shown.temperature_degc[0]);
         },
     );
+    let temperature_degc = with_thermometer.then_some(temperature_degc);
     Recording::new(RecordingParts {
         name: name.to_owned(),
         time_s: Some((0..drive.len()).map(|k| DT_S * k as f64).collect()),
         drive,
         output_unit: "mm".to_owned(),
         output,
+        temperature_degc,
         ..RecordingParts::default()
     })
     .unwrap()
@@ -183,6 +196,36 @@ fn surroundings_that_are_known_of_a_run_are_not_guessed() {
         stated[1].surrounded_by(24.0).unwrap_err().to_string(),
         "bb.csv: ambient_degc = 24 °C is stated of it under [recordings], and it has a column of that; expected one of the two"
     );
+}
+
+#[test]
+fn a_thermometer_on_the_rod_tells_how_warm_the_first_run_was() {
+    let level_of_first = |with_thermometer: bool| {
+        let training = [recorded(
+            "a.csv",
+            triangles(900, 5.8),
+            [0.0, 0.0, 0.8],
+            with_thermometer,
+        )];
+        let model = WienerModel::new(&rod(ROD), Rule::LastReversal, &training).unwrap();
+        let model = model.with_unknowns(&training);
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let fit = fit(&model, &training, &FitConfig::default(), go_on).unwrap();
+        let level = fit.parameter("ambient_level_k").unwrap();
+        let center_degc = fit.parameter("loop_center_degc").unwrap().values[0];
+        (level.values[0], center_degc, fit.temperature_rmse_k)
+    };
+    let true_center_degc = truth().limiting_loop.loop_center_degc;
+    // Without one a loop that lies lower is the same.
+    let (level_k, center_degc, _) = level_of_first(false);
+    assert!(level_k.abs() <= 0.0 && (center_degc - true_center_degc + 0.8).abs() < 0.05);
+    let (level_k, center_degc, rmse_k) = level_of_first(true);
+    assert!((level_k - 0.8).abs() < 0.02, "{level_k}");
+    assert!(
+        (center_degc - true_center_degc).abs() < 0.05,
+        "{center_degc}"
+    );
+    assert!(rmse_k.unwrap() < 0.02, "{rmse_k:?}");
 }
 
 #[test]

@@ -16,6 +16,8 @@ pub(crate) use known::{Known, Oddness};
 pub(crate) use leading::leading;
 pub(crate) use names::Named;
 pub(crate) use names::OF_FORMULAS;
+#[cfg(test)]
+pub(crate) use names::most_of_formula;
 pub use rules::{Basis, Comparison, RULES, Rule, RuleId};
 pub use said::Verdict;
 pub use trace::Trace;

@@ -9,7 +9,7 @@ use crate::evidence::UNLISTED;
 use crate::evidence::{Model, Population, by_chance, centered, masses, not_above_zero};
 use crate::model::elsewhere::is_drift;
 use crate::noise::wander::by_wander;
-use crate::{Candidate, CandidateSet};
+use crate::{Candidate, CandidateSet, LoopFamily};
 
 /// An effect of the chosen model.
 #[derive(Debug, Clone)]
@@ -163,13 +163,15 @@ impl Named {
     }
 }
 
-/// True if what a name explains may be the error of the loop's formula: it changes nothing but how the output follows the temperature
-/// and its past, beside a loop that is not the baseline's, and by no more than formulas of loops differ by.
+/// True if what a name explains may be the error of the loop's formula, beside a loop that is not the baseline's: by no more than formulas of
+/// loops differ by it changes nothing but how the output follows the temperature and its past, or is a curve of time, which takes up a part
+/// of any error.
 fn may_be_the_loop(leading: &Model, known: &Known, effect: Candidate, lost: f64) -> bool {
-    let of_formulas = OF_FORMULAS * known.output_deviation(leading.evidence.n_outputs);
+    let of_formulas =
+        most_of_formula(leading.family) * known.output_deviation(leading.evidence.n_outputs);
     leading.names.contains(Candidate::other_loop())
         && effect != Candidate::other_loop()
-        && effect.info().like_loop
+        && (effect.info().like_loop || effect.info().flexible)
         && lost < of_formulas.powi(2)
 }
 
@@ -227,6 +229,15 @@ fn alternatives(
 /// Root mean square by which a loop of one family misses one of another at the least, though its shape is free, over the standard
 /// deviation of the output: as much may any of them miss a real loop. Relays of two populations miss one by less, and it stays.
 pub(crate) const OF_FORMULAS: f64 = 0.02;
+
+/// The same at the most: what explains less beside a loop may be the error of its formula. The paper's loop with a shape of its own is no further
+/// from others than relays are.
+pub(crate) fn most_of_formula(family: LoopFamily) -> f64 {
+    match family {
+        LoopFamily::Kinetics => 0.05,
+        LoopFamily::Relays | LoopFamily::Proximity => 0.03,
+    }
+}
 
 /// Shifts by which it is found whether a name goes with the recordings: so many that the best of a catalogue can pass.
 const SHIFTS: usize = 9_999;

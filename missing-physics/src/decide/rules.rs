@@ -243,7 +243,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Told,
         name: "told",
-        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; 0 of a drift that turns back three times in a recording, or goes most of its way within an eighth of one, and of another name that ends at a bound which is no physical end",
+        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; of a drift all its changes within recordings together; 0 of a drift that turns back three times in a recording, or goes most of its way within an eighth of one, and of another name that ends at a bound which is no physical end",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Quantile,
@@ -261,7 +261,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::UnseenShare,
         name: "unseen-share",
-        statistic: "share of what could be explained of the unseen recordings that the names alone explain; without a name, share of their error that noise and the uncertainty of the parameters make",
+        statistic: "share of what could be explained of the unseen recordings that the names alone explain, and share of their error that twice the training's and the uncertainty of the parameters make, whichever is less; without a name the latter",
         comparison: Comparison::AtLeast,
         threshold: 0.8,
         basis: Basis::Chosen,

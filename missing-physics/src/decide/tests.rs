@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::known::{Known, Oddness};
 use super::leading;
-use super::names::OF_FORMULAS;
+use super::names::most_of_formula;
 use super::rules::{RULES, RuleId};
 use super::said::Verdict;
 use super::trace::Traces;
@@ -273,8 +273,30 @@ fn what_does_nearly_all_of_a_drifts_work_stays_beside_it() {
 }
 
 #[test]
+fn a_law_that_does_as_well_as_a_drift_leads() {
+    use EffectId::{AmbientDrift, LoopShape, SupplyLag};
+    let leads = |behind: f64| {
+        let (quiet, lost) = (noise(1.0, 1), trace(3.0, 1));
+        let without = sum(&quiet, &lost);
+        let worse = |series: &[f64]| sum(series, &noise(0.1, 7));
+        let far = sum(&without, &trace(20.0, 2));
+        let mut models = vec![
+            model(&[], far, worse(&without)),
+            model(&[LoopShape], without.clone(), worse(&without)),
+            model(&[LoopShape, AmbientDrift], quiet.clone(), worse(&quiet)),
+            model(&[LoopShape, SupplyLag], quiet.clone(), worse(&quiet)),
+        ];
+        models[3].ln_prior = models[2].ln_prior - behind;
+        leading(&Population { models }).names
+    };
+    let beside_the_loop = |effect: EffectId| CandidateSet::of(LoopShape).with(effect);
+    assert_eq!(leads(2.9), beside_the_loop(SupplyLag));
+    assert_eq!(leads(3.1), beside_the_loop(AmbientDrift));
+}
+
+#[test]
 fn beside_another_loop_what_acts_like_one_may_be_its_formula_unless_it_is_large() {
-    let verdict = |effect: EffectId, beside: &[EffectId], over: f64| {
+    let of = |family: LoopFamily, effect: EffectId, beside: &[EffectId], over: f64| {
         let (quiet, lost) = (noise(1.0, 1), trace(3.0, 1));
         let (without, of_loop) = (sum(&quiet, &lost), trace(20.0, 2));
         let worse = |series: &[f64]| sum(series, &noise(0.1, 7));
@@ -287,9 +309,10 @@ fn beside_another_loop_what_acts_like_one_may_be_its_formula_unless_it_is_large(
         if beside.is_empty() {
             models.remove(0);
         }
+        models.iter_mut().for_each(|one| one.family = family);
         let [less, with] = [1, 0].map(|back| models[models.len() - 1 - back].evidence.squares()[0]);
         let known = Known {
-            output_squares: (less - with) / (OF_FORMULAS * over).powi(2),
+            output_squares: (less - with) / (most_of_formula(family) * over).powi(2),
             ..known()
         };
         let decided = decide(&Population { models }, &known);
@@ -297,11 +320,20 @@ fn beside_another_loop_what_acts_like_one_may_be_its_formula_unless_it_is_large(
         let others = own.map(|one| one.others.iter().map(|(other, _)| other.id()).collect());
         (decided.verdict, others.unwrap_or_else(Vec::new))
     };
+    let verdict = |effect: EffectId, beside: &[EffectId], over: f64| {
+        of(LoopFamily::Relays, effect, beside, over)
+    };
     let shape = &[EffectId::LoopShape];
     let alone = (Verdict::Explained, Vec::new());
     let may_be = (Verdict::Ambiguous, vec!["loop-shape"]);
-    assert_eq!(verdict(EffectId::Backlash, shape, 0.98), may_be);
-    assert_eq!(verdict(EffectId::Backlash, shape, 1.02), alone);
+    for family in [LoopFamily::Relays, LoopFamily::Kinetics] {
+        assert_eq!(of(family, EffectId::Backlash, shape, 0.98), may_be);
+        assert_eq!(of(family, EffectId::Backlash, shape, 1.02), alone);
+    }
+    // A curve of time takes what it can of any error.
+    let drift = |over: f64| verdict(EffectId::SensorDrift, shape, over).1;
+    assert_eq!(drift(0.98), ["loop-shape"]);
+    assert!(drift(1.02).is_empty());
     // It is no matter of the loop, or stands beside the baseline's.
     assert_eq!(verdict(EffectId::OutputLag, shape, 0.98), alone);
     assert_eq!(verdict(EffectId::Backlash, &[], 0.98), alone);

@@ -54,6 +54,13 @@ impl Model {
         self.names.iter().all(|name| !name.info().flexible)
     }
 
+    /// True if each of its names but that of the loop has a form of its own.
+    fn is_rigid_beside_the_loop(&self) -> bool {
+        let other_loop = Candidate::other_loop();
+        let mut names = self.names.iter().filter(|&name| name != other_loop);
+        names.all(|name| !name.info().flexible)
+    }
+
     /// Mean square of the output that a curve finds beyond the model; 0 where it finds nothing more.
     pub(crate) fn found_by_curve(&self) -> f64 {
         let with_curve = self.anonymous.as_ref().filter(|_| !self.is_whole());
@@ -81,14 +88,18 @@ impl Population {
         &self.models[0]
     }
 
-    /// The most credible model that may be chosen; one in which all has a form of its own, if that does as well.
+    /// The most credible model that may be chosen; one in which all has a form of its own, or all but the loop, if that does as well: a curve of
+    /// time takes what it can of any law.
     pub(crate) fn best(&self) -> &Model {
         let admissible = || self.models.iter().filter(|model| model.is_admissible());
         let worth = |a: &&Model, b: &&Model| a.worth().total_cmp(&b.worth());
         let best = admissible().max_by(worth).unwrap_or_else(|| self.plain());
-        let rigid = admissible().filter(|model| model.is_rigid()).max_by(worth);
-        rigid
-            .filter(|rigid| rigid.worth() > best.worth() - AS_WELL)
+        let of = |is: fn(&Model) -> bool| {
+            let such = admissible().filter(|model| is(model)).max_by(worth);
+            such.filter(|one| one.worth() > best.worth() - AS_WELL)
+        };
+        of(Model::is_rigid)
+            .or_else(|| of(Model::is_rigid_beside_the_loop))
             .unwrap_or(best)
     }
 

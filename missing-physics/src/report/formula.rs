@@ -70,6 +70,12 @@ impl OfFormula {
         Ok(Self { relative })
     }
 
+    /// Standard error of the sizes of an effect by the formula, over them; 0 where there is none.
+    pub(crate) fn relative(&self, effect: Candidate) -> f64 {
+        let own = self.relative.iter().find(|(one, _)| *one == effect);
+        own.map_or(0.0, |(_, relative)| *relative)
+    }
+
     /// The interval of a size with its error by the formula. An end may lie beyond what is possible: then the size is not told.
     pub(crate) fn widened(
         &self,

@@ -1,24 +1,22 @@
 //! The chosen model at its end, and what was decided, held to the recordings that were not used.
 
-use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
-use identify::{Bounds, Fit, FittedParameter, IdentifyError, ParameterState, Validated};
+use identify::{Fit, IdentifyError, Validated};
 use recording::Recording;
 
-use crate::decide::{Decided, Named, RuleId, Traces, Verdict};
-use crate::model::case::{Case, Node, is_beyond};
+use crate::decide::{Decided, RuleId, Verdict};
+use crate::model::case::{Case, Node};
 use crate::model::coarse::{NEARLY_ALL, coarse_at};
-use crate::model::elsewhere::{is_drift, predicted, spread};
+use crate::model::elsewhere::{predicted, spread};
 use crate::model::unseen::{Unseen, validated_by};
 use crate::noise::of_drive::of_drive;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::explained::share;
-use crate::report::formula::{HALF_95, OfFormula};
 use crate::search::roads::Search;
 use crate::search::settle::fitted;
-use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily, Role};
+use crate::{CandidateSet, ExtendedModel, LoopFamily};
 
 /// Standard deviations up to which an error may be the parameters' uncertainty.
 const TWICE: f64 = 2.0;
@@ -99,161 +97,9 @@ fn temperature_weight(search: &Search<'_>, effects: CandidateSet) -> f64 {
     weight.unwrap_or(0.0)
 }
 
-/// Turns within a recording from which a curve of time is no slow one.
-const RESTLESS: usize = 3;
-
-/// Share of a drift's range from one of its values to the next from which that is an event, or a level: what approaches its end with a time
-/// constant as long as values are apart goes that far in the time, 1 - 1/e, and what is slower less far.
-const AT_ONCE: f64 = 0.632;
-
-/// Decision without names whose sizes may be zero, without drifts that are not slow, and without other names that end at a bound which is no end
-/// of what can be; such names become suspects.
-///
-/// A size may be the error of the formula of the loop beside it, unless that is an alternative to the name, and to no other: then it is what it is
-/// if the name is right. Several such names together may well be one error of the formula.
-pub(crate) fn told(
-    mut decided: Decided,
-    extended: &ExtendedStage,
-    of_formula: &OfFormula,
-) -> Decided {
-    let fit = &extended.stage.fit;
-    let is_shared = |named: &Named| {
-        let mut others = named.others.iter();
-        others.any(|(other, _)| *other == Candidate::other_loop())
-    };
-    let is_one_shared = decided.named.iter().filter(|one| is_shared(one)).count() == 1;
-    let is_told = |named: &Named, traces: &mut Traces| {
-        let effect = named.effect;
-        let may_be_formula = !(is_one_shared && is_shared(named));
-        let sizes = effect.info().parameters.iter();
-        let free = sizes
-            .filter(|parameter| parameter.role == Role::Size)
-            .filter_map(|size| Some((size, fit.parameter(size.name)?)))
-            .filter(|(_, size)| size.info.state == ParameterState::Free);
-        let over = free.clone().flat_map(|(parameter, size)| {
-            let each = size.values.iter().zip(&size.intervals);
-            each.map(move |(&value, interval)| match *interval {
-                // An end that stands at a bound is no end of the interval.
-                Some(own) => {
-                    let own = match may_be_formula {
-                        true => of_formula.widened((effect, parameter), size, (value, own)),
-                        false => own,
-                    };
-                    value.abs() / (own.upper - value).max(value - own.lower)
-                }
-                // At an end of what can be it is as large as that; at 0 it is absent.
-                None if size.at_bound && !is_zero(value, size.info.bounds) => f64::INFINITY,
-                None => 0.0,
-            })
-        });
-        let over: Vec<f64> = over.collect();
-        // The recordings pull it beyond what is possible: it does the work of something else. A drift may do so in one of them.
-        let is_pressed = !is_drift(effect)
-            && free.clone().any(|(parameter, size)| {
-                let mut values = size.values.iter();
-                size.at_bound && values.any(|value| is_beyond(parameter, *value))
-            });
-        // A loop of another family has no size.
-        let largest = over.iter().copied().reduce(f64::max);
-        let largest = largest.map(|largest| match is_slow(effect, fit) && !is_pressed {
-            true => largest / widened(over.len()),
-            false => 0.0,
-        });
-        largest.is_none_or(|largest| traces.ask(RuleId::Told, effect.id(), largest))
-    };
-    let fallen = decided
-        .named
-        .iter()
-        .filter(|one| !is_told(one, &mut decided.traces));
-    let fallen: CandidateSet = fallen.map(|one| one.effect).collect();
-    decided.fall(fallen);
-    decided
-}
-
-/// False of a drift that turns back again and again within a recording, or of which one of its values has most where it has the largest
-/// range; both by more than the uncertainty of its values. What is no curve of time is not asked.
-fn is_slow(effect: Candidate, fit: &Fit) -> bool {
-    // A law of time of one's own has no values along the recording.
-    if !(is_drift(effect) && effect.info().flexible) {
-        return true;
-    }
-    let knots = effect.info().parameters.iter();
-    let knots: Vec<&FittedParameter> = knots.filter_map(|one| fit.parameter(one.name)).collect();
-    let n_recordings = knots.first().map_or(0, |knot| knot.values.len());
-    let curves = (0..n_recordings).map(|r| {
-        let values = knots.iter().map(|knot| {
-            let half = knot.intervals[r].map_or(0.0, |own| 0.5 * own.width());
-            [knot.values[r], half]
-        });
-        values.collect::<Vec<[f64; 2]>>()
-    });
-    let curves: Vec<Vec<[f64; 2]>> = curves.collect();
-    let largest = curves.iter().max_by(|a, b| range(a).total_cmp(&range(b)));
-    curves
-        .iter()
-        .all(|curve| turns(curve.iter().copied()) < RESTLESS)
-        && largest.is_none_or(|curve| longest_step(curve) <= AT_ONCE * range(curve))
-}
-
-/// Range of a curve from 0 through values with half intervals.
-fn range(curve: &[[f64; 2]]) -> f64 {
-    let values = curve.iter().map(|[value, _]| *value);
-    let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
-    high - low
-}
-
-/// Longest way of such a curve from one value to the next, beyond what their intervals make.
-fn longest_step(curve: &[[f64; 2]]) -> f64 {
-    let before = std::iter::once(&[0.0; 2]).chain(curve);
-    let steps = before
-        .zip(curve)
-        .map(|([from, half], [to, half_to])| (to - from).abs() - half.hypot(*half_to));
-    steps.fold(0.0, f64::max)
-}
-
-/// How often a curve from 0 through values with half intervals turns back by more than these.
-fn turns(values: impl Iterator<Item = [f64; 2]>) -> usize {
-    let (mut turns, mut direction, mut extreme) = (0, 0.0, [0.0; 2]);
-    for [value, half] in values {
-        let change = value - extreme[0];
-        if change * direction > 0.0 {
-            extreme = [value, half];
-        } else if change.abs() > half.hypot(extreme[1]) {
-            turns += usize::from(direction != 0.0);
-            (direction, extreme) = (change.signum(), [value, half]);
-        }
-    }
-    turns
-}
-
-/// True if a size is 0 within its bounds, to rounding.
-fn is_zero(value: f64, bounds: Bounds) -> bool {
-    const ROUNDING: f64 = 1e-9;
-    value.abs() <= ROUNDING * bounds.width()
-}
-
-/// Half of an interval that each of so many normal deviations keeps to with 95 % in all, over that of one: about, since those of
-/// parameters are Student's.
-fn widened(n: usize) -> f64 {
-    let outside = |deviations: f64| libm::erfc(deviations * FRAC_1_SQRT_2);
-    let each = outside(HALF_95) / n as f64;
-    // No interval of numbers that a machine holds is wider.
-    let (mut low, mut high) = (HALF_95, 40.0);
-    while high - low > 1e-9 {
-        let middle = 0.5 * (low + high);
-        if outside(middle) > each {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low / HALF_95
-}
-
 /// Decision, held to the recordings that were not used: a name that makes them worse becomes a suspect, and an error
-/// that the names alone do not explain there does not count as explained. `ceiling` is the mean square that there is no way below.
+/// that the names alone do not explain there, or that is more than twice what they leave of the training and the uncertainty of the parameters
+/// makes, does not count as explained. `ceiling` is the mean square that there is no way below.
 /// It is returned with the share that the names alone explain.
 pub(crate) fn held_to(
     mut decided: Decided,
@@ -304,9 +150,15 @@ pub(crate) fn held_to(
     let is_explained = match alone {
         None => false,
         Some(alone) => {
-            decided
-                .traces
-                .ask(RuleId::UnseenShare, "", by_names.unwrap_or(1.0))
+            let made = match alone.mean_square() {
+                Some(error) => {
+                    let ExtendedStage { model, stage, .. } = extended;
+                    share_made(error, left, (model, stage), errors.recordings)?
+                }
+                None => 1.0,
+            };
+            let value = by_names.unwrap_or(1.0).min(made);
+            decided.traces.ask(RuleId::UnseenShare, "", value)
                 || alone.squares() < AS_NEAR.powi(2) * before.squares()
                     && is_as_near([alone, with], extended, (left, errors.recordings))?
         }
@@ -334,20 +186,31 @@ pub(crate) fn held_plainly(
     let Some(error) = error.filter(|_| decided.verdict == Verdict::Adequate) else {
         return Ok(decided);
     };
-    let noise = (TWICE * plain.fit.train_rmse).powi(2);
-    // An error that is no number is none that is made.
-    let made = if error <= noise {
-        1.0
-    } else {
-        let spread = spread(model, &plain.fit, &plain.validated, unseen)?;
-        let points = plain.validated.iter().map(|one| one.point.as_slice());
-        let of_drive = of_drive(model, unseen.iter().zip(points), 1)?;
-        (noise + TWICE.powi(2) * spread + of_drive) / error
-    };
+    let left = plain.fit.train_rmse.powi(2);
+    let made = share_made(error, left, (model, plain), unseen)?;
     if !decided.traces.ask(RuleId::UnseenShare, "", made) {
         decided.verdict = Verdict::Unexplained;
     }
     Ok(decided)
+}
+
+/// Share of a model's mean square on unseen recordings that is made by twice what it leaves of the training, `left`, by twice the uncertainty
+/// of its parameters, and by noise of the drive.
+fn share_made(
+    error: f64,
+    left: f64,
+    (model, stage): (&ExtendedModel, &Stage),
+    unseen: &[Recording],
+) -> Result<f64, IdentifyError> {
+    let noise = TWICE.powi(2) * left;
+    // An error that is no number is none that is made.
+    if error <= noise {
+        return Ok(1.0);
+    }
+    let spread = spread(model, &stage.fit, &stage.validated, unseen)?;
+    let points = stage.validated.iter().map(|one| one.point.as_slice());
+    let of_drive = of_drive(model, unseen.iter().zip(points), 1)?;
+    Ok((noise + TWICE.powi(2) * spread + of_drive) / error)
 }
 
 /// The model with names and without what is only suspected; `None` where no fit of it stands.
@@ -381,43 +244,4 @@ fn is_as_near(
     let spread = spread(model, &stage.fit, &stage.validated, unseen)?;
     let uncertain = (TWICE.powi(2) * spread).min(left);
     Ok(error < AS_NEAR.powi(2) * left_of_training + uncertain)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{AT_ONCE, longest_step, range, turns, widened};
-
-    #[test]
-    fn a_curve_turns_where_it_comes_back_by_more_than_its_intervals() {
-        let of = |values: &[f64], half: f64| turns(values.iter().map(|&value| [value, half]));
-        assert_eq!(of(&[1.0, 2.0, 3.0, 2.5, 1.0, 0.5], 0.1), 1);
-        assert_eq!(of(&[1.0, -1.0, 1.0, -1.0, 1.0], 0.1), 4);
-        assert_eq!(of(&[1.0, -1.0, 1.0, -1.0, 1.0], 2.0), 0);
-        assert_eq!(of(&[0.3, 1.0, 0.9, 1.1, 1.0, 1.2], 0.2), 0);
-    }
-
-    #[test]
-    fn a_level_and_an_event_go_most_of_their_way_at_once_and_a_drift_does_not() {
-        let share = |values: [f64; 8], half: f64| {
-            let curve = values.map(|value| [value, half]);
-            longest_step(&curve) / range(&curve)
-        };
-        let level = [1.0, 1.1, 0.9, 1.0, 1.0, 1.1, 1.0, 1.0];
-        assert!(share(level, 0.1) > AT_ONCE);
-        // As far as the intervals tell.
-        assert!(share(level, 0.4) < AT_ONCE);
-        let event = [0.1, 0.0, -0.1, 0.1, 0.0, 0.1, 0.0, 2.0];
-        assert!(share(event, 0.1) > AT_ONCE);
-        let approach =
-            |knots: f64| std::array::from_fn(|k| 1.0 - (-((k + 1) as f64) / knots).exp());
-        assert!((share(approach(1.0), 0.0) - AT_ONCE).abs() < 1e-3);
-        assert!(share(approach(2.0), 0.0) < 0.5);
-    }
-
-    #[test]
-    fn intervals_of_several_sizes_are_wider() {
-        assert!((widened(1) - 1.0).abs() < 1e-8);
-        // Standard normal quantile of 1 - 0.025/8: 2.7344.
-        assert!((widened(8) * 1.96 - 2.7344).abs() < 1e-3, "{}", widened(8));
-    }
 }

@@ -9,7 +9,8 @@ use crate::model::unseen::Unseen;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::formula::OfFormula;
-use crate::report::held::{held_plainly, held_to, told};
+use crate::report::held::{held_plainly, held_to};
+use crate::report::told::told;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, ExtendedModel};
 

@@ -12,6 +12,7 @@ pub(crate) mod remains;
 pub(crate) mod reporting;
 pub(crate) mod saved;
 pub(crate) mod sentence;
+pub(crate) mod told;
 
 pub(crate) use diagnosis::{Diagnosis, Simulations};
 pub(crate) use reporting::{Baseline, Reporting};

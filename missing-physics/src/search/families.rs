@@ -315,7 +315,7 @@ pub(crate) fn may_be_the_loop(population: &Population) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decide::OF_FORMULAS;
+    use crate::decide::{OF_FORMULAS, most_of_formula};
     use crate::model::synthetic::{NOISE_MM, Synthetic};
     use crate::{EffectSet, EffectValues};
 
@@ -331,7 +331,7 @@ mod tests {
         shaped
     }
 
-    /// The value of [`OF_FORMULAS`](crate::decide::OF_FORMULAS) rests on this test.
+    /// The values of [`OF_FORMULAS`] and [`most_of_formula`] rest on this test.
     #[test]
     fn loops_of_two_families_miss_one_another_by_more_than_a_fiftieth_unless_relays_are_two_populations()
      {
@@ -358,7 +358,8 @@ mod tests {
                     let missed = share(&other);
                     let populated = share(&other.populated(&case, 1).unwrap());
                     let what = format!("{truth:?} {onset} {bends:?} {missed} {populated}");
-                    let range = if is_same { 0.0..0.1 } else { 1.0..3.0 };
+                    let most = most_of_formula(other.family) / OF_FORMULAS;
+                    let range = if is_same { 0.0..0.1 } else { 1.0..most };
                     assert!(range.contains(&missed), "{what}");
                     assert!(populated < of_two || !is_of_relays, "{what}");
                 }

@@ -57,12 +57,12 @@ pub(crate) fn known(
             segments.map(|one| &node.residual[one.range.clone()])
         };
         let of_thermometer = match is_off(case, node) {
-            true => slowness(own(Channel::Temperature)),
+            true => slowness(own(Channel::Temperature), 0.0),
             false => 0.0,
         };
         Ok(Oddness {
             tone: heard(node)?,
-            slowness: slowness(own(Channel::Output)).max(of_thermometer),
+            slowness: slowness(own(Channel::Output), rounding.sqrt()).max(of_thermometer),
         })
     };
     let all = CandidateSet::all(config.catalogue, config.setting.hypotheses);
