@@ -628,6 +628,8 @@ pub fn may_begin_warm(recording: &Recording) -> bool {
     const MOVED: f64 = 0.02;
     /// Share of it that is no drift of the zero, no expansion and no wear.
     const FAR: f64 = 0.1;
+    /// Correlation of the output with the heat from which the output says where the rod is cold.
+    const CLEAR: f64 = 0.5;
     let output = recording.output();
     let at_rest = samples_at_rest(recording);
     if at_rest < 2 * FEW {
@@ -641,21 +643,50 @@ pub fn may_begin_warm(recording: &Recording) -> bool {
         (y.min(low), y.max(high))
     });
     let range = high - low;
-    let cold = if rises_with_drive(recording) {
-        low
-    } else {
-        high
+    let is_far = || match with_heat(recording) {
+        along if along > CLEAR => begins - low > FAR * range,
+        along if along < -CLEAR => high - begins > FAR * range,
+        _ => false,
     };
-    moved.abs() > MOVED * range || (begins - cold).abs() > FAR * range
+    moved.abs() > MOVED * range || is_far()
 }
 
-/// True if the output rises where the drive is large and falls where it is small; the power grows with the square of the drive.
-fn rises_with_drive(recording: &Recording) -> bool {
-    let squares: Vec<f64> = recording.drive().iter().map(|u| u * u).collect();
-    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-    let steps = recording.output().windows(2).zip(&squares);
-    let along = steps.map(|(pair, square)| (pair[1] - pair[0]) * (square - mean));
-    along.sum::<f64>() >= 0.0
+/// Correlation of the output with the power of the drive as a rod of some time constant takes it up: the largest over time constants from one
+/// sample to half of the recording, with its sign.
+fn with_heat(recording: &Recording) -> f64 {
+    /// From one time constant to the next.
+    const APART: f64 = 3.0;
+    let output = recording.output();
+    let n = output.len() as f64;
+    let mean = output.iter().sum::<f64>() / n;
+    let of_tau = |samples: f64| {
+        // The power grows with the square of the drive.
+        let mut power = recording
+            .drive()
+            .iter()
+            .map(|drive| drive * drive)
+            .peekable();
+        let mut heat = power.peek().copied().unwrap_or(0.0);
+        let (mut sum, mut square, mut along, mut own) = (0.0, 0.0, 0.0, 0.0);
+        for (power, output) in power.zip(output) {
+            heat += (power - heat) / (1.0 + samples);
+            let output = output - mean;
+            sum += heat;
+            square += heat * heat;
+            along += heat * output;
+            own += output * output;
+        }
+        let variances = (square - sum * sum / n) * own;
+        if variances > 0.0 {
+            along / variances.sqrt()
+        } else {
+            0.0
+        }
+    };
+    let taus = std::iter::successors(Some(1.0), |tau| Some(APART * tau));
+    let of_each = taus.take_while(|tau| *tau < 0.5 * n).map(of_tau);
+    let stronger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    of_each.fold(0.0, stronger)
 }
 
 /// Steady rise per unit of drive (λ for a current), fixed by assumption: so that the largest drive of

@@ -92,7 +92,7 @@ pub(crate) fn names(
         let lost = less.evidence.squares()[0] - leading.evidence.squares()[0];
         let lost = lost / leading.evidence.n_outputs as f64;
         let (mut named, covered) = alternatives(leading, (belief, known), effect, traces);
-        if may_be_the_loop(leading, known, effect, lost) {
+        if may_be_the_loop((population, leading), known, effect) {
             named.shares_with(Candidate::other_loop());
         }
         let in_its_place = beats_curve([plain, less, leading], known.seed);
@@ -166,13 +166,19 @@ impl Named {
 /// True if what a name explains may be the error of the loop's formula, beside a loop that is not the baseline's: by no more than formulas of
 /// loops differ by it changes nothing but how the output follows the temperature and its past, or is a curve of time, which takes up a part
 /// of any error.
-fn may_be_the_loop(leading: &Model, known: &Known, effect: Candidate, lost: f64) -> bool {
-    let of_formulas =
-        most_of_formula(leading.family) * known.output_deviation(leading.evidence.n_outputs);
+fn may_be_the_loop(
+    (population, leading): (&Population, &Model),
+    known: &Known,
+    effect: Candidate,
+) -> bool {
+    let n_outputs = leading.evidence.n_outputs;
+    // Of the model that is nearest without it: some are likelier whose errors are larger, and known from one sample to the next.
+    let lost = population.least_without(leading, effect) - leading.evidence.squares()[0];
+    let of_formulas = most_of_formula(leading.family) * known.output_deviation(n_outputs);
     leading.names.contains(Candidate::other_loop())
         && effect != Candidate::other_loop()
         && (effect.info().like_loop || effect.info().flexible)
-        && lost < of_formulas.powi(2)
+        && lost < n_outputs as f64 * of_formulas.powi(2)
 }
 
 /// The smallest set of names with this one that is as probable as it must be, and that probability.

@@ -243,7 +243,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Told,
         name: "told",
-        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; of a drift all its changes within recordings together; 0 of a drift that turns back three times in a recording, or goes most of its way within an eighth of one, and of another name that ends at a bound which is no physical end",
+        statistic: "size of a name over half of its 95 % interval; of several sizes the largest, by an interval that holds all of them; of a drift all its changes within recordings together; of what is no drift, the same of its change of recordings that were not used, if that is more and comes true; 0 of a drift that turns back three times in a recording, or goes most of its way within an eighth of one, and of another name that ends at a bound which is no physical end",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Quantile,

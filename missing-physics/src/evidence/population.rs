@@ -160,11 +160,22 @@ impl Population {
 
     /// The best that is left of a model without one of its names: with all others, or with those of them that do not vanish then.
     pub(crate) fn without(&self, model: &Model, name: Candidate) -> &Model {
-        let left = model.names.without(name);
-        let is_part = |other: &&Model| other.names.iter().all(|one| left.contains(one));
-        let parts = self.models.iter().filter(is_part);
+        let parts = self.parts_without(model, name);
         let best = parts.max_by(|a, b| a.worth().total_cmp(&b.worth()));
         best.unwrap_or_else(|| self.plain())
+    }
+
+    /// Least sum of squares of the output that is left of a model without one of its names.
+    pub(crate) fn least_without(&self, model: &Model, name: Candidate) -> f64 {
+        let parts = self.parts_without(model, name);
+        let squares = parts.map(|one| one.evidence.squares()[0]);
+        squares.fold(self.plain().evidence.squares()[0], f64::min)
+    }
+
+    fn parts_without(&self, model: &Model, name: Candidate) -> impl Iterator<Item = &Model> {
+        let left = model.names.without(name);
+        let is_part = move |other: &&Model| other.names.iter().all(|one| left.contains(one));
+        self.models.iter().filter(is_part)
     }
 }
 

@@ -40,7 +40,15 @@ pub(crate) fn error_of_formula(case: &Case<'_>, effect: Candidate, shown_per_uni
 /// recordings beyond the noise, since it is bent toward that.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OfFormula {
-    relative: Vec<(Candidate, f64)>,
+    of_effects: Vec<OfEffect>,
+}
+
+/// Error of an effect by the formula of the loop, and what the effect explains of the training, root mean squares.
+#[derive(Debug, Clone, Copy)]
+struct OfEffect {
+    effect: Candidate,
+    error: f64,
+    explained: f64,
 }
 
 impl OfFormula {
@@ -53,27 +61,40 @@ impl OfFormula {
         if search.case.setting.loop_family == LoopFamily::Proximity {
             return Ok(Self::default());
         }
-        let mut relative = Vec::new();
+        let mut of_effects = Vec::new();
         let one_shape = along_one_shape(search.case);
         for effect in effects.iter() {
             let less = search.node_without(effects, effect)?.mean_square();
             let Some(with) = search.get(effects).map(Node::mean_square) else {
                 continue;
             };
-            let of_formula = match effect.info().like_loop {
+            let error = match effect.info().like_loop {
                 true => one_shape,
                 false => ((with - noise).max(0.0) * TAKEN_UP).sqrt(),
             };
-            let explained = (less - with).max(0.0).sqrt();
-            relative.push((effect, of_formula / explained));
+            of_effects.push(OfEffect {
+                effect,
+                error,
+                explained: (less - with).max(0.0).sqrt(),
+            });
         }
-        Ok(Self { relative })
+        Ok(Self { of_effects })
     }
 
     /// Standard error of the sizes of an effect by the formula, over them; 0 where there is none.
     pub(crate) fn relative(&self, effect: Candidate) -> f64 {
-        let own = self.relative.iter().find(|(one, _)| *one == effect);
-        own.map_or(0.0, |(_, relative)| *relative)
+        let own = self.of(effect);
+        own.map_or(0.0, |own| own.error / own.explained)
+    }
+
+    /// The same where the effect explains so much of other recordings, a mean square.
+    pub(crate) fn relative_where(&self, effect: Candidate, explained: f64) -> f64 {
+        let own = self.of(effect);
+        own.map_or(0.0, |own| own.error / explained.max(0.0).sqrt())
+    }
+
+    fn of(&self, effect: Candidate) -> Option<&OfEffect> {
+        self.of_effects.iter().find(|one| one.effect == effect)
     }
 
     /// The interval of a size with its error by the formula. An end may lie beyond what is possible: then the size is not told.
@@ -83,11 +104,11 @@ impl OfFormula {
         fitted: &FittedParameter,
         (value, own): (f64, Bounds),
     ) -> Bounds {
-        let Some((_, relative)) = self.relative.iter().find(|(one, _)| *one == effect) else {
+        if self.of(effect).is_none() {
             return own;
-        };
+        }
         let range = fitted.info.bounds.width();
-        let error = relative * (value - size.neutral()).abs();
+        let error = self.relative(effect) * (value - size.neutral()).abs();
         // What explains nothing may have any size.
         let half = HALF_95 * if error < range { error } else { range };
         widened_by(own, value, half)
@@ -95,7 +116,7 @@ impl OfFormula {
 
     /// Widens the intervals of all sizes of a fit.
     pub(crate) fn widen(&self, fit: &mut Fit) {
-        for (effect, _) in &self.relative {
+        for OfEffect { effect, .. } in &self.of_effects {
             let sizes = effect.info().parameters.iter();
             for size in sizes.filter(|parameter| parameter.role == Role::Size) {
                 let of_size = |fitted: &&mut FittedParameter| fitted.info.name == size.name;
@@ -166,17 +187,22 @@ mod tests {
             let [less, with] = [CandidateSet::EMPTY, effects]
                 .map(|set| search.get(set).map_or(f64::NAN, |node| node.mean_square()));
             let found = OfFormula::beside(&mut search, effects, noise).unwrap();
-            let relative = found.relative.first().map(|(_, relative)| *relative);
+            let dead_time = Candidate::from(EffectId::DeadTime);
+            // What explains a quarter elsewhere is twice as uncertain there.
+            let [here, there] =
+                [1.0, 0.25].map(|of| found.relative_where(dead_time, of * (less - with)));
+            let relative = found.relative(dead_time);
+            assert!((here - relative).abs() <= 1e-12 && (there - 2.0 * here).abs() <= 1e-12);
             (relative, less, with)
         };
-        assert_eq!(of(&papers, 0.0).0, None);
+        assert!(of(&papers, 0.0).0.abs() <= 0.0);
         let (relative, less, with) = of(relays, 0.0);
         let expected = (with * TAKEN_UP / (less - with)).sqrt();
         assert!(
-            (relative.unwrap() / expected - 1.0).abs() < 1e-9,
-            "{relative:?} {expected}"
+            (relative / expected - 1.0).abs() < 1e-9,
+            "{relative} {expected}"
         );
-        assert!(of(relays, 2.0 * with).0.unwrap() <= 0.0);
+        assert!(of(relays, 2.0 * with).0 <= 0.0);
     }
 
     #[test]

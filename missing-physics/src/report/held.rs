@@ -14,9 +14,10 @@ use crate::noise::of_drive::of_drive;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::explained::share;
+use crate::report::told::CameTrue;
 use crate::search::roads::Search;
 use crate::search::settle::fitted;
-use crate::{CandidateSet, ExtendedModel, LoopFamily};
+use crate::{Candidate, CandidateSet, ExtendedModel, LoopFamily};
 
 /// Standard deviations up to which an error may be the parameters' uncertainty.
 const TWICE: f64 = 2.0;
@@ -97,6 +98,29 @@ fn temperature_weight(search: &Search<'_>, effects: CandidateSet) -> f64 {
     weight.unwrap_or(0.0)
 }
 
+/// How much of what an effect of the extended model changes on recordings that were not used comes true; `None` where it changes nothing.
+pub(crate) fn came_true(
+    effect: Candidate,
+    search: &mut Search<'_>,
+    (extended, with): (&ExtendedStage, &Unseen),
+    errors: &mut Errors<'_>,
+) -> Result<Option<CameTrue>, IdentifyError> {
+    let effects: CandidateSet = extended.effects.iter().copied().collect();
+    if !effects.contains(effect) {
+        return Ok(None);
+    }
+    let weight = temperature_weight(search, effects);
+    let without = errors.of(search.node_without(effects, effect)?)?;
+    let share = with.comes_true(without, weight);
+    let [all, left] = [without, with].map(Unseen::mean_square);
+    Ok(share
+        .zip(all.zip(left))
+        .map(|(share, (all, left))| CameTrue {
+            share,
+            explained: all - left,
+        }))
+}
+
 /// Decision, held to the recordings that were not used: a name that makes them worse becomes a suspect, and an error
 /// that the names alone do not explain there, or that is more than twice what they leave of the training and the uncertainty of the parameters
 /// makes, does not count as explained. `ceiling` is the mean square that there is no way below.
@@ -112,18 +136,12 @@ pub(crate) fn held_to(
         return Ok((decided, None));
     }
     let effects: CandidateSet = extended.effects.iter().copied().collect();
-    let weight = temperature_weight(search, effects);
     let mut fallen = CandidateSet::EMPTY;
     for named in &decided.named {
-        if !effects.contains(named.effect) {
-            continue;
-        }
-        let node = search.node_without(effects, named.effect)?;
+        let there = came_true(named.effect, search, (extended, with), errors)?;
         // What is not exercised there, or lost in the noise, says nothing.
-        let told = with
-            .comes_true(errors.of(node)?, weight)
-            .filter(|[_, error]| *error < TOLD);
-        let Some([share, _]) = told else {
+        let told = there.filter(|there| there.share[1] < TOLD);
+        let Some([share, _]) = told.map(|there| there.share) else {
             continue;
         };
         let id = named.effect.id();

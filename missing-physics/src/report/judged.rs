@@ -9,7 +9,7 @@ use crate::model::unseen::Unseen;
 use crate::report::diagnosis::{ExtendedStage, Stage};
 use crate::report::errors::Errors;
 use crate::report::formula::OfFormula;
-use crate::report::held::{held_plainly, held_to};
+use crate::report::held::{came_true, held_plainly, held_to};
 use crate::report::told::told;
 use crate::search::roads::Search;
 use crate::{Candidate, CandidateSet, ExtendedModel};
@@ -61,7 +61,8 @@ impl Judging<'_> {
                 decided = decide(self.population, &known, traces);
             }
             let of_both = ([before, after], self.ceiling);
-            decided = told(decided, extended, self.of_formula);
+            let comes_true = |effect| came_true(effect, search, (extended, after), errors);
+            decided = told(decided, extended, self.of_formula, comes_true)?;
             (decided, by_names) = held_to(decided, search, extended, of_both, errors)?;
         }
         let decided = held_plainly(decided, self.plain, errors.recordings)?;

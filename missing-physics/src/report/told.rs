@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use identify::dense::{Matrix, symmetric_solved};
-use identify::{Bounds, Fit, ParameterState};
+use identify::{Bounds, Fit, IdentifyError, ParameterState};
 
 use crate::decide::{Decided, Named, RuleId, Traces};
 use crate::model::case::is_beyond;
@@ -25,71 +25,107 @@ const AT_ONCE: f64 = 0.632;
 ///
 /// A size may be the error of the formula of the loop beside it, unless that is an alternative to the name, and to no other: then it is what it is
 /// if the name is right. Several such names together may well be one error of the formula.
+///
+/// What the training does not tell recordings that were not used may, which are not fitted: how much of its change comes true there. Drifts
+/// are not asked, since each is fitted to every recording.
 pub(crate) fn told(
     mut decided: Decided,
     extended: &ExtendedStage,
     of_formula: &OfFormula,
-) -> Decided {
+    mut comes_true: impl FnMut(Candidate) -> Result<Option<CameTrue>, IdentifyError>,
+) -> Result<Decided, IdentifyError> {
     let fit = &extended.stage.fit;
     let is_shared = |named: &Named| {
         let mut others = named.others.iter();
         others.any(|(other, _)| *other == Candidate::other_loop())
     };
     let is_one_shared = decided.named.iter().filter(|one| is_shared(one)).count() == 1;
-    let is_told = |named: &Named, traces: &mut Traces| {
+    let mut is_told = |named: &Named, traces: &mut Traces| {
         let effect = named.effect;
-        let may_be_formula = !(is_one_shared && is_shared(named));
-        let sizes = effect.info().parameters.iter();
-        let free = sizes
-            .filter(|parameter| parameter.role == Role::Size)
-            .filter_map(|size| Some((size, fit.parameter(size.name)?)))
-            .filter(|(_, size)| size.info.state == ParameterState::Free);
-        let over = free.clone().flat_map(|(parameter, size)| {
-            let each = size.values.iter().zip(&size.intervals);
-            each.map(move |(&value, interval)| match *interval {
-                // An end that stands at a bound is no end of the interval.
-                Some(own) => {
-                    let own = match may_be_formula {
-                        true => of_formula.widened((effect, parameter), size, (value, own)),
-                        false => own,
-                    };
-                    value.abs() / (own.upper - value).max(value - own.lower)
-                }
-                // At an end of what can be it is as large as that; at 0 it is absent.
-                None if size.at_bound && !is_zero(value, size.info.bounds) => f64::INFINITY,
-                None => 0.0,
-            })
-        });
-        // The recordings pull it beyond what is possible: it does the work of something else. A drift may do so in one of them.
-        let is_pressed = !is_drift(effect)
-            && free.clone().any(|(parameter, size)| {
-                let mut values = size.values.iter();
-                size.at_bound && values.any(|value| is_beyond(parameter, *value))
-            });
-        let over: Vec<f64> = over.collect();
-        let curves = match is_curve_of_time(effect) {
-            true => Curve::all(effect, fit),
-            false => Vec::new(),
+        let of_formula = (!(is_one_shared && is_shared(named))).then_some(of_formula);
+        let Some(mut size) = told_by(effect, fit, of_formula) else {
+            return Ok::<_, IdentifyError>(true);
         };
-        let relative = match may_be_formula {
-            true => of_formula.relative(effect),
-            false => 0.0,
-        };
-        let size = match over.iter().copied().reduce(f64::max) {
-            _ if is_pressed || !is_slow(&curves) => Some(0.0),
-            Some(_) if !curves.is_empty() => Some(changes(&curves, relative)),
-            // A loop of another family has no size.
-            largest => largest.map(|largest| largest / widened(over.len())),
-        };
-        size.is_none_or(|size| traces.ask(RuleId::Told, effect.id(), size))
+        let is_asked = size > 0.0 && size < traces.threshold(RuleId::Told) && !is_drift(effect);
+        if is_asked && let Some(there) = comes_true(effect)? {
+            size = size.max(there.told(effect, of_formula));
+        }
+        Ok(traces.ask(RuleId::Told, effect.id(), size))
     };
-    let fallen = decided
-        .named
-        .iter()
-        .filter(|one| !is_told(one, &mut decided.traces));
-    let fallen: CandidateSet = fallen.map(|one| one.effect).collect();
+    let mut fallen = CandidateSet::EMPTY;
+    for named in &decided.named {
+        if !is_told(named, &mut decided.traces)? {
+            fallen = fallen.with(named.effect);
+        }
+    }
     decided.fall(fallen);
-    decided
+    Ok(decided)
+}
+
+/// How an effect does on recordings that were not used.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CameTrue {
+    /// Share of its change that comes true, and the standard error of that.
+    pub(crate) share: [f64; 2],
+    /// Mean square that it explains.
+    pub(crate) explained: f64,
+}
+
+impl CameTrue {
+    /// Its size there over half of its interval: 0 if its change does not come true as it is.
+    fn told(&self, effect: Candidate, of_formula: Option<&OfFormula>) -> f64 {
+        let [share, error] = self.share;
+        let by_formula = of_formula.map_or(0.0, |by| by.relative_where(effect, self.explained));
+        if RuleId::UnseenGain.rule().passes(share) {
+            share / (HALF_95 * error.hypot(share * by_formula))
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Size of an effect over half of its interval, by its formula too if that may make it; `None` of an effect without a size, as a loop of another
+/// family is.
+fn told_by(effect: Candidate, fit: &Fit, of_formula: Option<&OfFormula>) -> Option<f64> {
+    let sizes = effect.info().parameters.iter();
+    let free = sizes
+        .filter(|parameter| parameter.role == Role::Size)
+        .filter_map(|size| Some((size, fit.parameter(size.name)?)))
+        .filter(|(_, size)| size.info.state == ParameterState::Free);
+    // The recordings pull it beyond what is possible: it does the work of something else. A drift may do so in one of them.
+    let is_pressed = !is_drift(effect)
+        && free.clone().any(|(parameter, size)| {
+            let mut values = size.values.iter();
+            size.at_bound && values.any(|value| is_beyond(parameter, *value))
+        });
+    let over = free.flat_map(|(parameter, size)| {
+        let each = size.values.iter().zip(&size.intervals);
+        each.map(move |(&value, interval)| match *interval {
+            // An end that stands at a bound is no end of the interval.
+            Some(own) => {
+                let own = match of_formula {
+                    Some(by) => by.widened((effect, parameter), size, (value, own)),
+                    None => own,
+                };
+                value.abs() / (own.upper - value).max(value - own.lower)
+            }
+            // At an end of what can be it is as large as that; at 0 it is absent.
+            None if size.at_bound && !is_zero(value, size.info.bounds) => f64::INFINITY,
+            None => 0.0,
+        })
+    });
+    let over: Vec<f64> = over.collect();
+    if is_pressed {
+        return Some(0.0);
+    }
+    if is_curve_of_time(effect) {
+        let curves = Curve::all(effect, fit);
+        let relative = of_formula.map_or(0.0, |by| by.relative(effect));
+        let changes = changes(&curves, relative);
+        return Some(if is_slow(&curves) { changes } else { 0.0 });
+    }
+    let largest = over.iter().copied().reduce(f64::max);
+    largest.map(|largest| largest / widened(over.len()))
 }
 
 /// True of a drift with a value at each of several moments of a recording; a law of time of its own has none.
@@ -251,7 +287,8 @@ fn widened(n: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{AT_ONCE, Curve, HALF_95, Matrix, changes, is_slow, widened};
+    use super::{AT_ONCE, CameTrue, Curve, HALF_95, Matrix, changes, is_slow, widened};
+    use crate::EffectId;
 
     /// A curve through values whose intervals are as wide and independent, but for what they have in common.
     fn curve(values: &[f64], half: f64, common: f64) -> Curve {
@@ -342,6 +379,26 @@ mod tests {
             "{squares}"
         );
         assert!(one.half([1, 2]).is_infinite() && one.turns() == 0);
+    }
+
+    #[test]
+    fn a_change_that_comes_true_as_it_is_tells_a_size() {
+        let told = |share: [f64; 2]| {
+            let there = CameTrue {
+                share,
+                explained: 1.0,
+            };
+            there.told(EffectId::SupplyLag.into(), None)
+        };
+        assert!((told([0.98, 0.05]) - 0.98 / (HALF_95 * 0.05)).abs() < 1e-12);
+        assert!(told([0.98, 0.51]) < 1.0);
+        // It makes them worse, or asks for another size.
+        assert!(
+            [0.45, 1.55]
+                .map(|share| told([share, 0.01]))
+                .iter()
+                .all(|told| *told <= 0.0)
+        );
     }
 
     #[test]
