@@ -644,6 +644,8 @@ pub fn may_begin_warm(recording: &Recording) -> bool {
     });
     let range = high - low;
     let is_far = || match with_heat(recording) {
+        // A pair of rods comes to the middle.
+        _ if recording.antagonist_drive().is_some() => false,
         along if along > CLEAR => begins - low > FAR * range,
         along if along < -CLEAR => high - begins > FAR * range,
         _ => false,

@@ -87,6 +87,7 @@ proptest! {
     ) {
         let known = Known {
             output_squares: output * scale * scale * N as f64,
+            temperature_squares: 0.0,
             rounding: rounding * scale,
             of_drive: of_drive * scale,
             disturbed,

@@ -9,6 +9,10 @@ use crate::{Candidate, CandidateSet};
 /// Smallest error of a formula of a loop, as a share of what it shows.
 const EXACT: f64 = 1e-3;
 
+/// Error of a thermometer over the standard deviation of what it reads, up to which it may be its own: a thermocouple of class 1 is exact to
+/// 1.5 K, and wires are cycled over some 100 K.
+pub(crate) const OF_THERMOMETER: f64 = 0.015;
+
 /// Inputs of the decision beside the population.
 #[derive(Debug, Clone)]
 pub(crate) struct Known {
@@ -16,6 +20,8 @@ pub(crate) struct Known {
     pub(crate) segments: Vec<Range<usize>>,
     /// Sum of squares of the output about its mean in each recording.
     pub(crate) output_squares: f64,
+    /// The same of the recorded temperatures, as they are scaled; 0 where none are recorded.
+    pub(crate) temperature_squares: f64,
     /// Variance of the converter's rounding, in the square of the output's unit; 0 where no step is seen.
     pub(crate) rounding: f64,
     /// Mean square of the output that noise in the columns of drives may have left there, in the square of the output's unit.
@@ -65,16 +71,22 @@ impl Known {
         elsewhere.fold(of_training, |largest, (_, gained)| largest.max(*gained))
     }
 
-    /// Asks whether a mean square that is predicted is more than rounding, than noise of the drive leaves, and than any formula is exact to.
+    /// Asks whether a mean square that is predicted is more than rounding, than noise of the drive leaves, and than any formula is exact to; or
+    /// whether the squares that are predicted of recorded temperatures are more than a thermometer is exact to.
     pub(crate) fn is_material(
         &self,
         traces: &mut Traces,
         of: &str,
-        predicted: f64,
+        (predicted, of_temperatures): (f64, f64),
         n_outputs: usize,
     ) -> bool {
         let least = self.least_that_matters(n_outputs).max(self.rounding.sqrt());
-        traces.ask(RuleId::Matters, of, predicted.max(0.0).sqrt() / least)
+        let over = predicted.max(0.0).sqrt() / least;
+        let of_thermometer = match self.temperature_squares {
+            all if all > 0.0 => (of_temperatures.max(0.0) / all).sqrt() / OF_THERMOMETER,
+            _ => 0.0,
+        };
+        traces.ask(RuleId::Matters, of, over.max(of_thermometer))
     }
 
     /// Number of names that were tried beside some.

@@ -12,7 +12,7 @@ mod tests;
 mod trace;
 mod verdict;
 
-pub(crate) use known::{Known, Oddness};
+pub(crate) use known::{Known, OF_THERMOMETER, Oddness};
 pub(crate) use leading::leading;
 pub(crate) use names::Named;
 pub(crate) use names::OF_FORMULAS;

@@ -89,7 +89,8 @@ pub(crate) fn names(
     for effect in leading.names.iter() {
         let id = effect.id();
         let less = population.without(leading, effect);
-        let lost = less.evidence.squares()[0] - leading.evidence.squares()[0];
+        let [lost, of_temperatures] = [0, 1]
+            .map(|channel| less.evidence.squares()[channel] - leading.evidence.squares()[channel]);
         let lost = lost / leading.evidence.n_outputs as f64;
         let (mut named, covered) = alternatives(leading, (belief, known), effect, traces);
         if may_be_the_loop((population, leading), known, effect) {
@@ -120,7 +121,7 @@ pub(crate) fn names(
             p_value = p_value.max(by_wander(pairs, effect.info().parameters.len(), known.seed));
         }
         let is_own = traces.ask(RuleId::Own, id, p_value);
-        let shown = known.explained(effect, lost);
+        let shown = (known.explained(effect, lost), of_temperatures);
         let is_material = known.is_material(traces, id, shown, leading.evidence.n_outputs);
         sorted[usize::from(!(is_covered && is_own && is_material))].push(named);
     }

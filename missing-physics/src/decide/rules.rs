@@ -198,7 +198,7 @@ pub const RULES: [Rule; 15] = [
     Rule {
         id: RuleId::Matters,
         name: "matters",
-        statistic: "root mean square that is predicted, of the training or of recordings that were not used, over a thousandth of the output's standard deviation, or over the converter's rounding or what noise of the drive may leave, if that is more",
+        statistic: "root mean square that is predicted, of the training or of recordings that were not used, over a thousandth of the output's standard deviation, or over the converter's rounding or what noise of the drive may leave, if that is more; of recorded temperatures over 1.5 % of their standard deviation; whichever is larger",
         comparison: Comparison::AtLeast,
         threshold: 1.0,
         basis: Basis::Chosen,

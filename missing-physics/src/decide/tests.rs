@@ -91,6 +91,7 @@ pub(super) fn known() -> Known {
     Known {
         segments: std::iter::once(0..N).collect(),
         output_squares: 1e4 * N as f64,
+        temperature_squares: 0.0,
         rounding: 0.0,
         of_drive: 0.0,
         catalogue: EffectId::ALL.into_iter().map(Into::into).collect(),
@@ -425,6 +426,34 @@ fn a_plain_model_that_predicts_too_little_describes_nothing() {
         known.output_squares = left / (1.0 - share);
     });
     assert_eq!(found, [Verdict::Unexplained, Verdict::Adequate]);
+}
+
+#[test]
+fn what_shows_in_temperatures_alone_matters_by_more_than_a_thermometer_is_exact_to() {
+    // The output is the same with and without it, and temperatures differ.
+    let found = |over: f64| {
+        let quiet = noise(1.0, 1);
+        let curve = || sum(&quiet, &noise(0.1, 7));
+        let mut models = vec![
+            model(&[], quiet.clone(), curve()),
+            model(&[EffectId::ThermocoupleLag], quiet.clone(), curve()),
+        ];
+        let missed = 100.0;
+        models[0].evidence.squares[0][1] = missed;
+        models[1].ln_prior = 100.0;
+        let known = Known {
+            temperature_squares: missed / (0.015 * over).powi(2),
+            ..known()
+        };
+        let steps = decide(&Population { models }, &known).traces.steps;
+        let mut matters = steps
+            .iter()
+            .filter(|trace| trace.rule.id == RuleId::Matters);
+        matters
+            .find(|trace| trace.of == "thermocouple-lag")
+            .map(|trace| trace.passed)
+    };
+    assert_eq!([0.98, 1.02].map(found), [Some(false), Some(true)]);
 }
 
 #[test]

@@ -211,6 +211,7 @@ fn is_left(population: &Population, model: &Model, known: &Known, traces: &mut T
     };
     let is_large = traces.ask(RuleId::Form, "", share);
     let gained = (left[0] - with[0]) / model.evidence.n_outputs as f64;
+    let gained = (gained, left[1] - with[1]);
     let is_material = known.is_material(traces, "", gained, model.evidence.n_outputs);
     is_needed && is_predicted && is_large && is_material
 }

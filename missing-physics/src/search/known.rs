@@ -5,7 +5,7 @@ use recording::Recording;
 
 use crate::CandidateSet;
 use crate::config::DiagnoseConfig;
-use crate::decide::{Known, Oddness};
+use crate::decide::{Known, OF_THERMOMETER, Oddness};
 use crate::evidence::{Block, Population, disturbed};
 use crate::model::case::{Case, Node};
 use crate::model::series::Channel;
@@ -74,6 +74,7 @@ pub(crate) fn known(
             .map(|one| one.range.clone())
             .collect(),
         output_squares: case.output_squares(),
+        temperature_squares: case.recorded_squares(Channel::Temperature),
         rounding,
         of_drive,
         catalogue: all,
@@ -96,10 +97,6 @@ fn loudest(case: &Case<'_>, node: &Node) -> f64 {
     let residuals = segments.map(|one| &node.residual[one.range.clone()]);
     residuals.map(tone).fold(0.0, f64::max)
 }
-
-/// Error of a thermometer over the standard deviation of what it reads, up to which it may be its own: a thermocouple of class 1 is exact to
-/// 1.5 K, and wires are cycled over some 100 K.
-const OF_THERMOMETER: f64 = 0.015;
 
 /// True if a model misses the recorded temperatures by more than the error of a thermometer.
 fn is_off(case: &Case<'_>, node: &Node) -> bool {
