@@ -22,7 +22,7 @@ fn ran(name: &str, drive: Vec<f64>, state: [f64; 3]) -> Recording {
     recorded(name, drive, state, false)
 }
 
-/// The same, with the temperature of the rod if there is a thermometer on it.
+/// Such a run, with the temperature of the rod if there is a thermometer on it.
 fn recorded(
     name: &str,
     drive: Vec<f64>,

@@ -20,7 +20,7 @@ pub(crate) struct Known {
     pub(crate) segments: Vec<Range<usize>>,
     /// Sum of squares of the output about its mean in each recording.
     pub(crate) output_squares: f64,
-    /// The same of the recorded temperatures, as they are scaled; 0 where none are recorded.
+    /// Sum of squares of the recorded temperatures about their means, as they are scaled; 0 where none are recorded.
     pub(crate) temperature_squares: f64,
     /// Variance of the converter's rounding, in the square of the output's unit; 0 where no step is seen.
     pub(crate) rounding: f64,

@@ -237,8 +237,8 @@ fn alternatives(
 /// deviation of the output: as much may any of them miss a real loop. Relays of two populations miss one by less, and it stays.
 pub(crate) const OF_FORMULAS: f64 = 0.02;
 
-/// The same at the most: what explains less beside a loop may be the error of its formula. The paper's loop with a shape of its own is no further
-/// from others than relays are.
+/// Root mean square of that kind at the most: an effect that explains less beside a loop may be the error of its formula. The paper's
+/// loop with a shape of its own is no further from others than relays are.
 pub(crate) fn most_of_formula(family: LoopFamily) -> f64 {
     match family {
         LoopFamily::Kinetics => 0.05,

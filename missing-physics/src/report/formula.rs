@@ -87,7 +87,7 @@ impl OfFormula {
         own.map_or(0.0, |own| own.error / own.explained)
     }
 
-    /// The same where the effect explains so much of other recordings, a mean square.
+    /// Standard error of the sizes over them where the effect explains so much of other recordings, a mean square.
     pub(crate) fn relative_where(&self, effect: Candidate, explained: f64) -> f64 {
         let own = self.of(effect);
         own.map_or(0.0, |own| own.error / explained.max(0.0).sqrt())

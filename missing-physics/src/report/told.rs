@@ -26,7 +26,7 @@ const AT_ONCE: f64 = 0.632;
 /// A size may be the error of the formula of the loop beside it, unless that is an alternative to the name, and to no other: then it is what it is
 /// if the name is right. Several such names together may well be one error of the formula.
 ///
-/// What the training does not tell recordings that were not used may, which are not fitted: how much of its change comes true there. Drifts
+/// Recordings that were not used may tell what the training does not: how much of its change comes true there. Drifts
 /// are not asked, since each is fitted to every recording.
 pub(crate) fn told(
     mut decided: Decided,
