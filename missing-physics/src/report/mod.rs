@@ -2,6 +2,7 @@
 
 pub(crate) mod catalogue;
 pub(crate) mod diagnosis;
+pub(crate) mod drift;
 pub(crate) mod errors;
 pub(crate) mod explained;
 pub(crate) mod formula;
