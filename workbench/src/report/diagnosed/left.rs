@@ -175,6 +175,12 @@ pub(super) fn noise(diagnosis: &Diagnosis) -> Option<String> {
     }
 }
 
+/// True if the findings explain enough of the explainable error of the unseen recordings, however much is left there.
+fn findings_hold_elsewhere(diagnosis: &Diagnosis) -> bool {
+    let shares = diagnosis.explained.and_then(|shares| shares.by_findings);
+    shares.is_some_and(|share| RuleId::UnseenShare.rule().passes(share))
+}
+
 /// Rest of the error after the findings, in words; `None` if nothing is to be said of it.
 pub(super) fn rest(diagnosis: &Diagnosis) -> Option<String> {
     if let Some(left) = &diagnosis.remainder {
@@ -188,6 +194,12 @@ pub(super) fn rest(diagnosis: &Diagnosis) -> Option<String> {
                 spoken(times)
             ),
             None => match failed(diagnosis, RuleId::UnseenShare) {
+                Some(made) if findings_hold_elsewhere(diagnosis) => format!(
+                    "Left: the unseen recordings are missed by far more than the training. Noise as there and the uncertainty of the parameters make {} \
+                     of that error (needs ≥ {}).",
+                    spoken_percent(made),
+                    spoken_percent(RuleId::UnseenShare.rule().threshold)
+                ),
                 Some(share) => format!(
                     "Left: the findings explain {} of the explainable error of the unseen recordings (needs ≥ {}).",
                     spoken_percent(share),
