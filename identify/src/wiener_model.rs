@@ -662,7 +662,7 @@ fn with_heat(recording: &Recording) -> f64 {
     let n = output.len() as f64;
     let mean = output.iter().sum::<f64>() / n;
     let of_tau = |samples: f64| {
-        // The power grows with the square of the drive.
+        // As of a current: any power grows with that of the drive.
         let mut power = recording
             .drive()
             .iter()
