@@ -451,21 +451,13 @@ impl WienerModel {
     #[must_use]
     pub fn state_of_run(&self, point: &[f64], recording: &Recording) -> StateOfRun {
         let is_reference = self.reference.as_deref() == Some(recording.name());
-        if is_reference && !tells_surroundings(recording) {
-            return StateOfRun::default();
-        }
         let is_known = recording.ambient_degc().is_some() && !self.rise_is_assumed;
-        let level_k = if is_known { 0.0 } else { point[LEVEL] };
-        if is_reference {
-            return StateOfRun {
-                level_k,
-                ..StateOfRun::default()
-            };
-        }
+        let has_level = !is_known && (!is_reference || tells_surroundings(recording));
+        let unless = |is_none: bool, place: usize| if is_none { 0.0 } else { point[place] };
         StateOfRun {
-            level_k,
-            heat_loss: point[HEAT_LOSS_OF_RUN],
-            gain: point[GAIN_OF_RUN],
+            level_k: unless(!has_level, LEVEL),
+            heat_loss: unless(is_reference, HEAT_LOSS_OF_RUN),
+            gain: unless(is_reference, GAIN_OF_RUN),
         }
     }
 }

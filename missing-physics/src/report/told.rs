@@ -79,6 +79,16 @@ impl CameTrue {
 /// Size of an effect over half of its interval, by its formula too if that may make it; `None` of an effect without a size, as a loop of another
 /// family is.
 fn told_by(effect: Candidate, fit: &Fit, of_formula: Option<&OfFormula>) -> Option<f64> {
+    if is_curve_of_time(effect) {
+        let curves = Curve::all(effect, fit);
+        let relative = of_formula.map_or(0.0, |by| by.relative(effect));
+        let is_slow = is_slow(&curves);
+        return Some(if is_slow {
+            changes(&curves, relative)
+        } else {
+            0.0
+        });
+    }
     let sizes = effect.info().parameters.iter();
     let free = sizes
         .filter(|parameter| parameter.role == Role::Size)
@@ -90,6 +100,9 @@ fn told_by(effect: Candidate, fit: &Fit, of_formula: Option<&OfFormula>) -> Opti
             let mut values = size.values.iter();
             size.at_bound && values.any(|value| is_beyond(parameter, *value))
         });
+    if is_pressed {
+        return Some(0.0);
+    }
     let over = free.flat_map(|(parameter, size)| {
         let each = size.values.iter().zip(&size.intervals);
         each.map(move |(&value, interval)| match *interval {
@@ -107,15 +120,6 @@ fn told_by(effect: Candidate, fit: &Fit, of_formula: Option<&OfFormula>) -> Opti
         })
     });
     let over: Vec<f64> = over.collect();
-    if is_pressed {
-        return Some(0.0);
-    }
-    if is_curve_of_time(effect) {
-        let curves = Curve::all(effect, fit);
-        let relative = of_formula.map_or(0.0, |by| by.relative(effect));
-        let changes = changes(&curves, relative);
-        return Some(if is_slow(&curves) { changes } else { 0.0 });
-    }
     let largest = over.iter().copied().reduce(f64::max);
     largest.map(|largest| largest / widened(over.len()))
 }
