@@ -5,7 +5,7 @@ use identify::{Bounds, FittedParameter, IdentifyError, ParameterState};
 use crate::decide::{Decided, Named, Verdict, leading};
 use crate::evidence::{Model, Population};
 use crate::report::diagnosis::{Entry, Estimate, ExtendedStage, Finding, Status};
-use crate::report::formula::{HALF_95, error_of_formula};
+use crate::report::formula::{HALF_95, certainly_shown, error_of_formula};
 use crate::report::sentence;
 use crate::screen::scores::Score;
 use crate::screen::screening::{POWER, at_their_sizes};
@@ -158,9 +158,14 @@ pub(crate) fn catalogue(
                 let size = left.sizes[0];
                 let size = if signed { size.abs() } else { size.max(0.0) };
                 // A smaller one would be passed over, and one that a model as credible has is not out of the question.
-                (size + HALF_95 * error(left))
-                    .max(least_rms / left.shown_per_unit)
-                    .max(held_possible(search, &credible, effect))
+                let shown = (size + HALF_95 * error(left)).max(least_rms / left.shown_per_unit);
+                let certainly = certainly_shown(left.absorbed);
+                let hidden = if certainly > 0.0 {
+                    shown / certainly
+                } else {
+                    f64::INFINITY
+                };
+                hidden.max(held_possible(search, &credible, effect))
             };
             match left {
                 // While something unknown is left, no limit is tighter than that allows.

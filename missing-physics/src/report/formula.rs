@@ -12,6 +12,9 @@ use crate::{Candidate, CandidateSet, EffectParameter, LoopFamily, Role};
 /// error is as likely of one as of another, and an effect that acts like the loop takes up its share.
 const SHAPES: f64 = 10.0;
 
+/// Share of what a parameter or an effect does to which its formula is exact, the basis of the rule `form`.
+const EXACT_TO: f64 = 0.1;
+
 /// Standard errors of half a 95 % interval.
 pub(crate) const HALF_95: f64 = 1.96;
 
@@ -31,6 +34,16 @@ pub(crate) fn error_of_formula(case: &Case<'_>, effect: Candidate, shown_per_uni
         error if error > 0.0 && effect.info().like_loop => error / shown_per_unit,
         _ => 0.0,
     }
+}
+
+/// Least share of what an effect is said to show beside other parameters, with a probability of 97.5 %, if they absorb a share `absorbed` of
+/// its square; 0 or less where it may show nothing.
+///
+/// The formulas that absorb it are exact to a tenth of what they absorb, and that tenth may have any of ten shapes, one of them that
+/// of what is left of the effect.
+pub(crate) fn certainly_shown(absorbed: f64) -> f64 {
+    let hidden = (absorbed / (1.0 - absorbed)).max(0.0).sqrt();
+    1.0 - HALF_95 * EXACT_TO / SHAPES.sqrt() * hidden
 }
 
 /// Errors of sizes by that of the formula of the loop beside them.
@@ -168,6 +181,15 @@ mod tests {
         let one = of(&relays, EffectId::Backlash, 1.0);
         assert!((0.005..0.02).contains(&one), "{one}");
         assert!((of(&relays, EffectId::Backlash, 4.0) / one - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_nearly_hides_behind_other_parameters_cannot_be_excluded() {
+        assert!((certainly_shown(0.0) - 1.0).abs() < 1e-12);
+        // A tenth of three times what is left, along one of ten shapes.
+        assert!((certainly_shown(0.9) - (1.0 - 1.96 * 0.3 / 10_f64.sqrt())).abs() < 1e-12);
+        assert!(certainly_shown(0.996) > 0.0);
+        assert!(certainly_shown(0.997) < 0.0 && certainly_shown(1.0) < 0.0);
     }
 
     #[test]

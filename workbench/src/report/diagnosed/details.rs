@@ -85,6 +85,29 @@ pub(super) fn curves(shape: &Shape) -> String {
     text
 }
 
+/// Why recordings say nothing of an effect, sizes being written by `size`.
+fn why_not_testable(entry: &Entry, size: impl Fn(f64) -> String) -> String {
+    let Some(least) = entry.minimum_detectable else {
+        return "would leave no trace in these recordings".to_owned();
+    };
+    let first = entry.effect.info().parameters.first();
+    let largest = first.map_or(f64::INFINITY, |first| {
+        first.bounds[0].abs().max(first.bounds[1].abs())
+    });
+    if least <= largest {
+        return "other parameters may hide any size of it that is plausible".to_owned();
+    }
+    let mut said = format!("would show from {} on, more than is plausible", size(least));
+    if let Some(absorption) = entry.absorption {
+        let _ = write!(
+            said,
+            "; refitting the baseline model hides {} of its trace",
+            percent(absorption)
+        );
+    }
+    said
+}
+
 impl Diagnosed<'_> {
     /// Regimes, stretches of time and frequencies of an error under a title; empty if it lies nowhere in particular.
     pub(super) fn mismatch(&self, title: &str, mismatch: &Mismatch) -> String {
@@ -218,23 +241,7 @@ impl Diagnosed<'_> {
                 "not testable",
                 "no limit while a part of the error is unexplained".to_owned(),
             ),
-            Status::NotTestable => {
-                let mut said = entry.minimum_detectable.map_or(
-                    "would leave no trace in these recordings".to_owned(),
-                    |least| format!("would show from {} on, more than is plausible", size(least)),
-                );
-                if let Some(absorption) = entry
-                    .absorption
-                    .filter(|_| entry.minimum_detectable.is_some())
-                {
-                    let _ = write!(
-                        said,
-                        "; refitting the baseline model hides {} of its trace",
-                        percent(absorption)
-                    );
-                }
-                ("not testable", said)
-            }
+            Status::NotTestable => ("not testable", why_not_testable(entry, size)),
             Status::Unknown { need } => ("not testable", format!("needs {}", self.needed(need))),
         }
     }
@@ -257,5 +264,30 @@ impl Diagnosed<'_> {
             Need::TemperatureChannel => "a recorded temperature of the rod".to_owned(),
             Need::Load => "recordings under a second load".to_owned(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sma_effects::EffectId;
+
+    use super::*;
+
+    #[test]
+    fn why_an_effect_is_not_testable_is_said_by_what_would_show() {
+        let entry = |least: Option<f64>| Entry {
+            effect: EffectId::Backlash.into(),
+            status: Status::NotTestable,
+            t: None,
+            absorption: Some(0.998),
+            minimum_detectable: least,
+            unit: "of the stroke",
+        };
+        let said = |least: Option<f64>| why_not_testable(&entry(least), |size| format!("{size}"));
+        let [_, largest] = EffectId::Backlash.info().parameters[0].bounds;
+        assert!(said(None).starts_with("would leave no trace"));
+        assert!(said(Some(0.5 * largest)).starts_with("other parameters may hide"));
+        let more = said(Some(2.0 * largest));
+        assert!(more.starts_with("would show from") && more.contains("99.8 %"));
     }
 }
