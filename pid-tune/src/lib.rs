@@ -61,6 +61,8 @@ mod second_opinion;
 mod small_changes;
 mod step_response;
 #[cfg(feature = "std")]
+mod swept;
+#[cfg(feature = "std")]
 mod task;
 #[cfg(feature = "std")]
 mod tuner;

@@ -2,6 +2,7 @@ use core::f64::consts::PI;
 
 use crate::bracket::root;
 use crate::complex::Complex;
+use crate::swept::Swept;
 
 /// Share of a frequency to which crossovers are found.
 const FREQUENCY_TOLERANCE: f64 = 1e-12;
@@ -53,7 +54,8 @@ impl Margins {
             )?;
             Some((omega, response(omega)))
         };
-        let mut margins = Self::along(sweep, responses, exact);
+        let all = 1..sweep.len();
+        let mut margins = Self::along(responses.len(), |k| responses[k], all, exact);
         let (peak_sensitivity, peak_rad_per_s) = peak_sensitivity(sweep, responses, response);
         margins.peak_sensitivity = peak_sensitivity;
         margins.peak_hz = peak_rad_per_s / (2.0 * PI);
@@ -61,21 +63,31 @@ impl Margins {
     }
 
     /// Margins by responses alone, with straight lines between them: for a search, that looks at many loops.
-    pub(crate) fn between(sweep: &[f64], responses: &[Complex]) -> Self {
-        Self::along(sweep, responses, |k, excess| {
-            let [before, after] = [responses[k - 1], responses[k]];
+    pub(crate) fn between(sweep: &[f64], responses: &Swept) -> Self {
+        let stirs = responses.stirs();
+        // Of the last one the sign counts as well.
+        let looked_at = (1..stirs.len()).filter(|&k| stirs[k] || k == 1 || k == stirs.len() - 1);
+        Self::straight(sweep, responses, looked_at)
+    }
+
+    fn straight(sweep: &[f64], responses: &Swept, looked_at: impl Iterator<Item = usize>) -> Self {
+        let crossing = |k: usize, excess: fn(Complex) -> f64| {
+            let [before, after] = [responses.at(k - 1), responses.at(k)];
             let [at_before, at_after] = [excess(before), excess(after)];
             let share = at_before / (at_before - at_after);
             let way = after + before * -1.0;
             let omega = sweep[k - 1] + share * (sweep[k] - sweep[k - 1]);
             Some((omega, before + way * share))
-        })
+        };
+        Self::along(responses.len(), |k| responses.at(k), looked_at, crossing)
     }
 
-    /// `crossing` finds where L has no excess, in the interval that ends with a number.
+    /// Margins by n responses; `looked_at` are the ends of intervals, the first and the last among them, outside of which L neither is
+    /// real nor has a magnitude of 1, and `crossing` finds where L has no excess, in the interval that ends with a number.
     fn along(
-        sweep: &[f64],
-        responses: &[Complex],
+        n: usize,
+        response: impl Fn(usize) -> Complex,
+        looked_at: impl Iterator<Item = usize>,
         crossing: impl Fn(usize, fn(Complex) -> f64) -> Option<(f64, Complex)>,
     ) -> Self {
         let mut margins = Self {
@@ -90,8 +102,11 @@ impl Margins {
         // on the positive real axis to half of the sampling frequency, turns around 0 by nothing in all. With the
         // points at which it is real: next to -1 it turns by half a circle between two frequencies.
         let mut winding = Winding::from(Complex::ONE);
-        for k in 1..sweep.len() {
-            let [before, after] = [responses[k - 1], responses[k]];
+        for k in looked_at {
+            let [before, after] = [response(k - 1), response(k)];
+            if k > 1 {
+                winding.at = before + Complex::ONE;
+            }
             if before.re.min(after.re) < 0.0
                 && before.im * after.im < 0.0
                 && let Some((_, response)) = crossing(k, |response| response.im)
@@ -107,8 +122,8 @@ impl Margins {
             }
         }
         // At half of the sampling frequency L is real.
-        if let Some(&last) = responses.last() {
-            margins.bear_gain(last);
+        if n > 0 {
+            margins.bear_gain(response(n - 1));
         }
         margins.stable = winding.is_none();
         if !margins.stable {
@@ -236,6 +251,29 @@ fn smallest(function: impl Fn(f64) -> f64, ends: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
     use crate::complex::unwrapped;
+
+    #[test]
+    fn where_nothing_stirs_nothing_is_missed() {
+        let sweep: Vec<f64> = (1..60).map(f64::from).collect();
+        let mut stable = [0; 2];
+        for path in 0..300 {
+            let turn = 0.05 * f64::from(path % 23) + 0.01;
+            let shrink = 0.5 + 0.01 * f64::from(path % 47);
+            let at = |k: &f64| {
+                let pulled = if path % 9 == 0 { 0.0 } else { 0.2 };
+                Complex::unit(-turn * k) * (4.0 * shrink.powf(*k)) + Complex::real(-pulled)
+            };
+            let mut responses: Vec<Complex> = sweep.iter().map(at).collect();
+            if path % 50 == 0 {
+                responses[30].re = f64::INFINITY;
+            }
+            let responses: Swept = responses.into_iter().collect();
+            let all = Margins::straight(&sweep, &responses, 1..sweep.len());
+            assert_eq!(Margins::between(&sweep, &responses), all, "{path}");
+            stable[usize::from(all.stable)] += 1;
+        }
+        assert!(stable.iter().all(|&n| n > 20), "{stable:?}");
+    }
 
     #[test]
     fn the_winding_number_is_that_of_the_angle() {

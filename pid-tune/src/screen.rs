@@ -1,6 +1,7 @@
 use crate::complex::Complex;
 use crate::error::{not_negative, positive};
 use crate::open_loop::controller_parts;
+use crate::swept::Swept;
 use crate::{
     Answers, GainSchedule, Margins, OpenLoop, Passage, PidGains, PidParams, PlantResponse,
     TuneError,
@@ -36,8 +37,8 @@ pub struct Screen {
     largest_factor: f64,
     /// For each plant its frequencies, rad/s.
     frequencies: Vec<Vec<f64>>,
-    /// For each plant and frequency: P, and P times integral and derivative at gains of 1.
-    parts: Vec<Vec<[Complex; 3]>>,
+    /// For each plant: P, and P times integral and derivative at gains of 1.
+    parts: Vec<[Swept; 3]>,
 }
 
 impl Screen {
@@ -68,11 +69,12 @@ impl Screen {
         let schedule = controller.gain_schedule.as_ref();
         let largest_factor = schedule.map_or(1.0, GainSchedule::largest);
         let of_plant = |swept: &Vec<(f64, Complex)>| {
-            let parts = swept.iter().map(|&(omega, plant)| {
+            let of_controller = |&(omega, plant): &(f64, Complex)| {
                 let [integral, derivative] = controller_parts(&controller, omega);
                 [plant, plant * integral, plant * derivative]
-            });
-            parts.collect()
+            };
+            let parts: Vec<[Complex; 3]> = swept.iter().map(of_controller).collect();
+            [0, 1, 2].map(|part| parts.iter().map(|parts| parts[part]).collect())
         };
         Ok(Self {
             requirements,
@@ -194,15 +196,10 @@ impl Screen {
         let required = &self.requirements;
         let over = |value: f64| if value > 1.0 { value.ln() } else { 0.0 };
         let mut shortfall = over(self.kick(gains) / required.largest_kick);
-        let mut responses = Vec::new();
         let plants = self.frequencies.iter().zip(&self.parts);
         for ((omegas, parts), &factor) in plants.zip(&self.factors) {
             let (_, gains) = self.controller.frozen(gains, factor);
-            responses.clear();
-            responses.extend(parts.iter().map(|&[plant, integral, derivative]| {
-                plant * gains.kp + integral * gains.ki + derivative * gains.kd
-            }));
-            let margins = Margins::between(omegas, &responses);
+            let margins = Margins::between(omegas, &Swept::sum_up(parts, &gains));
             shortfall += over(required.gain_margin / margins.gain_margin);
             let lag = required.phase_margin_rad - margins.phase_margin_rad;
             shortfall += lag.max(0.0);
