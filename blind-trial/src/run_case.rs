@@ -293,9 +293,21 @@ mod tests {
         for number in [4, 13] {
             let case = Case::drawn("a seed", CaseId::lab(Family::Single, number));
             let folder = tempfile::tempdir().unwrap();
-            let ran = run_case(&case, folder.path(), false).unwrap();
-            let [oracle] = &ran.line.opened.oracles[..] else {
-                panic!("{:?}", ran.line.opened.oracles);
+            let recorded = case.record().unwrap();
+            let folder = Folder::write(folder.path(), &case, &recorded).unwrap();
+            let files = Opened::read(&folder).unwrap();
+            // Whatever is found, the baseline model is fitted.
+            let diagnosis = files.diagnosed(EffectSet::EMPTY).unwrap();
+            let judge = Judge {
+                case: &case,
+                recorded: &recorded,
+                folder: &folder,
+                files: &files,
+                diagnosis: &diagnosis,
+            };
+            let oracles = judge.open().unwrap().oracles;
+            let [oracle] = &oracles[..] else {
+                panic!("{oracles:?}");
             };
             let t_open = oracle.t_open.unwrap();
             assert!(
