@@ -1,6 +1,6 @@
 //! Where does the paper's loop cycle? A map over set point, time constant, largest current and unit of the error, and
-//! how well what is predicted agrees with simulation; prints Markdown. The memory is the paper's; with the argument
-//! `nested` it is that.
+//! how well what is predicted agrees with simulation; prints Markdown. The memory is the paper's, or nested with the
+//! argument `nested`.
 //!
 //! "No limit cycle", says the paper of its gains, 200 and 0.01. In mm that is a switch, in meters a soft controller;
 //! the rods are like the paper's: 5 mm of stroke, sampled every 0.287 s by a converter of 12 bits.
