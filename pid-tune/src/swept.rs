@@ -9,7 +9,7 @@ use crate::complex::Complex;
 const PLAIN: f64 = 1e200;
 
 /// Complex numbers, one a frequency.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Swept {
     re: Vec<f64>,
     im: Vec<f64>,
@@ -30,10 +30,10 @@ impl Swept {
 
     /// A loop around a plant of these responses: P, and P times integral and derivative at gains of 1.
     pub(crate) fn sum_up([plant, integral, derivative]: &[Self; 3], gains: &PidGains) -> Self {
-        let [re, im]: [fn(&Self) -> &[f64]; 2] = [|one| &one.re, |one| &one.im];
-        let [re, im] =
-            [re, im].map(|of| weighted([of(plant), of(integral), of(derivative)], gains));
-        Self { re, im }
+        Self {
+            re: weighted([&plant.re, &integral.re, &derivative.re], gains),
+            im: weighted([&plant.im, &integral.im, &derivative.im], gains),
+        }
     }
 
     /// For each frequency, whether anything may happen between the one before and it: this crosses the real axis, or has a magnitude of

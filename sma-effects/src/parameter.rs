@@ -187,6 +187,13 @@ impl EffectParameter {
         (self.bounds[0]..=self.bounds[1]).contains(&value)
     }
 
+    /// Largest magnitude that it can have, in its [`unit`](EffectParameter::unit); ≥ 0.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        let [lower, upper] = self.bounds;
+        lower.abs().max(upper.abs())
+    }
+
     /// Prior of its value, in its [`unit`](EffectParameter::unit). For another unit see
     /// [`Setting::prior_of`](crate::Setting::prior_of).
     #[must_use]

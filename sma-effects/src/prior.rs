@@ -39,8 +39,7 @@ pub struct SizePrior {
 
 impl SizePrior {
     pub(crate) fn of(parameter: &EffectParameter, is_in_its_unit: bool) -> Self {
-        let [lower, upper] = parameter.bounds;
-        let largest = lower.abs().max(upper.abs());
+        let largest = parameter.largest();
         let (ordinary, spread) = match (parameter.role, parameter.literature) {
             (Role::Partner { .. }, _) => (largest, BY_TYPICAL),
             (Role::Size, Some(literature)) => {

@@ -167,13 +167,9 @@ fn with_priors(
                 None => 1,
             };
             let from_previous = info.ordinary.is_some_and(|own| own.from_previous);
-            let largest = parameter
-                .bounds
-                .into_iter()
-                .fold(0.0, |largest: f64, end| largest.max(end.abs()));
             let deviation = match as_large {
                 AsLarge::AsTypical => parameter.typical.abs(),
-                AsLarge::AsCanBe => OF_LARGEST * largest / (steps as f64).sqrt(),
+                AsLarge::AsCanBe => OF_LARGEST * parameter.largest() / (steps as f64).sqrt(),
             };
             info.ordinary = Some(Ordinary {
                 deviation,

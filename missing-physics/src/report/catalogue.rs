@@ -159,12 +159,8 @@ pub(crate) fn catalogue(
                 let size = if signed { size.abs() } else { size.max(0.0) };
                 // A smaller one would be passed over, and one that a model as credible has is not out of the question.
                 let shown = (size + HALF_95 * error(left)).max(least_rms / left.shown_per_unit);
-                let certainly = certainly_shown(left.absorbed);
-                let hidden = if certainly > 0.0 {
-                    shown / certainly
-                } else {
-                    f64::INFINITY
-                };
+                // Over nothing, any size may be there.
+                let hidden = shown / certainly_shown(left.absorbed).max(0.0);
                 hidden.max(held_possible(search, &credible, effect))
             };
             match left {
@@ -214,7 +210,6 @@ fn largest(effect: Candidate) -> (f64, bool) {
         .iter()
         .find(|parameter| parameter.role == Role::Size);
     first.map_or((0.0, false), |parameter| {
-        let [lower, upper] = parameter.bounds;
-        (lower.abs().max(upper.abs()), lower < 0.0)
+        (parameter.largest(), parameter.bounds[0] < 0.0)
     })
 }

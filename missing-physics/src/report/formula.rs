@@ -2,7 +2,7 @@
 
 use identify::{Bounds, Fit, FittedParameter, IdentifyError};
 
-use crate::decide::OF_FORMULAS;
+use crate::decide::{OF_FORMULAS, RuleId};
 use crate::model::case::{Case, Node};
 use crate::search::families::TAKEN_UP;
 use crate::search::roads::Search;
@@ -11,9 +11,6 @@ use crate::{Candidate, CandidateSet, EffectParameter, LoopFamily, Role};
 /// Independent shapes in which the formula of a loop may err: some five bends of either branch beyond the three that are free. Our choice. The
 /// error is as likely of one as of another, and an effect that acts like the loop takes up its share.
 const SHAPES: f64 = 10.0;
-
-/// Share of what a parameter or an effect does to which its formula is exact, the basis of the rule `form`.
-const EXACT_TO: f64 = 0.1;
 
 /// Standard errors of half a 95 % interval.
 pub(crate) const HALF_95: f64 = 1.96;
@@ -42,8 +39,10 @@ pub(crate) fn error_of_formula(case: &Case<'_>, effect: Candidate, shown_per_uni
 /// The formulas that absorb it are exact to a tenth of what they absorb, and that tenth may have any of ten shapes, one of them that
 /// of what is left of the effect.
 pub(crate) fn certainly_shown(absorbed: f64) -> f64 {
+    // The rule says it of the square.
+    let exact_to = RuleId::Form.rule().threshold.sqrt();
     let hidden = (absorbed / (1.0 - absorbed)).max(0.0).sqrt();
-    1.0 - HALF_95 * EXACT_TO / SHAPES.sqrt() * hidden
+    1.0 - HALF_95 * exact_to / SHAPES.sqrt() * hidden
 }
 
 /// Errors of sizes by that of the formula of the loop beside them.

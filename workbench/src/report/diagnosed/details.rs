@@ -91,10 +91,7 @@ fn why_not_testable(entry: &Entry, size: impl Fn(f64) -> String) -> String {
         return "would leave no trace in these recordings".to_owned();
     };
     let first = entry.effect.info().parameters.first();
-    let largest = first.map_or(f64::INFINITY, |first| {
-        first.bounds[0].abs().max(first.bounds[1].abs())
-    });
-    if least <= largest {
+    if first.is_none_or(|first| least <= first.largest()) {
         return "other parameters may hide any size of it that is plausible".to_owned();
     }
     let mut said = format!("would show from {} on, more than is plausible", size(least));
