@@ -92,7 +92,7 @@ fn why_not_testable(entry: &Entry, size: impl Fn(f64) -> String) -> String {
     };
     let first = entry.effect.info().parameters.first();
     if first.is_none_or(|first| least <= first.largest()) {
-        return "other parameters may hide any size of it that is plausible".to_owned();
+        return "other parameters may hide it: what they leave of its trace is less than formulas are exact to".to_owned();
     }
     let mut said = format!("would show from {} on, more than is plausible", size(least));
     if let Some(absorption) = entry.absorption {
